@@ -1,0 +1,77 @@
+# All the commands of the project; `make` alone lists them.
+SHELL  := bash
+PYTHON ?= python3
+
+VENV  := .venv
+READY := $(VENV)/.installed
+CORE  := $(wildcard core/*.c core/*.h) core/binding.py
+
+C_WARNINGS := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra \
+              -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror -fsyntax-only -Icore
+
+.PHONY: help install demo test check core bench clean venv extension c-warnings force
+
+help: ## List the commands
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
+
+install: ## Build a fresh .venv with everything in it
+	@rm -rf $(VENV)
+	@$(MAKE) --no-print-directory $(READY)
+
+demo: $(READY) ## Train, evaluate and export on the paper's motor
+	$(VENV)/bin/sensorless demo
+
+test: $(READY) ## Run the tests
+	$(VENV)/bin/pytest
+
+check: c-warnings $(READY) ## Lint, format, types, and C warnings as errors
+	$(VENV)/bin/ruff check
+	$(VENV)/bin/ruff format --check
+	$(VENV)/bin/mypy
+
+core: $(READY) ## Rebuild the compiled core in place
+
+bench: $(READY) ## Measure speed, write build/bench.json
+	$(VENV)/bin/python benchmarks/bench.py
+
+clean: ## Remove all that was built, keep the libraries in .venv
+	rm -rf build dist *.egg-info sensorless/_core*.so .mypy_cache .pytest_cache .ruff_cache $(READY)
+	find . -path ./$(VENV) -prune -o -name __pycache__ -exec rm -rf {} +
+
+# The stamp. A change of the project file installs anew, a change of the core only compiles it.
+$(READY): pyproject.toml setup.py $(CORE) $(if $(filter core,$(MAKECMDGOALS)),force)
+	@$(MAKE) --no-print-directory $(if $(filter pyproject.toml setup.py,$?),venv,extension)
+	@touch $@
+
+# The mark .installing outlives an interrupted run, whose half-unpacked libraries are not trusted.
+venv:
+	@$(PYTHON) -c 'import ensurepip, os, sys, sysconfig as s; sys.exit(sys.version_info < (3, 10) \
+	  or not os.path.exists(os.path.join(s.get_path("include"), "Python.h")))' 2>/dev/null || { \
+	  echo "error: $(PYTHON) has to be Python 3.10 or newer with venv and C headers" \
+	       "(Debian: apt-get install python3-venv python3-dev)" >&2; exit 1; }
+	@if [ -e $(VENV)/.installing ] || ! $(VENV)/bin/python -m pip --version >/dev/null 2>&1; then \
+	  echo "==> creating $(VENV)"; $(PYTHON) -m venv --clear $(VENV); fi
+	@echo "==> installing into $(VENV) (minutes the first time, log in $(VENV)/install.log)"
+	@touch $(VENV)/.installing
+	@set -o pipefail; trap 'exit 130' INT TERM; \
+	$(VENV)/bin/python -m pip install --progress-bar off -e '.[plot,tune,dev]' 2>&1 \
+	| tee $(VENV)/install.log \
+	| while read -r step name _; do case "$$step $$name" in \
+	    Collecting*) printf ' %s' "$${name%%[!a-zA-Z0-9_.-]*}";; \
+	    "Installing collected") printf '\n==> unpacking, compiling\n';; esac; done \
+	|| { rm -f $(VENV)/.installing; tail -n 40 $(VENV)/install.log >&2; exit 1; }
+	@rm $(VENV)/.installing
+
+extension:
+	@echo "==> compiling the core"
+	@$(VENV)/bin/python setup.py -q build_ext --inplace --force
+
+# Each header also on its own, so that it includes what it uses.
+c-warnings:
+	@echo "==> C warnings"
+	@failed=0; for cc in gcc clang; do \
+	  if ! command -v $$cc >/dev/null; then echo "$$cc: not found"; [ $$cc = clang ] || exit 1; continue; fi; \
+	  for file in core/*.c; do $$cc $(C_WARNINGS) $$file || failed=1; done; \
+	  for file in core/*.h; do \
+	    echo "#include \"$${file#core/}\"" | $$cc $(C_WARNINGS) -x c - || failed=1; done; \
+	done; exit $$failed

@@ -1,0 +1,1 @@
+"""The policy as an interpolation table, and its training with PPO."""

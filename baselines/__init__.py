@@ -1,0 +1,1 @@
+"""Hand-over rules that a learned schedule has to beat."""

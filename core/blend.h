@@ -1,0 +1,33 @@
+/* The weighted position estimate, and the rate limit on its weight.
+ *
+ *   theta = theta_smo + k_s wrap(theta_hfi - theta_smo),   k_s in [0, 1]
+ *
+ * Eq. 26 of doi 10.12177/emca.2025.011 with the wrap it lacks: the mean of 359 and 1 degree is 0.
+ */
+#ifndef SENSORLESS_BLEND_H
+#define SENSORLESS_BLEND_H
+
+#include "frames.h"
+
+typedef struct {
+    float theta; /* electrical angle at k [rad] */
+    float omega; /* electrical speed [rad/s] */
+} estimate_t;
+
+/* k_s moved towards target by at most step; a target outside [0, 1] is clipped, NaN counts as 1
+ * (injection needs no speed, so it is the safe side). */
+CORE_INLINE float ks_slew(float k_s, float target, float step) {
+    float t = target <= 1.0f ? target : 1.0f;
+    t = t >= 0.0f ? t : 0.0f;
+    return k_s + clamp_f(t - k_s, -step, step);
+}
+
+CORE_INLINE estimate_t ks_blend(estimate_t hfi, estimate_t smo, float k_s) {
+    estimate_t y = {
+        wrap_pi(smo.theta + k_s * wrap_pi(hfi.theta - smo.theta)),
+        smo.omega + k_s * (hfi.omega - smo.omega),
+    };
+    return y;
+}
+
+#endif

@@ -1,0 +1,108 @@
+/* Speed and current control in the estimated rotor frame.
+ *
+ * Speed: PI with weighted reference (weight 0 is an IP controller) and back-calculated anti-windup;
+ * its output is the torque current i_q, limited in slope and magnitude. The d current follows the
+ * curve of maximum torque per ampere, lowered by a voltage-driven field-weakening integrator.
+ * Current: two-degree-of-freedom internal-model control (doi 10.1109/28.663477) on the mean of two
+ * samples, which carries no injected current; voltage limited to the circle u_dc / sqrt(3) less the
+ * reserve for injection. Voltage is turned by theta + 1.5 omega T_s: one period of computation and
+ * the middle of the hold.
+ */
+#ifndef SENSORLESS_CONTROL_H
+#define SENSORLESS_CONTROL_H
+
+#include "blend.h"
+#include "curve.h"
+#include "trig.h"
+
+typedef struct {
+    float k_p_speed;    /* [A s/rad], electrical speed */
+    float k_i_speed;    /* [A/rad] */
+    float weight_ref;   /* share of the reference in the proportional part, 0 ... 1 */
+    float i_q_step;     /* largest change of i_q_ref a period [A] */
+    float i_max;        /* current limit, peak [A] */
+    float k_t_d;        /* reference gain, alpha_c L_d [V/A] */
+    float k_t_q;        /* alpha_c L_q [V/A] */
+    float k_p_d;        /* feedback gain, 2 alpha_c L_d - R_s [V/A] */
+    float k_p_q;        /* 2 alpha_c L_q - R_s [V/A] */
+    float k_i_d;        /* alpha_c^2 L_d times T_s [V/A] */
+    float k_i_q;        /* alpha_c^2 L_q times T_s [V/A] */
+    float L_d;          /* decoupling [H] */
+    float L_q;          /* decoupling [H] */
+    float psi_f;        /* decoupling [Vs] */
+    float k_fw;         /* field-weakening gain times T_s [A/V] */
+    float fw_margin;    /* share of the voltage limit the fundamental may use */
+    float i_d_min;      /* most negative d current [A] */
+    float u_dt;         /* dead-time voltage a leg to compensate [V], 0 = off */
+    float inv_i_dt;     /* slope of its transition through zero current [1/A] */
+    curve_t i_d_mtpa;   /* d current of maximum torque per ampere over |i_q| [A] */
+    float curve_inv_step; /* common abscissa of all curves [1/A] */
+} control_params_t;
+
+typedef struct {
+    dq_t i_1;        /* sample k-1 in the control frame [A] */
+    dq_t i;          /* mean of samples k-1 and k [A] */
+    dq_t i_ref;      /* [A] */
+    dq_t u_int;      /* integrators of the current control [V] */
+    float i_int;     /* integrator of the speed control [A] */
+    float i_d_fw;    /* field-weakening part of i_d_ref, at most 0 [A] */
+    float u_abs;     /* magnitude of the voltage wanted before the limit [V] */
+    float u_max;     /* voltage limit of the last period [V] */
+} control_state_t;
+
+/* Torque-current reference from the speed error [A]. omega_ref, omega: electrical [rad/s]. */
+CORE_INLINE float speed_control(const control_params_t *p, control_state_t *x, float omega_ref,
+                                float omega, float T_s) {
+    float want = p->k_p_speed * (p->weight_ref * omega_ref - omega) + x->i_int;
+    float i_d = x->i_ref.d;
+    float i_q_max = sqrt_f(max_f(p->i_max * p->i_max - i_d * i_d, 0.0f));
+    float step = clamp_f(want - x->i_ref.q, -p->i_q_step, p->i_q_step);
+    float i_q = clamp_f(x->i_ref.q + step, -i_q_max, i_q_max);
+    x->i_int += T_s * p->k_i_speed * (omega_ref - omega + (i_q - want) / p->k_p_speed);
+    return i_q;
+}
+
+/* Dead-time voltage of three legs for the current i_ab, to be added to the command [V]. */
+CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
+    float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
+    float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
+    float a = clamp_f(i_ab.a * inv_i, -1.0f, 1.0f);
+    float b = clamp_f(i_b * inv_i, -1.0f, 1.0f);
+    float c = clamp_f(i_c * inv_i, -1.0f, 1.0f);
+    ab_t u = {u_dt * 0.333333333f * (2.0f * a - b - c), u_dt * INV_SQRT3_F * (b - c)};
+    return u;
+}
+
+/* One period: fundamental voltage to become active at k+1, stator frame [V]. est: angle and speed
+ * to work with; i_ab: sample k [A]; u_dc [V]; reserve: voltage kept free for injection [V]. */
+CORE_INLINE ab_t control_step(const control_params_t *p, control_state_t *x, estimate_t est,
+                              ab_t i_ab, float u_dc, float omega_ref, float reserve, float T_s) {
+    rot_t r = rot_of(est.theta);
+    dq_t i_k = ab_to_dq(i_ab, r);
+    dq_t i = {0.5f * (i_k.d + x->i_1.d), 0.5f * (i_k.q + x->i_1.q)};
+    x->i_1 = i_k;
+    x->i = i;
+
+    float i_q_ref = speed_control(p, x, omega_ref, est.omega, T_s);
+    float i_d_mtpa = curve_at(&p->i_d_mtpa, curve_locate(i_q_ref, p->curve_inv_step));
+    x->i_ref.q = i_q_ref;
+    x->i_ref.d = max_f(i_d_mtpa + x->i_d_fw, p->i_d_min);
+
+    dq_t u = {
+        p->k_t_d * x->i_ref.d - p->k_p_d * i.d + x->u_int.d - est.omega * p->L_q * i.q,
+        p->k_t_q * x->i_ref.q - p->k_p_q * i.q + x->u_int.q +
+            est.omega * (p->L_d * i.d + p->psi_f),
+    };
+    float u_abs = sqrt_f(u.d * u.d + u.q * u.q);
+    float u_max = max_f(u_dc * INV_SQRT3_F - reserve, 1.0f);
+    float scale = min_f(u_max / max_f(u_abs, 1.0f), 1.0f);
+    dq_t u_lim = {scale * u.d, scale * u.q};
+    x->u_int.d += p->k_i_d * (x->i_ref.d - i.d + (u_lim.d - u.d) / p->k_t_d);
+    x->u_int.q += p->k_i_q * (x->i_ref.q - i.q + (u_lim.q - u.q) / p->k_t_q);
+    x->i_d_fw = clamp_f(x->i_d_fw + p->k_fw * (p->fw_margin * u_max - u_abs), p->i_d_min, 0.0f);
+    x->u_abs = u_abs;
+    x->u_max = u_max;
+    return dq_to_ab(u_lim, rot_turn(r, 1.5f * T_s * est.omega));
+}
+
+#endif

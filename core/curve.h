@@ -1,0 +1,33 @@
+/* A quantity over the magnitude of the torque current: even spacing, linear between nodes. */
+#ifndef SENSORLESS_CURVE_H
+#define SENSORLESS_CURVE_H
+
+#include "frames.h"
+
+#define CURVE_N 9 /* nodes of every curve */
+
+typedef struct {
+    float y[CURVE_N]; /* value at |i_q| = j / inv_step */
+} curve_t;
+
+/* Where |i_q| lies on the common abscissa of all curves. */
+typedef struct {
+    int j;         /* left node, 0 ... CURVE_N - 2 */
+    float f;       /* fraction between node j and j + 1 */
+} curve_pos_t;
+
+/* inv_step: nodes per ampere [1/A]. Beyond the last node the last value holds. */
+CORE_INLINE curve_pos_t curve_locate(float i_q, float inv_step) {
+    float t = clamp_f(abs_f(i_q) * inv_step, 0.0f, (float)(CURVE_N - 1));
+    int j = (int)t;
+    j = j < CURVE_N - 2 ? j : CURVE_N - 2;
+    curve_pos_t pos = {j, t - (float)j};
+    return pos;
+}
+
+CORE_INLINE float curve_at(const curve_t *c, curve_pos_t pos) {
+    float y0 = c->y[pos.j];
+    return y0 + pos.f * (c->y[pos.j + 1] - y0);
+}
+
+#endif

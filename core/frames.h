@@ -1,0 +1,84 @@
+/* Space vectors and the two frames of the drive.
+ *
+ * Amplitude-invariant (peak-valued) vectors. ab: stator frame alpha-beta, alpha on phase a.
+ * dq: a rotor frame, d on the magnet flux. Angles are electrical [rad] in [-pi, pi]; an angle
+ * error is always truth minus estimate, wrapped.
+ *
+ * Everything here is branch-free (selects), so that loops over many drives vectorise.
+ */
+#ifndef SENSORLESS_FRAMES_H
+#define SENSORLESS_FRAMES_H
+
+#if defined(__GNUC__)
+#define CORE_INLINE static inline __attribute__((always_inline))
+#else
+#define CORE_INLINE static inline
+#endif
+
+#define PI_F 3.14159265358979f
+#define TWO_PI_F 6.28318530717959f
+#define INV_SQRT3_F 0.577350269189626f
+#define HALF_SQRT3_F 0.866025403784439f
+
+typedef struct {
+    float a; /* alpha */
+    float b; /* beta */
+} ab_t;
+
+typedef struct {
+    float d;
+    float q;
+} dq_t;
+
+/* Unit vector of an angle. */
+typedef struct {
+    float c; /* cosine */
+    float s; /* sine */
+} rot_t;
+
+CORE_INLINE float min_f(float x, float y) { return x < y ? x : y; }
+CORE_INLINE float max_f(float x, float y) { return x > y ? x : y; }
+CORE_INLINE float abs_f(float x) { return x < 0.0f ? -x : x; }
+CORE_INLINE float sign_f(float x) { return x < 0.0f ? -1.0f : 1.0f; }
+
+/* x limited to [lo, hi]; NaN gives lo, so a NaN never passes. */
+CORE_INLINE float clamp_f(float x, float lo, float hi) {
+    float y = x > lo ? x : lo;
+    return y < hi ? y : hi;
+}
+
+/* x where |x| <= limit, else 0 (also for NaN and infinities): guards every measured input. */
+CORE_INLINE float sane_f(float x, float limit) { return abs_f(x) <= limit ? x : 0.0f; }
+
+/* Square root: the one library function used; correctly rounded on every IEEE-754 machine, and a
+ * single instruction (no call, no errno) with -fno-math-errno. */
+CORE_INLINE float sqrt_f(float x) { return __builtin_sqrtf(x); }
+
+/* Angle in (-3 pi, 3 pi) to [-pi, pi]: a sum or difference of two wrapped angles. */
+CORE_INLINE float wrap_pi(float x) {
+    float up = x > PI_F ? TWO_PI_F : 0.0f;
+    float down = x < -PI_F ? TWO_PI_F : 0.0f;
+    return x - up + down;
+}
+
+/* Stator frame to a rotor frame at angle r (Park). */
+CORE_INLINE dq_t ab_to_dq(ab_t x, rot_t r) {
+    dq_t y = {r.c * x.a + r.s * x.b, r.c * x.b - r.s * x.a};
+    return y;
+}
+
+/* Rotor frame at angle r to the stator frame (inverse Park). */
+CORE_INLINE ab_t dq_to_ab(dq_t x, rot_t r) {
+    ab_t y = {r.c * x.d - r.s * x.q, r.s * x.d + r.c * x.q};
+    return y;
+}
+
+/* Two phase values with a + b + c = 0 to the stator frame (Clarke). */
+CORE_INLINE ab_t phases_to_ab(float x_a, float x_b) {
+    ab_t y = {x_a, INV_SQRT3_F * (x_a + 2.0f * x_b)};
+    return y;
+}
+
+CORE_INLINE float norm_ab(ab_t x) { return sqrt_f(x.a * x.a + x.b * x.b); }
+
+#endif

@@ -1,0 +1,74 @@
+/* Rotor angle from square-wave voltage injection on the estimated d axis.
+ *
+ * A voltage of +-u_inj, its sign changing every period, rides on the d axis of this estimator's own
+ * frame. The current answers with (u_inj T_s / 2) L^-1; its q part in that frame is
+ *   (u_inj T_s / 2)(1/L_d - 1/L_q) sin(e) cos(e),  e = theta_e - theta_e_hat_hfi,
+ * divided by the magnitude of the answer it has slope 1 - L_d/L_q at e = 0 (doi
+ * 10.12177/emca.2025.011, Eqs. 3-7, with incremental inductances and the sign restored).
+ *
+ * Demodulation: each sample is turned into the frame with the angle it was taken at, and the second
+ * difference x = s (i(k) - 2 i(k-1) + i(k-2)) / 4 removes everything but the alternating part; s is
+ * the sign of the voltage that was applied over [k-1, k]. With one period of computation delay that
+ * voltage was computed at k-2: signs wait in a queue, parity of k is never used.
+ *
+ * Magnetic cross-coupling turns the lock point by theta_m / 2 (Eq. 16), a function of the torque
+ * current; the caller adds it to the angle.
+ */
+#ifndef SENSORLESS_HF_INJECTION_H
+#define SENSORLESS_HF_INJECTION_H
+
+#include "pll.h"
+#include "trig.h"
+
+typedef struct {
+    pll_params_t pll;
+    float u_inj;     /* amplitude of the injected voltage [V] */
+    float i_floor;   /* least magnitude the error is divided by [A] */
+    float n_hold;    /* periods the injection stays on after it was last asked for */
+} hfi_params_t;
+
+typedef struct {
+    pll_state_t pll;  /* magnetic (uncompensated) lock angle */
+    dq_t i_1;         /* sample k-1 in the estimated frame [A] */
+    dq_t i_2;         /* sample k-2 in the estimated frame [A] */
+    float sign_1;     /* sign of the injection applied over [k, k+1]: +-1, or 0 when off */
+    float sign_2;     /* over [k-1, k] */
+    float sign_3;     /* over [k-2, k-1] */
+    float hold;       /* periods left before the injection stops */
+    float err;        /* last normalised error signal [1] */
+    float amplitude;  /* last magnitude of the high-frequency current [A] */
+    float valid;      /* 1 when the last error came from a full alternating window */
+} hfi_state_t;
+
+/* Demodulates one sample and advances the PLL. i_ab: measured current at k [A].
+ * theta_idle, omega_idle: what to follow while there is no injection to measure, already referred
+ * to this estimator's uncompensated frame and to instant k [rad, rad/s]. */
+CORE_INLINE void hfi_observe(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, float theta_idle,
+                             float omega_idle, float T_s) {
+    dq_t i = ab_to_dq(i_ab, rot_of(x->pll.theta));
+    float x_d = 0.25f * x->sign_2 * (i.d - 2.0f * x->i_1.d + x->i_2.d);
+    float x_q = 0.25f * x->sign_2 * (i.q - 2.0f * x->i_1.q + x->i_2.q);
+    int valid = x->sign_2 * x->sign_3 < 0.0f;
+    x->amplitude = sqrt_f(x_d * x_d + x_q * x_q);
+    x->err = valid ? x_q / max_f(x->amplitude, p->i_floor) : 0.0f;
+    x->valid = valid ? 1.0f : 0.0f;
+    x->pll.theta = valid ? x->pll.theta : theta_idle;
+    x->pll.omega = valid ? x->pll.omega : omega_idle;
+    pll_step(&p->pll, &x->pll, x->err, T_s);
+    x->i_2 = x->i_1;
+    x->i_1 = i;
+}
+
+/* Sign of the injection to apply over [k+1, k+2], and the queue moved on. wanted: != 0 keeps the
+ * injection alive; it runs on for n_hold periods after the last request. */
+CORE_INLINE float hfi_inject(const hfi_params_t *p, hfi_state_t *x, int wanted) {
+    x->hold = wanted ? p->n_hold : max_f(x->hold - 1.0f, 0.0f);
+    float next = x->sign_1 > 0.0f ? -1.0f : 1.0f;
+    next = x->hold > 0.0f ? next : 0.0f;
+    x->sign_3 = x->sign_2;
+    x->sign_2 = x->sign_1;
+    x->sign_1 = next;
+    return next;
+}
+
+#endif

@@ -1,0 +1,55 @@
+/* Averaged two-level inverter and the current measurement. Host only. */
+#ifndef SENSORLESS_INVERTER_H
+#define SENSORLESS_INVERTER_H
+
+#include "control.h"
+#include "noise.h"
+
+typedef struct {
+    float dead_time_share; /* dead time / PWM period */
+    float inv_i_zero;      /* slope of the dead-time voltage through zero current [1/A] */
+    float gain_a, gain_b;  /* gain of the phase-current channels, 1 = exact */
+    float offset_a, offset_b; /* [A] */
+    float noise_rms;       /* [A] */
+    float lsb;             /* resolution of the converter [A], 0 = none */
+    float inv_lsb;         /* 1 / lsb [1/A], 0 = none */
+    float range;           /* largest current the converter shows [A] */
+} sensor_params_t;
+
+/* Mean stator voltage of a period [V]: duties with the common-mode voltage that uses the link best,
+ * dead time against the direction of each phase current i_ab [A], legs limited to the link. */
+CORE_INLINE ab_t inverter_voltage(const sensor_params_t *p, ab_t u, float u_dc, ab_t i_ab) {
+    float a = u.a;
+    float b = -0.5f * u.a + HALF_SQRT3_F * u.b;
+    float c = -0.5f * u.a - HALF_SQRT3_F * u.b;
+    float mid = 0.5f * (max_f(a, max_f(b, c)) + min_f(a, min_f(b, c)));
+    float u_dt = u_dc * p->dead_time_share;
+    float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
+    float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
+    float half = 0.5f * u_dc;
+    float leg_a = a - mid - u_dt * clamp_f(i_ab.a * p->inv_i_zero, -1.0f, 1.0f);
+    float leg_b = b - mid - u_dt * clamp_f(i_b * p->inv_i_zero, -1.0f, 1.0f);
+    float leg_c = c - mid - u_dt * clamp_f(i_c * p->inv_i_zero, -1.0f, 1.0f);
+    leg_a = clamp_f(leg_a, -half, half);
+    leg_b = clamp_f(leg_b, -half, half);
+    leg_c = clamp_f(leg_c, -half, half);
+    ab_t y = {0.333333333f * (2.0f * leg_a - leg_b - leg_c), INV_SQRT3_F * (leg_b - leg_c)};
+    return y;
+}
+
+/* Rounded to the nearest step of the converter and limited to its range. */
+CORE_INLINE float sensor_quantise(const sensor_params_t *p, float i) {
+    float limited = clamp_f(i, -p->range, p->range);
+    float n = limited * p->inv_lsb;
+    float stepped = p->lsb * (float)(int32_t)(n + (n < 0.0f ? -0.5f : 0.5f));
+    return p->lsb > 0.0f ? stepped : limited;
+}
+
+/* Measured phase current of channel 0 (a) or 1 (b) at period k [A]. */
+CORE_INLINE float sensor_read(const sensor_params_t *p, float i, float gain, float offset,
+                              uint32_t seed, uint32_t k, uint32_t channel) {
+    float noise = p->noise_rms * noise_normal(seed, 2U * k + channel);
+    return sensor_quantise(p, gain * i + offset + noise);
+}
+
+#endif

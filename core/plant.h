@@ -1,0 +1,123 @@
+/* Machine and mechanics over one PWM period, in double precision. Host only.
+ *
+ * Rotor frame, voltage constant in the stator frame over the period:
+ *   dpsi_d/dt = u_d - R_s i_d + omega_e psi_q      dpsi_q/dt = u_q - R_s i_q - omega_e psi_d
+ *   J domega_m/dt = tau - B omega_m - tau_load     dtheta_e/dt = omega_e = n_p omega_m
+ *   tau = 3/2 n_p (psi_d i_q - psi_q i_d)
+ * Classical fourth-order Runge-Kutta; the held voltage turns backwards in the rotor frame as the
+ * rotor moves, which the stages see through a power series in the angle travelled.
+ */
+#ifndef SENSORLESS_PLANT_H
+#define SENSORLESS_PLANT_H
+
+#include "flux_map.h"
+
+typedef struct {
+    flux_map_t map;
+    double R_s;      /* [ohm] */
+    double n_p;      /* pole pairs */
+    double inv_J;    /* 1 / inertia [1/(kg m^2)]; 0 holds the speed */
+    double B;        /* viscous friction [N m s/rad] */
+    double h;        /* sub-step: period / n_sub [s] */
+    int32_t n_sub;   /* sub-steps a period */
+    int32_t bridge;  /* 1 when the flux map has its bridge term */
+} plant_params_t;
+
+typedef struct {
+    double psi_d;    /* [Vs] */
+    double psi_q;
+    double omega_m;  /* mechanical speed [rad/s] */
+    double theta_e;  /* electrical angle in [-pi, pi] [rad] */
+    double cos_e;    /* of theta_e */
+    double sin_e;
+    double i_d;      /* currents at the sampling instant [A] */
+    double i_q;
+    double tau;      /* torque at the sampling instant [N m] */
+    int32_t turns;   /* electrical turns beyond theta_e */
+    int32_t reserved;
+} plant_state_t;
+
+#define PI_D 3.14159265358979323846
+
+/* Cosine and sine of a small angle |x| < 0.5, series to x^11: error below 1e-15. */
+CORE_INLINE void small_angle(double x, double *c, double *s) {
+    double x2 = x * x;
+    *s = x * (1.0 - x2 / 6.0 * (1.0 - x2 / 20.0 * (1.0 - x2 / 42.0 * (1.0 - x2 / 72.0 *
+         (1.0 - x2 / 110.0)))));
+    *c = 1.0 - x2 / 2.0 * (1.0 - x2 / 12.0 * (1.0 - x2 / 30.0 * (1.0 - x2 / 56.0 *
+         (1.0 - x2 / 90.0 * (1.0 - x2 / 132.0)))));
+}
+
+typedef struct {
+    double psi_d, psi_q, omega_m, delta;
+} plant_rate_t;
+
+/* Time derivative at a stage. u0: voltage in the rotor frame of the period's start [V]; delta: angle
+ * travelled since then [rad]. */
+CORE_INLINE plant_rate_t plant_rate(const plant_params_t *p, dq64_t u0, double tau_load,
+                                    plant_rate_t x, int bridge) {
+    double c, s;
+    small_angle(x.delta, &c, &s);
+    dq64_t psi = {x.psi_d, x.psi_q};
+    dq64_t i = flux_map_current(&p->map, psi, bridge);
+    double omega = p->n_p * x.omega_m;
+    double tau = 1.5 * p->n_p * (x.psi_d * i.q - x.psi_q * i.d);
+    plant_rate_t y = {
+        c * u0.d + s * u0.q - p->R_s * i.d + omega * x.psi_q,
+        c * u0.q - s * u0.d - p->R_s * i.q - omega * x.psi_d,
+        p->inv_J * (tau - p->B * x.omega_m - tau_load),
+        omega,
+    };
+    return y;
+}
+
+CORE_INLINE plant_rate_t plant_along(plant_rate_t x, double h, plant_rate_t k) {
+    plant_rate_t y = {x.psi_d + h * k.psi_d, x.psi_q + h * k.psi_q, x.omega_m + h * k.omega_m,
+                      x.delta + h * k.delta};
+    return y;
+}
+
+/* Currents, torque and the turn of the frame at the present state. */
+CORE_INLINE void plant_output(const plant_params_t *p, plant_state_t *x, int bridge) {
+    dq64_t psi = {x->psi_d, x->psi_q};
+    dq64_t i = flux_map_current(&p->map, psi, bridge);
+    x->i_d = i.d;
+    x->i_q = i.q;
+    x->tau = 1.5 * p->n_p * (x->psi_d * i.q - x->psi_q * i.d);
+}
+
+/* One period under the stator-frame voltage (u_a, u_b) [V] and a constant load torque [N m]. */
+CORE_INLINE void plant_step(const plant_params_t *p, plant_state_t *x, double u_a, double u_b,
+                            double tau_load, int bridge) {
+    dq64_t u0 = {x->cos_e * u_a + x->sin_e * u_b, x->cos_e * u_b - x->sin_e * u_a};
+    plant_rate_t y = {x->psi_d, x->psi_q, x->omega_m, 0.0};
+    for (int32_t j = 0; j < p->n_sub; j++) {
+        double h = p->h;
+        plant_rate_t k1 = plant_rate(p, u0, tau_load, y, bridge);
+        plant_rate_t k2 = plant_rate(p, u0, tau_load, plant_along(y, 0.5 * h, k1), bridge);
+        plant_rate_t k3 = plant_rate(p, u0, tau_load, plant_along(y, 0.5 * h, k2), bridge);
+        plant_rate_t k4 = plant_rate(p, u0, tau_load, plant_along(y, h, k3), bridge);
+        double w = h / 6.0;
+        y.psi_d += w * (k1.psi_d + 2.0 * (k2.psi_d + k3.psi_d) + k4.psi_d);
+        y.psi_q += w * (k1.psi_q + 2.0 * (k2.psi_q + k3.psi_q) + k4.psi_q);
+        y.omega_m += w * (k1.omega_m + 2.0 * (k2.omega_m + k3.omega_m) + k4.omega_m);
+        y.delta += w * (k1.delta + 2.0 * (k2.delta + k3.delta) + k4.delta);
+    }
+    double c, s;
+    small_angle(y.delta, &c, &s);
+    double cos_e = x->cos_e * c - x->sin_e * s;
+    double sin_e = x->sin_e * c + x->cos_e * s;
+    double fix = 1.5 - 0.5 * (cos_e * cos_e + sin_e * sin_e); /* keeps the vector's length at 1 */
+    x->cos_e = cos_e * fix;
+    x->sin_e = sin_e * fix;
+    double theta = x->theta_e + y.delta;
+    int32_t turn = theta > PI_D ? 1 : (theta < -PI_D ? -1 : 0);
+    x->theta_e = theta - (double)turn * (2.0 * PI_D);
+    x->turns += turn;
+    x->psi_d = y.psi_d;
+    x->psi_q = y.psi_q;
+    x->omega_m = y.omega_m;
+    plant_output(p, x, bridge);
+}
+
+#endif

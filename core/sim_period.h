@@ -1,0 +1,127 @@
+/* One PWM period of a drive and of its twin: sample, control, advance, sum up. Host only. */
+#ifndef SENSORLESS_SIM_PERIOD_H
+#define SENSORLESS_SIM_PERIOD_H
+
+#include "simulate.h"
+
+/* Sampled currents and the present commands as the controller sees them. Drive and twin read the
+ * same noise. */
+CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_ref) {
+    ab_t i_ab = {
+        (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
+        (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
+    };
+    const sensor_params_t *p = &s->sensor;
+    float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
+    uint32_t k = (uint32_t)s->k;
+    drive_in_t in = {
+        sensor_read(p, i_ab.a, p->gain_a, p->offset_a, s->seed, k, 0U),
+        sensor_read(p, i_b, p->gain_b, p->offset_b, s->seed, k, 1U),
+        s->now.u_dc,
+        s->now.omega_ref,
+        k_s_ref,
+    };
+    return in;
+}
+
+/* The machine over [k, k+1] under the waiting command; the new command waits in its place. */
+CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int bridge) {
+    ab_t i_ab = {
+        (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
+        (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
+    };
+    ab_t u = inverter_voltage(&s->sensor, c->u, s->now.u_dc, i_ab);
+    plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, (double)s->now.tau_load, bridge);
+    c->u = u_next;
+}
+
+/* Control with the true angle and speed, no injection: the yardstick. */
+CORE_INLINE ab_t sensored_step(const drive_params_t *p, chain_t *c, const drive_in_t *raw,
+                               float omega_scale) {
+    drive_in_t in = drive_guard(&c->x, raw);
+    ab_t i_ab = phases_to_ab(in.i_a, in.i_b);
+    estimate_t truth = {(float)c->y.theta_e, omega_scale * (float)c->y.omega_m};
+    c->x.est = truth;
+    ab_t u = drive_actuate(p, &c->x, &in, i_ab, truth, 0.0f);
+    return u;
+}
+
+CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, float omega_m,
+                         float omega_m_twin, float i_sq, float i_sq_twin, float k_s_was) {
+    const drive_state_t *x = &s->drive.x;
+    sums_t *m = &s->sums;
+    float err = wrap_pi(theta_e - x->est.theta);
+    float dev = s->with_twin != 0 ? tau - tau_twin : 0.0f;
+    float tau_lf = 0.5f * (tau + s->tau_1);
+    float dev_lf = 0.5f * (dev + s->dev_1);
+    s->tau_1 = tau;
+    s->dev_1 = dev;
+    m->tau_min = m->n > 0.0f ? min_f(m->tau_min, tau_lf) : tau_lf;
+    m->tau_max = m->n > 0.0f ? max_f(m->tau_max, tau_lf) : tau_lf;
+    m->tau += tau;
+    m->tau_sq += tau * tau;
+    m->tau_lf_sq += tau_lf * tau_lf;
+    m->tau_twin += tau_twin;
+    m->dev_sq += dev * dev;
+    m->dev_lf_sq += dev_lf * dev_lf;
+    m->omega_m += omega_m;
+    m->omega_m_twin += omega_m_twin;
+    m->err += err;
+    m->err_sq += err * err;
+    m->err_max = max_f(m->err_max, abs_f(err));
+    m->err_hfi += wrap_pi(theta_e - x->theta_hfi);
+    m->err_smo += wrap_pi(theta_e - x->theta_smo);
+    m->k_s += x->k_s;
+    m->k_s_moved += abs_f(x->k_s - k_s_was);
+    m->injecting += abs_f(x->hfi.sign_1);
+    m->i_sq += i_sq;
+    m->i_sq_twin += i_sq_twin;
+    m->n += 1.0f;
+
+    s->err_count = abs_f(err) > s->err_limit ? s->err_count + 1 : 0;
+    float trip = s->i_trip * s->i_trip;
+    int finite = i_sq <= 1.0e12f && abs_f(omega_m) <= 1.0e6f && abs_f(err) <= 4.0f;
+    s->lost |= (s->err_count > s->err_periods ? LOST_ANGLE : 0) |
+               (i_sq > trip ? LOST_CURRENT : 0) | (finite ? 0 : LOST_NONFINITE) |
+               (i_sq_twin <= trip ? 0 : LOST_TWIN);
+}
+
+/* One period. sensored, with_twin, bridge: as in sim_t, passed so that they can be constants. Returns
+ * what the drive's controller was given. */
+CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int with_twin,
+                                  int bridge) {
+    profile_step(&s->profile, &s->now, s->k);
+    float theta_e = (float)s->drive.y.theta_e;
+    float tau = (float)s->drive.y.tau;
+    float omega_m = (float)s->drive.y.omega_m;
+    float i_sq = (float)(s->drive.y.i_d * s->drive.y.i_d + s->drive.y.i_q * s->drive.y.i_q);
+    float k_s_was = s->drive.x.k_s;
+    drive_in_t in = sim_sample(s, &s->drive, k_s_ref);
+    ab_t u;
+    if (sensored) {
+        u = sensored_step(&s->control, &s->drive, &in, s->omega_scale);
+        s->drive.x.theta_hfi = theta_e;
+        s->drive.x.theta_smo = theta_e;
+    } else {
+        u = drive_step_inline(&s->control, &s->drive.x, &in);
+    }
+    chain_advance(s, &s->drive, u, bridge);
+
+    float tau_twin = 0.0f;
+    float omega_m_twin = omega_m;
+    float i_sq_twin = 0.0f;
+    if (with_twin) {
+        const plant_state_t *y = &s->twin.y;
+        tau_twin = (float)y->tau;
+        omega_m_twin = (float)y->omega_m;
+        i_sq_twin = (float)(y->i_d * y->i_d + y->i_q * y->i_q);
+        drive_in_t in_twin = sim_sample(s, &s->twin, 0.0f);
+        ab_t u_twin = sensored_step(&s->control, &s->twin, &in_twin, s->omega_scale);
+        chain_advance(s, &s->twin, u_twin, bridge);
+    }
+    sim_sum(s, theta_e, tau, tau_twin, omega_m, omega_m_twin, i_sq, i_sq_twin, k_s_was);
+    s->k += 1;
+    return in;
+}
+
+#endif

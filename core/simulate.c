@@ -1,0 +1,154 @@
+/* Many PWM periods per call. Host only. */
+#include "sim_period.h"
+
+/* cos and sin of any angle in [-pi, pi] by halving into the range of the series. */
+static void angle_vector(double theta, double *c, double *s) {
+    small_angle(theta * 0.125, c, s);
+    for (int j = 0; j < 3; j++) {
+        double c2 = *c * *c - *s * *s;
+        *s = 2.0 * *c * *s;
+        *c = c2;
+    }
+}
+
+void plant_start(const plant_params_t *p, plant_state_t *x) {
+    angle_vector(x->theta_e, &x->cos_e, &x->sin_e);
+    x->turns = 0;
+    plant_output(p, x, p->bridge);
+}
+
+/* d flux of zero current [Vs]: secant iteration from two guesses around the magnet's flux. */
+static double flux_at_rest(const plant_params_t *p) {
+    dq64_t psi = {p->map.i_f / p->map.a_d0, 0.0};
+    double i_1 = flux_map_current(&p->map, psi, p->bridge).d;
+    double psi_1 = psi.d;
+    psi.d = 0.9 * psi_1 + 1.0e-3;
+    for (int j = 0; j < 60; j++) {
+        double i_d = flux_map_current(&p->map, psi, p->bridge).d;
+        double slope = (i_d - i_1) / (psi.d - psi_1);
+        if (i_d == i_1 || !(slope > 0.0)) {
+            break;
+        }
+        psi_1 = psi.d;
+        i_1 = i_d;
+        psi.d -= i_d / slope;
+    }
+    return psi.d;
+}
+
+static void start_one(sim_t *s) {
+    plant_state_t y = {0};
+    sums_t none = {0};
+    ab_t zero = {0.0f, 0.0f};
+    const start_t *at = &s->start;
+    y.psi_d = flux_at_rest(&s->plant);
+    y.omega_m = (double)at->omega_m;
+    y.theta_e = (double)at->theta_e;
+    plant_start(&s->plant, &y);
+    float omega_e = s->omega_scale * at->omega_m;
+    drive_init(&s->control, &s->drive.x, at->theta_e - at->theta_err, omega_e, at->k_s);
+    drive_init(&s->control, &s->twin.x, at->theta_e, omega_e, at->k_s);
+    s->drive.y = y;
+    s->twin.y = y;
+    s->drive.u = zero;
+    s->twin.u = zero;
+    s->now.omega_ref = omega_e;
+    s->now.tau_load = 0.0f;
+    s->now.u_dc = s->profile.u_dc[0];
+    s->now.segment = 0;
+    s->sums = none;
+    s->tau_1 = 0.0f;
+    s->dev_1 = 0.0f;
+    s->err_count = 0;
+    s->k = 0;
+    s->lost = 0;
+}
+
+void sim_start(sim_t *s, int32_t n) {
+    for (int32_t i = 0; i < n; i++) {
+        start_one(&s[i]);
+    }
+}
+
+static void run_one(sim_t *s, int32_t periods, float k_s_ref) {
+    sums_t none = {0};
+    s->sums = none;
+    for (int32_t j = 0; j < periods && s->lost == 0 && s->k < s->k_end; j++) {
+        sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.bridge);
+    }
+}
+
+void sim_run(sim_t *s, int32_t n, int32_t periods, const float *k_s_ref, float *obs) {
+    for (int32_t i = 0; i < n; i++) {
+        run_one(&s[i], periods, k_s_ref[i]);
+        signals_read(&s[i].control.signal, &s[i].drive.x.signal, &obs[(long)i * SIGNAL_N]);
+    }
+}
+
+static void trace_row(const sim_t *s, double t, double *row) {
+    double per = 1.0 / s->plant.n_p;
+    const chain_t *c = &s->drive;
+    row[TRACE_T] = t;
+    row[TRACE_OMEGA_M_REF] = (double)s->now.omega_ref * per;
+    row[TRACE_TAU_LOAD] = (double)s->now.tau_load;
+    row[TRACE_U_DC] = (double)s->now.u_dc;
+    row[TRACE_OMEGA_M_HAT] = (double)c->x.est.omega * per;
+    row[TRACE_K_S] = (double)c->x.k_s;
+    row[TRACE_HF_AMPLITUDE] = (double)(c->x.hfi.valid * c->x.hfi.amplitude);
+}
+
+int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
+    int32_t j = 0;
+    sums_t none = {0};
+    for (; j < periods && s->lost == 0 && s->k < s->k_end; j++) {
+        double *row = &out[(long)j * TRACE_N];
+        plant_state_t y = s->drive.y; /* the instant k: what the samples of this period see */
+        double t = (double)s->k * (double)s->control.T_s;
+        row[TRACE_OMEGA_M] = y.omega_m;
+        row[TRACE_OMEGA_M_TWIN] = s->twin.y.omega_m;
+        row[TRACE_TAU] = y.tau;
+        row[TRACE_TAU_TWIN] = s->with_twin ? s->twin.y.tau : y.tau;
+        row[TRACE_THETA_E] = y.theta_e;
+        row[TRACE_I_D] = y.i_d;
+        row[TRACE_I_Q] = y.i_q;
+        row[TRACE_U_A] = (double)s->drive.u.a;
+        row[TRACE_U_B] = (double)s->drive.u.b;
+        s->sums = none;
+        drive_in_t in = sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.bridge);
+        row[TRACE_I_A] = (double)in.i_a;
+        row[TRACE_I_B] = (double)in.i_b;
+        row[TRACE_THETA_E_ERR] = (double)s->sums.err;
+        row[TRACE_THETA_E_ERR_HFI] = (double)s->sums.err_hfi;
+        row[TRACE_THETA_E_ERR_SMO] = (double)s->sums.err_smo;
+        trace_row(s, t, row);
+    }
+    return j;
+}
+
+void flux_map_currents(const flux_map_t *p, int32_t bridge, const double *psi, double *i,
+                       int32_t n) {
+    for (int32_t j = 0; j < n; j++) {
+        dq64_t at = {psi[2 * j], psi[2 * j + 1]};
+        dq64_t y = flux_map_current(p, at, bridge);
+        i[2 * j] = y.d;
+        i[2 * j + 1] = y.q;
+    }
+}
+
+void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, double *out,
+               int32_t n) {
+    for (int32_t j = 0;; j++) {
+        double *row = &out[7L * j];
+        row[0] = x->i_d;
+        row[1] = x->i_q;
+        row[2] = x->psi_d;
+        row[3] = x->psi_q;
+        row[4] = x->tau;
+        row[5] = x->omega_m;
+        row[6] = x->theta_e + (double)x->turns * (2.0 * PI_D);
+        if (j == n) {
+            return;
+        }
+        plant_step(p, x, u[3 * j], u[3 * j + 1], u[3 * j + 2], p->bridge);
+    }
+}

@@ -1,0 +1,121 @@
+/* A drive with its machine, its sensored twin and the running sums of one decision. Host only.
+ *
+ * sim_t is plain old data: copying its bytes is a snapshot.
+ */
+#ifndef SENSORLESS_SIMULATE_H
+#define SENSORLESS_SIMULATE_H
+
+#include "drive.h"
+#include "inverter.h"
+#include "plant.h"
+#include "profile.h"
+
+#define LOST_ANGLE 1      /* angle error beyond the limit for longer than allowed */
+#define LOST_CURRENT 2    /* over-current trip */
+#define LOST_NONFINITE 4  /* a state left the numbers */
+#define LOST_TWIN 8       /* the sensored twin itself tripped */
+
+typedef struct {
+    drive_state_t x;
+    plant_state_t y;
+    ab_t u;                /* command waiting to act over the next period [V] */
+} chain_t;
+
+/* Sums over the periods of one decision; divide by n. */
+typedef struct {
+    float tau, tau_sq;           /* torque [N m] and its square */
+    float tau_lf_sq;             /* square of the two-sample mean: without the injection band */
+    float tau_min, tau_max;      /* extremes [N m] */
+    float tau_twin;              /* torque of the twin [N m] */
+    float dev_sq, dev_lf_sq;     /* (torque - twin)^2, and of its two-sample mean */
+    float omega_m, omega_m_twin; /* mechanical speed [rad/s] */
+    float err, err_sq, err_max;  /* angle error of the blend [rad], its square, largest magnitude */
+    float err_hfi, err_smo;      /* angle errors of the two estimators [rad] */
+    float k_s, k_s_moved;        /* weight; sum of the magnitudes of its changes */
+    float injecting;             /* periods with injection on */
+    float i_sq, i_sq_twin;       /* squared current vector [A^2] */
+    float n;                     /* periods summed */
+    float reserved;
+} sums_t;
+
+/* Where a scenario begins. */
+typedef struct {
+    float omega_m;    /* shaft speed, mechanical [rad/s] */
+    float theta_e;    /* electrical angle [rad] */
+    float theta_err;  /* truth minus the estimators' first angle [rad] */
+    float k_s;        /* first weight */
+} start_t;
+
+typedef struct {
+    start_t start;
+    drive_params_t control;
+    sensor_params_t sensor;
+    plant_params_t plant;
+    profile_t profile;
+    chain_t drive;         /* the drive under test */
+    chain_t twin;          /* the same controller fed by the true angle, injection off */
+    profile_state_t now;
+    sums_t sums;
+    float omega_scale;     /* electrical rad/s per mechanical rad/s: pole pairs */
+    float i_trip;          /* over-current limit, peak [A] */
+    float err_limit;       /* [rad] */
+    float tau_1, dev_1;    /* torque and deviation of the last period [N m] */
+    int32_t err_periods;   /* periods in a row the error may stay beyond its limit */
+    int32_t err_count;
+    int32_t k;             /* period */
+    int32_t k_end;         /* the scenario's length in periods */
+    int32_t sensored;      /* 1: the drive under test is itself fed by the true angle */
+    int32_t with_twin;     /* 0: no twin, deviations read 0 */
+    int32_t lost;          /* LOST_* bits; a lost drive is not advanced any more */
+    uint32_t seed;         /* of the measurement noise */
+    int32_t reserved;
+} sim_t;
+
+/* Signals of a trace row, one a period. */
+enum {
+    TRACE_T = 0,        /* [s] */
+    TRACE_OMEGA_M_REF,  /* [rad/s] mechanical */
+    TRACE_OMEGA_M,
+    TRACE_OMEGA_M_HAT,
+    TRACE_OMEGA_M_TWIN,
+    TRACE_TAU,          /* [N m] */
+    TRACE_TAU_LOAD,
+    TRACE_TAU_TWIN,
+    TRACE_K_S,
+    TRACE_THETA_E,      /* [rad] */
+    TRACE_THETA_E_ERR,  /* truth minus estimate [rad] */
+    TRACE_THETA_E_ERR_HFI,
+    TRACE_THETA_E_ERR_SMO,
+    TRACE_I_D,          /* true currents in the true frame [A] */
+    TRACE_I_Q,
+    TRACE_I_A,          /* measured by the drive's sensors at k [A] */
+    TRACE_I_B,
+    TRACE_U_A,          /* commanded for the period [k, k+1], stator frame [V] */
+    TRACE_U_B,
+    TRACE_U_DC,         /* [V] */
+    TRACE_HF_AMPLITUDE, /* [A] */
+    TRACE_N
+};
+
+/* Puts n drives at the start their own start_t describes, without current. */
+void sim_start(sim_t *s, int32_t n);
+
+/* Advances n drives by up to `periods` periods each with the weight k_s_ref[i] (one a drive), then
+ * reads the signals of drive i into obs[i * SIGNAL_N]. Drives that are lost or at their end stay. */
+void sim_run(sim_t *s, int32_t n, int32_t periods, const float *k_s_ref, float *obs);
+
+/* One drive, one row of TRACE_N numbers a period into out; returns the periods advanced. */
+int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out);
+
+/* Currents [A] over n flux linkages (psi[2 j], psi[2 j + 1]) [Vs]. */
+void flux_map_currents(const flux_map_t *p, int32_t bridge, const double *psi, double *i,
+                       int32_t n);
+
+/* The machine alone over n periods under u[3 j]: u_alpha, u_beta [V], tau_load [N m]; rows of seven
+ * (i_d, i_q, psi_d, psi_q, tau, omega_m, theta_e unwrapped) at j = 0 ... n into out. */
+void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, double *out, int32_t n);
+
+/* cos_e, sin_e, currents and torque from theta_e, flux and speed. */
+void plant_start(const plant_params_t *p, plant_state_t *x);
+
+#endif

@@ -1,0 +1,73 @@
+/* Rotor angle from the extended back-EMF, estimated by a sliding-mode current observer.
+ *
+ * Stator frame, J = [0 -1; 1 0]; with e = E [-sin theta, cos theta]:
+ *   L_d d(i_hat)/dt = u - R_s i_hat + omega (L_d - L_q) J i_hat - z,   z = k f(i_hat - i)
+ * (doi 10.12177/emca.2025.011, Eqs. 17-22; f = sign, or the sigmoid tanh(a x / 2) of Eq. 24), one
+ * forward-Euler step a period. In steady state the sigmoid leaves x = i_hat - i != 0 and z lags e;
+ *   e = z + (R_s + j omega L_q) x
+ * removes that lag exactly. Forward Euler puts e half a period ahead of the sample.
+ */
+#ifndef SENSORLESS_SLIDING_MODE_H
+#define SENSORLESS_SLIDING_MODE_H
+
+#include "pll.h"
+#include "trig.h"
+
+typedef struct {
+    pll_params_t pll;
+    float R_s;           /* stator resistance of the model [ohm] */
+    float L_d;           /* [H] */
+    float k;             /* bound on the estimated EMF [V] */
+    float half_a;        /* half the sigmoid's slope [1/A]; gain at the origin g = k half_a [V/A] */
+    float use_sign;      /* 1: f = sign (for comparison), 0: sigmoid */
+    float lag_cure;      /* 1: EMF from the exact steady-state relation, 0: z as it is */
+    float alpha_omega;   /* low-pass on the speed inside the model [rad/s] times T_s, at most 1 */
+    float alpha_e;       /* low-pass on the EMF [rad/s] times T_s, at most 1; 1 switches it off */
+    float e_floor;       /* least EMF magnitude the error is divided by [V] */
+    float omega_floor;   /* below this speed the EMF is not trusted, electrical [rad/s] */
+} smo_params_t;
+
+typedef struct {
+    pll_state_t pll;
+    ab_t i_hat;      /* model current [A] */
+    ab_t z;          /* last correction voltage [V] */
+    ab_t e;          /* estimated extended EMF [V] */
+    float omega_f;   /* filtered speed of the cross term, electrical [rad/s] */
+    float err;       /* last normalised angle error [rad near lock] */
+    float valid;     /* 1 when the EMF led the loop, 0 when it followed theta_idle */
+} smo_state_t;
+
+/* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] [V]; L_q: [H];
+ * omega: speed the drive runs on [rad/s], for direction and for the EMF floor; theta_idle: angle to
+ * follow below the floor, at instant k [rad]. */
+CORE_INLINE void smo_observe(const smo_params_t *p, smo_state_t *x, ab_t i_ab, ab_t u_ab, float L_q,
+                             float omega, float theta_idle, float T_s) {
+    float w_l = x->omega_f * (p->L_d - L_q);
+    float h = T_s / p->L_d;
+    ab_t i_hat = {
+        x->i_hat.a + h * (u_ab.a - p->R_s * x->i_hat.a - w_l * x->i_hat.b - x->z.a),
+        x->i_hat.b + h * (u_ab.b - p->R_s * x->i_hat.b + w_l * x->i_hat.a - x->z.b),
+    };
+    ab_t d = {i_hat.a - i_ab.a, i_hat.b - i_ab.b};
+    int hard = p->use_sign > 0.0f;
+    x->z.a = p->k * (hard ? sign_f(d.a) : tanh_f(p->half_a * d.a));
+    x->z.b = p->k * (hard ? sign_f(d.b) : tanh_f(p->half_a * d.b));
+    x->i_hat = i_hat;
+    float r = p->lag_cure * p->R_s;
+    float w_q = p->lag_cure * x->pll.omega * L_q;
+    ab_t e = {x->z.a + r * d.a - w_q * d.b, x->z.b + r * d.b + w_q * d.a};
+    x->e.a += p->alpha_e * (e.a - x->e.a);
+    x->e.b += p->alpha_e * (e.b - x->e.b);
+
+    rot_t at = rot_of(x->pll.theta + 0.5f * T_s * x->pll.omega);
+    float e_q = sign_f(omega) * (-x->e.a * at.c - x->e.b * at.s);
+    int valid = abs_f(omega) >= p->omega_floor;
+    x->err = valid ? e_q / max_f(norm_ab(x->e), p->e_floor) : 0.0f;
+    x->valid = valid ? 1.0f : 0.0f;
+    x->pll.theta = valid ? x->pll.theta : theta_idle;
+    x->pll.omega = valid ? x->pll.omega : omega;
+    pll_step(&p->pll, &x->pll, x->err, T_s);
+    x->omega_f += p->alpha_omega * (x->pll.omega - x->omega_f);
+}
+
+#endif

@@ -1,0 +1,51 @@
+/* Sine, cosine and hyperbolic tangent in plain float32 arithmetic.
+ *
+ * Own polynomials instead of the C library's, because libraries differ in the last bit and this
+ * code must give the same bits on the host and on the target.
+ */
+#ifndef SENSORLESS_TRIG_H
+#define SENSORLESS_TRIG_H
+
+#include "frames.h"
+
+/* Cosine and sine of x [rad], |x| <= 8; absolute error below 2e-7.
+ * Reduction to a quarter turn with pi/2 split in two floats, then minimax polynomials of degree 7
+ * and 8 (coefficients of the Cephes library's sinf and cosf). Beyond the range the result is still
+ * finite for finite x up to 1e9. */
+CORE_INLINE rot_t rot_of(float x) {
+    float t = clamp_f(x * 0.636619772367581f, -1.0e9f, 1.0e9f);
+    int n = (int)(t + (t < 0.0f ? -0.5f : 0.5f));
+    float k = (float)n;
+    float r = (x - k * 1.5707963705062866f) + k * 4.371139000186241e-8f;
+    float r2 = r * r;
+    float s = r + r * r2 * ((-1.9515295891e-4f * r2 + 8.3321608736e-3f) * r2 - 1.6666654611e-1f);
+    float c = 1.0f - 0.5f * r2 +
+              r2 * r2 * ((2.443315711809948e-5f * r2 - 1.388731625493765e-3f) * r2 +
+                         4.166664568298827e-2f);
+    float sc = (n & 1) != 0 ? s : c;
+    float ss = (n & 1) != 0 ? c : s;
+    rot_t y = {((n + 1) & 2) != 0 ? -sc : sc, (n & 2) != 0 ? -ss : ss};
+    return y;
+}
+
+/* r turned by a small angle x [rad], |x| < 0.25: second use of one sine-cosine pair; third order,
+ * error x^4/24. */
+CORE_INLINE rot_t rot_turn(rot_t r, float x) {
+    float x2 = x * x;
+    float s = x - x * x2 * 0.166666667f;
+    float c = 1.0f - 0.5f * x2 + x2 * x2 * 0.0416666667f;
+    rot_t y = {r.c * c - r.s * s, r.s * c + r.c * s};
+    return y;
+}
+
+/* tanh(x): continued fraction of order 7/6, limited to [-1, 1]; absolute error below 1e-4 (worst
+ * near |x| = 5), below 1e-6 for |x| < 3. Odd, monotone, exactly +-1 for large |x|. */
+CORE_INLINE float tanh_f(float x) {
+    float y = clamp_f(x, -5.0f, 5.0f);
+    float y2 = y * y;
+    float num = y * (135135.0f + y2 * (17325.0f + y2 * (378.0f + y2)));
+    float den = 135135.0f + y2 * (62370.0f + y2 * (3150.0f + y2 * 28.0f));
+    return clamp_f(num / den, -1.0f, 1.0f);
+}
+
+#endif

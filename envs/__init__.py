@@ -1,0 +1,1 @@
+"""The drive as a Gymnasium environment whose action is the blend weight k_s."""

@@ -1,0 +1,1 @@
+"""Observer design: from physical bandwidths to the gains that the core runs with."""

@@ -1,0 +1,68 @@
+"""Sliding-mode estimator: from the machine and bandwidths to ``smo_params_t``."""
+
+import math
+from typing import Any
+
+from sensorless.errors import UserError
+from sensorless.motor import Motor
+from sensorless.observers.pll_design import pll_gains
+
+
+def deadbeat_gain(motor: Motor) -> float:
+    """L_d / T_s [V/A]: the gain at which forward Euler removes the current error in one step; the
+    observer is stable up to twice as much."""
+    return motor.L_d / motor.T_s
+
+
+def design_smo(motor: Motor, *, pll_hz: float, gain: float, k: float, cross_hz: float, emf_hz: float,
+               floor_rpm: float, sign: bool, lag_cure: bool, omega_max: float) -> dict[str, Any]:
+    """Fields of ``smo_params_t``.
+
+    Parameters
+    ----------
+    pll_hz : float
+        Natural frequency of the PLL [Hz].
+    gain : float
+        Slope of the correction at zero error, g = k a / 2 [V/A]
+        (doi 10.12177/emca.2025.011, Eq. 24).
+    k : float
+        Bound on the correction voltage [V]; must exceed the EMF.
+    cross_hz : float
+        Low-pass on the speed in the model's cross term [Hz]; ``inf`` for none.
+    emf_hz : float
+        Low-pass on the EMF [Hz]; ``inf`` for none.
+    floor_rpm : float
+        Speed below which the EMF is not used [r/min].
+    sign, lag_cure : bool
+        Signum instead of the sigmoid; EMF from the exact steady-state relation.
+    omega_max : float
+        Bound on the speed estimate, electrical [rad/s].
+
+    Raises
+    ------
+    UserError
+        The gain is outside the stable range of the forward-Euler step.
+    """
+    if not 0.0 < gain < 2.0 * deadbeat_gain(motor):
+        raise UserError(f"smo_gain: {gain:g} V/A; allowed: above 0 and below 2 L_d/T_s = "
+                        f"{2.0 * deadbeat_gain(motor):g} V/A (stability of the forward-Euler step)")
+    k_p, k_i = pll_gains(pll_hz, 1.0)
+    omega_floor = motor.rpm_to_electrical(floor_rpm)
+    return {
+        "pll": {"k_p": k_p, "k_i": k_i, "omega_max": omega_max},
+        "R_s": motor.R_s,
+        "L_d": motor.L_d,
+        "k": k,
+        "half_a": gain / k,
+        "use_sign": float(sign),
+        "lag_cure": float(lag_cure),
+        "alpha_omega": low_pass(cross_hz, motor.T_s),
+        "alpha_e": low_pass(emf_hz, motor.T_s),
+        "e_floor": max(1.0, 0.5 * omega_floor * motor.psi_f),
+        "omega_floor": omega_floor,
+    }
+
+
+def low_pass(hertz: float, T_s: float) -> float:
+    """Coefficient of a first-order low-pass sampled every ``T_s`` [s]; 1 for no filter."""
+    return 1.0 if math.isinf(hertz) else -math.expm1(-2.0 * math.pi * hertz * T_s)

@@ -1,0 +1,1 @@
+"""Learned hand-over between two position estimators of a sensorless drive."""

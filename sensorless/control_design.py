@@ -1,0 +1,95 @@
+"""Speed and current control: from the machine and bandwidths to ``control_params_t``."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sensorless.core_api import CURVE_N
+from sensorless.magnetics import Floats, apparent_q_inductance, cross_angle, mtpa
+from sensorless.motor import Motor
+
+
+def operating_line(motor: Motor, use_mtpa: bool) -> Floats:
+    """Currents (CURVE_N, 2) [A] the drive works on, at evenly spaced i_q from 0 to ``i_max``.
+
+    The first row stands just beside zero, where quotients by i_q exist.
+    """
+    i_q = np.linspace(0.0, motor.i_max, CURVE_N)
+    i_q[0] = 1e-4 * motor.i_max
+    if not use_mtpa:
+        return np.stack([np.zeros(CURVE_N), i_q], axis=-1)
+    best_d, best_q = mtpa(motor)
+    return np.stack([np.interp(i_q, best_q, best_d), i_q], axis=-1)
+
+
+def design_curves(motor: Motor, line: Floats, *, L_q_table: bool,
+                  cross: str) -> tuple[Floats, Floats, Floats]:
+    """Curves over |i_q|: i_d of the operating line [A], L_q of the observer [H], theta_m / 2 [rad].
+
+    Parameters
+    ----------
+    L_q_table : bool
+        Apparent inductance along the line, or the constant data-sheet value.
+    cross : str
+        ``"none"``, ``"line"`` (through zero, least squares up to rated current, as in the source
+        paper) or ``"table"``.
+    """
+    L_q = apparent_q_inductance(motor, line) if L_q_table else np.full(CURVE_N, motor.L_q)
+    angle = cross_angle(motor, line)
+    if cross == "none":
+        angle = np.zeros(CURVE_N)
+    elif cross == "line":
+        used = line[:, 1] <= motor.i_rated
+        i_q = line[used, 1]
+        angle = line[:, 1] * float(i_q @ angle[used] / (i_q @ i_q))
+    i_d = line[:, 0].copy()
+    i_d[0] = 0.0
+    return i_d, L_q, angle
+
+
+def design_control(motor: Motor, *, speed_hz: float, speed_weight: float, current_hz: float,
+                   i_q_slew: float, u_dt: float) -> dict[str, Any]:
+    """Fields of ``control_params_t`` but for its curve.
+
+    Speed: critically damped closed loop of natural frequency ``speed_hz`` [Hz] on the rated inertia,
+    k_p = 2 w J / k_t, k_i = w^2 J / k_t with k_t = 1.5 n_p^2 psi_f per electrical rad/s. Current:
+    internal-model control of bandwidth ``current_hz`` [Hz] (doi 10.1109/28.663477) with the q
+    inductance of half rated current.
+
+    Parameters
+    ----------
+    speed_weight : float
+        Share of the speed reference in the proportional part, 0 (IP) to 1 (PI).
+    i_q_slew : float
+        Largest slope of the torque-current reference [A/s].
+    u_dt : float
+        Dead-time voltage to compensate [V], 0 for none.
+    """
+    w = 2.0 * math.pi * speed_hz
+    k_t = 1.5 * motor.n_p**2 * motor.psi_f
+    alpha = 2.0 * math.pi * current_hz
+    half = np.array([[0.0, 0.5 * motor.i_rated]])
+    L_q = float(apparent_q_inductance(motor, half)[0])
+    return {
+        "k_p_speed": 2.0 * w * motor.J / k_t,
+        "k_i_speed": w * w * motor.J / k_t,
+        "weight_ref": speed_weight,
+        "i_q_step": i_q_slew * motor.T_s,
+        "i_max": motor.i_max,
+        "k_t_d": alpha * motor.L_d,
+        "k_t_q": alpha * L_q,
+        "k_p_d": 2.0 * alpha * motor.L_d - motor.R_s,
+        "k_p_q": 2.0 * alpha * L_q - motor.R_s,
+        "k_i_d": alpha * alpha * motor.L_d * motor.T_s,
+        "k_i_q": alpha * alpha * L_q * motor.T_s,
+        "L_d": motor.L_d,
+        "L_q": L_q,
+        "psi_f": motor.psi_f,
+        "k_fw": 0.02 * alpha * motor.T_s / (motor.omega_rated * motor.L_d),
+        "fw_margin": 0.97,
+        "i_d_min": -0.9 * motor.i_max,
+        "u_dt": u_dt,
+        "inv_i_dt": 1.0 / (0.05 * motor.i_rated),
+        "curve_inv_step": (CURVE_N - 1) / motor.i_max,
+    }

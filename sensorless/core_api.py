@@ -1,0 +1,156 @@
+"""The compiled core as NumPy sees it: structured dtypes of its C structs, and its functions.
+
+A drive, its machine and its twin are one record of ``SIM``; an array of them is a plain NumPy array,
+so copying, pickling and slicing are NumPy's own.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.errors import StaleCoreError
+
+try:
+    from sensorless import _core
+except ImportError as error:
+    raise StaleCoreError(
+        f"the compiled core cannot be imported ({error}): build it with 'make core' in a checkout, "
+        "or reinstall the package"
+    ) from None
+
+ffi = _core.ffi
+lib = _core.lib
+
+Array = NDArray[Any]
+
+
+def _check_fresh() -> None:
+    """In a checkout, refuse a core that was built from other sources."""
+    binding = Path(__file__).resolve().parent.parent / "core" / "binding.py"
+    if not binding.exists() or not (binding.parent / "simulate.c").exists():
+        return
+    from sensorless.core.source_hash import source_hash
+
+    built = ffi.string(lib.core_hash).decode()
+    if built != source_hash():
+        raise StaleCoreError("the compiled core is older than core/*.[ch]: run 'make core'")
+
+
+_check_fresh()
+
+_KINDS = {"float": np.float32, "double": np.float64, "int": np.int32, "int32_t": np.int32,
+          "uint32_t": np.uint32}
+
+
+def _dtype_of(ctype: Any) -> np.dtype[Any]:
+    """NumPy dtype with the layout of a C type: numbers, arrays and structs of them."""
+    if ctype.kind == "array":
+        return np.dtype((_dtype_of(ctype.item), (ctype.length,)))
+    if ctype.kind != "struct":
+        return np.dtype(_KINDS[ctype.cname])
+    fields = ctype.fields
+    return np.dtype(
+        {
+            "names": [name for name, _ in fields],
+            "formats": [_dtype_of(field.type) for _, field in fields],
+            "offsets": [field.offset for _, field in fields],
+            "itemsize": ffi.sizeof(ctype),
+        }
+    )
+
+
+def struct_dtype(name: str) -> np.dtype[Any]:
+    """NumPy dtype of the C struct ``name``, e.g. ``"drive_params_t"``."""
+    return _dtype_of(ffi.typeof(name))
+
+
+SIM = struct_dtype("sim_t")
+CONTROL = struct_dtype("drive_params_t")
+SENSOR = struct_dtype("sensor_params_t")
+PLANT = struct_dtype("plant_params_t")
+PLANT_STATE = struct_dtype("plant_state_t")
+FLUX_MAP = struct_dtype("flux_map_t")
+PROFILE = struct_dtype("profile_t")
+TABLE = struct_dtype("ks_table_t")
+
+SIGNAL_N: int = lib.SIGNAL_N
+PROFILE_N = 8
+CURVE_N = 9
+
+
+def _enum_names(prefix: str) -> tuple[str, ...]:
+    """Lower-case names of an enumeration's constants without prefix, in the order of their values."""
+    names = [n for n in dir(lib) if n.startswith(prefix) and n != f"{prefix}N"]
+    return tuple(n[len(prefix):].lower() for n in sorted(names, key=lambda n: getattr(lib, n)))
+
+
+TRACE_NAMES = _enum_names("TRACE_")
+SIGNAL_NAMES = _enum_names("SIGNAL_")
+
+
+def pointer(array: Array, ctype: str) -> Any:
+    """C pointer ``ctype`` to the start of a contiguous array."""
+    return ffi.from_buffer(ctype, array, require_writable=array.flags.writeable)
+
+
+def sim_run(sims: Array, periods: int, k_s: Array, obs: Array) -> None:
+    """Advance every drive by up to ``periods`` periods; other Python threads run meanwhile.
+
+    Parameters
+    ----------
+    sims : array of SIM, shape (n,)
+        Changed in place; ``sims["sums"]`` holds the sums over this call.
+    periods : int
+    k_s : array of float32, shape (n,)
+        Weight wanted, 0 to 1.
+    obs : array of float32, shape (n, SIGNAL_N)
+        Filled with each drive's signals.
+    """
+    lib.sim_run(pointer(sims, "sim_t[]"), len(sims), periods, pointer(k_s, "float[]"),
+                pointer(obs, "float[]"))
+
+
+def sim_start(sims: Array) -> None:
+    """Put every drive at the start that its own ``start`` field describes."""
+    lib.sim_start(pointer(sims, "sim_t[]"), len(sims))
+
+
+def sim_trace(sim: Array, periods: int, k_s: float) -> Array:
+    """Advance one drive, shape (1,), and return one row of ``TRACE_NAMES`` a period."""
+    out = np.zeros((periods, len(TRACE_NAMES)))
+    n = lib.sim_trace(pointer(sim, "sim_t[]"), periods, k_s, pointer(out, "double[]"))
+    return out[:n]
+
+
+def flux_map_currents(flux_map: Array, bridge: bool, psi: Array) -> Array:
+    """Currents (n, 2) [A] at flux linkages ``psi`` (n, 2) [Vs] of a FLUX_MAP record."""
+    points = np.ascontiguousarray(psi, dtype=np.float64)
+    out = np.empty_like(points)
+    lib.flux_map_currents(pointer(flux_map.reshape(1), "flux_map_t[]"), int(bridge),
+                          pointer(points, "double[]"), pointer(out, "double[]"), len(points))
+    return out
+
+
+def plant_run(plant: Array, state: Array, u: Array) -> Array:
+    """Run the machine alone.
+
+    Parameters
+    ----------
+    plant, state : records of PLANT and PLANT_STATE, shape (1,)
+        ``state`` is changed in place and must hold flux, speed and angle.
+    u : array, shape (n, 3)
+        Stator voltage alpha, beta [V] and load torque [N m], each held for one period.
+
+    Returns
+    -------
+    array, shape (n + 1, 7)
+        i_d, i_q [A], psi_d, psi_q [Vs], torque [N m], omega_m [rad/s], theta_e unwrapped [rad].
+    """
+    inputs = np.ascontiguousarray(u, dtype=np.float64)
+    out = np.empty((len(inputs) + 1, 7))
+    p, x = pointer(plant, "plant_params_t[]"), pointer(state, "plant_state_t[]")
+    lib.plant_start(p, x)
+    lib.plant_run(p, x, pointer(inputs, "double[]"), pointer(out, "double[]"), len(inputs))
+    return out
