@@ -11,7 +11,7 @@ FOLDERS = ("core", "observers", "envs", "baselines", "agents", "firmware", "sens
 
 # Lowest first. A name stands for sensorless.NAME and all below it; "" is sensorless/__init__.py.
 LAYERS = (
-    ("", "core", "core_api", "errors", "motor", "ks_table"),
+    ("", "core", "core_api", "errors", "motor", "magnetics", "ks_table"),
     ("observers", "control_design", "blend_design"),
     ("drive",),
     ("envs",),
@@ -29,7 +29,7 @@ def files() -> list[Path]:
 
 def unit(module: str) -> str:
     """Name in the table of layers: the first part below ``sensorless``."""
-    return (module.split(".") + [""])[1]
+    return [*module.split("."), ""][1]
 
 
 def module_of(path: Path) -> str:
