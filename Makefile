@@ -7,7 +7,7 @@ READY := $(VENV)/.installed
 CORE  := $(wildcard core/*.c core/*.h) core/binding.py
 
 C_WARNINGS := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra \
-              -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror -fsyntax-only -Icore
+              -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror -fsyntax-only -Icore -Ibuild/generated
 
 .PHONY: help install demo test check core bench clean venv extension c-warnings force
 
@@ -15,7 +15,7 @@ help: ## List the commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
 
 install: ## Build a fresh .venv with everything in it
-	@rm -rf $(VENV)
+	@rm -f $(READY) $(VENV)/pyvenv.cfg
 	@$(MAKE) --no-print-directory $(READY)
 
 demo: $(READY) ## Train, evaluate and export on the paper's motor
@@ -24,7 +24,7 @@ demo: $(READY) ## Train, evaluate and export on the paper's motor
 test: $(READY) ## Run the tests
 	$(VENV)/bin/pytest
 
-check: c-warnings $(READY) ## Lint, format, types, and C warnings as errors
+check: $(READY) c-warnings ## Lint, format, types, and C warnings as errors
 	$(VENV)/bin/ruff check
 	$(VENV)/bin/ruff format --check
 	$(VENV)/bin/mypy
@@ -35,7 +35,8 @@ bench: $(READY) ## Measure speed, write build/bench.json
 	$(VENV)/bin/python benchmarks/bench.py
 
 clean: ## Remove all that was built, keep the libraries in .venv
-	rm -rf build dist *.egg-info sensorless/_core*.so .mypy_cache .pytest_cache .ruff_cache $(READY)
+	rm -rf build dist *.egg-info core/*.o sensorless/_core* $(READY)
+	rm -rf .mypy_cache .pytest_cache .ruff_cache
 	find . -path ./$(VENV) -prune -o -name __pycache__ -exec rm -rf {} +
 
 # The stamp. A change of the project file installs anew, a change of the core only compiles it.
@@ -44,26 +45,32 @@ $(READY): pyproject.toml setup.py $(CORE) $(if $(filter core,$(MAKECMDGOALS)),fo
 	@touch $@
 
 # The mark .installing outlives an interrupted run, whose half-unpacked libraries are not trusted.
+# A .venv without pyvenv.cfg is the system's own Python by another name: never install into that.
 venv:
 	@$(PYTHON) -c 'import ensurepip, os, sys, sysconfig as s; sys.exit(sys.version_info < (3, 10) \
 	  or not os.path.exists(os.path.join(s.get_path("include"), "Python.h")))' 2>/dev/null || { \
 	  echo "error: $(PYTHON) has to be Python 3.10 or newer with venv and C headers" \
 	       "(Debian: apt-get install python3-venv python3-dev)" >&2; exit 1; }
-	@if [ -e $(VENV)/.installing ] || ! $(VENV)/bin/python -m pip --version >/dev/null 2>&1; then \
-	  echo "==> creating $(VENV)"; $(PYTHON) -m venv --clear $(VENV); fi
+	@rm -f $(READY) sensorless/_core*.so
+	@if [ -e $(VENV)/.installing ] || ! $(VENV)/bin/python -c \
+	  'import pip, sys; sys.exit(sys.prefix == sys.base_prefix)' 2>/dev/null; then \
+	  echo "==> creating $(VENV)"; rm -f $(VENV)/pyvenv.cfg; rm -rf $(VENV); \
+	  mkdir $(VENV); touch $(VENV)/.installing; $(PYTHON) -m venv $(VENV); fi
 	@echo "==> installing into $(VENV) (minutes the first time, log in $(VENV)/install.log)"
 	@touch $(VENV)/.installing
 	@set -o pipefail; trap 'exit 130' INT TERM; \
-	$(VENV)/bin/python -m pip install --progress-bar off -e '.[plot,tune,dev]' 2>&1 \
-	| tee $(VENV)/install.log \
-	| while read -r step name _; do case "$$step $$name" in \
-	    Collecting*) printf ' %s' "$${name%%[!a-zA-Z0-9_.-]*}";; \
+	$(VENV)/bin/python -m pip --require-virtualenv install --progress-bar off \
+	  -e '.[plot,tune,dev]' 2>&1 | tee $(VENV)/install.log \
+	| while read -r step name _; do name=$${name##*/}; name=$${name%%-[0-9]*}; \
+	    case "$$step $$name" in \
+	    Collecting*|Processing*) printf ' %s' "$${name%%[!a-zA-Z0-9_.-]*}";; \
 	    "Installing collected") printf '\n==> unpacking, compiling\n';; esac; done \
 	|| { rm -f $(VENV)/.installing; tail -n 40 $(VENV)/install.log >&2; exit 1; }
 	@rm $(VENV)/.installing
 
 extension:
 	@echo "==> compiling the core"
+	@rm -f sensorless/_core*.so
 	@$(VENV)/bin/python setup.py -q build_ext --inplace --force
 
 # Each header also on its own, so that it includes what it uses.

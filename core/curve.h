@@ -25,9 +25,25 @@ CORE_INLINE curve_pos_t curve_locate(float i_q, float inv_step) {
     return pos;
 }
 
+/* Element j of n values. Loops over many drives (CORE_VECTOR) choose it by comparisons instead of an
+ * indexed load, which would keep them from becoming vector code; the value is the same. */
+CORE_INLINE float pick_f(const float *y, int j, int n) {
+#ifdef CORE_VECTOR
+    float x = y[0];
+    for (int i = 1; i < n; i++) {
+        x = i == j ? y[i] : x;
+    }
+    return x;
+#else
+    (void)n;
+    return y[j];
+#endif
+}
+
 CORE_INLINE float curve_at(const curve_t *c, curve_pos_t pos) {
-    float y0 = c->y[pos.j];
-    return y0 + pos.f * (c->y[pos.j + 1] - y0);
+    float y0 = pick_f(c->y, pos.j, CURVE_N - 1);
+    float y1 = pick_f(c->y + 1, pos.j, CURVE_N - 1);
+    return y0 + pos.f * (y1 - y0);
 }
 
 #endif

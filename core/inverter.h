@@ -11,8 +11,8 @@ typedef struct {
     float gain_a, gain_b;  /* gain of the phase-current channels, 1 = exact */
     float offset_a, offset_b; /* [A] */
     float noise_rms;       /* [A] */
-    float lsb;             /* resolution of the converter [A], 0 = none */
-    float inv_lsb;         /* 1 / lsb [1/A], 0 = none */
+    float lsb;             /* resolution of the converter [A], above range / 2^30 */
+    float inv_lsb;         /* 1 / lsb [1/A] */
     float range;           /* largest current the converter shows [A] */
 } sensor_params_t;
 
@@ -41,8 +41,7 @@ CORE_INLINE ab_t inverter_voltage(const sensor_params_t *p, ab_t u, float u_dc, 
 CORE_INLINE float sensor_quantise(const sensor_params_t *p, float i) {
     float limited = clamp_f(i, -p->range, p->range);
     float n = limited * p->inv_lsb;
-    float stepped = p->lsb * (float)(int32_t)(n + (n < 0.0f ? -0.5f : 0.5f));
-    return p->lsb > 0.0f ? stepped : limited;
+    return p->lsb * (float)(int32_t)(n + (n < 0.0f ? -0.5f : 0.5f));
 }
 
 /* Measured phase current of channel 0 (a) or 1 (b) at period k [A]. */

@@ -25,13 +25,15 @@ CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_re
 }
 
 /* The machine over [k, k+1] under the waiting command; the new command waits in its place. */
-CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int bridge) {
+CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_sub,
+                               int bridge) {
     ab_t i_ab = {
         (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
         (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
     };
     ab_t u = inverter_voltage(&s->sensor, c->u, s->now.u_dc, i_ab);
-    plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, (double)s->now.tau_load, bridge);
+    plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, (double)s->now.tau_load, n_sub,
+               bridge);
     c->u = u_next;
 }
 
@@ -86,10 +88,10 @@ CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, flo
                (i_sq_twin <= trip ? 0 : LOST_TWIN);
 }
 
-/* One period. sensored, with_twin, bridge: as in sim_t, passed so that they can be constants. Returns
- * what the drive's controller was given. */
+/* One period. sensored, with_twin, n_sub, bridge: as in sim_t, passed so that they can be constants.
+ * Returns what the drive's controller was given. */
 CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int with_twin,
-                                  int bridge) {
+                                  int n_sub, int bridge) {
     profile_step(&s->profile, &s->now, s->k);
     float theta_e = (float)s->drive.y.theta_e;
     float tau = (float)s->drive.y.tau;
@@ -105,7 +107,7 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
     } else {
         u = drive_step_inline(&s->control, &s->drive.x, &in);
     }
-    chain_advance(s, &s->drive, u, bridge);
+    chain_advance(s, &s->drive, u, n_sub, bridge);
 
     float tau_twin = 0.0f;
     float omega_m_twin = omega_m;
@@ -117,7 +119,7 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
         i_sq_twin = (float)(y->i_d * y->i_d + y->i_q * y->i_q);
         drive_in_t in_twin = sim_sample(s, &s->twin, 0.0f);
         ab_t u_twin = sensored_step(&s->control, &s->twin, &in_twin, s->omega_scale);
-        chain_advance(s, &s->twin, u_twin, bridge);
+        chain_advance(s, &s->twin, u_twin, n_sub, bridge);
     }
     sim_sum(s, theta_e, tau, tau_twin, omega_m, omega_m_twin, i_sq, i_sq_twin, k_s_was);
     s->k += 1;

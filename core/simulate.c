@@ -1,4 +1,5 @@
 /* Many PWM periods per call. Host only. */
+#include "batch.h"
 #include "sim_period.h"
 
 /* cos and sin of any angle in [-pi, pi] by halving into the range of the series. */
@@ -71,16 +72,26 @@ void sim_start(sim_t *s, int32_t n) {
 }
 
 static void run_one(sim_t *s, int32_t periods, float k_s_ref) {
-    sums_t none = {0};
-    s->sums = none;
     for (int32_t j = 0; j < periods && s->lost == 0 && s->k < s->k_end; j++) {
-        sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.bridge);
+        sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub, s->plant.bridge);
     }
 }
 
-void sim_run(sim_t *s, int32_t n, int32_t periods, const float *k_s_ref, float *obs) {
+void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t plain, const float *k_s_ref, float *obs) {
+    sums_t none = {0};
     for (int32_t i = 0; i < n; i++) {
-        run_one(&s[i], periods, k_s_ref[i]);
+        s[i].sums = none;
+    }
+    for (int32_t i = 0; i < n;) {
+        if (plain == 0 && n - i >= LANES && batch_fits(&s[i])) {
+            batch_run(&s[i], periods, &k_s_ref[i]);
+            i += LANES;
+        } else {
+            run_one(&s[i], periods, k_s_ref[i]);
+            i += 1;
+        }
+    }
+    for (int32_t i = 0; i < n; i++) {
         signals_read(&s[i].control.signal, &s[i].drive.x.signal, &obs[(long)i * SIGNAL_N]);
     }
 }
@@ -114,7 +125,8 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
         row[TRACE_U_A] = (double)s->drive.u.a;
         row[TRACE_U_B] = (double)s->drive.u.b;
         s->sums = none;
-        drive_in_t in = sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.bridge);
+        drive_in_t in = sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub,
+                   s->plant.bridge);
         row[TRACE_I_A] = (double)in.i_a;
         row[TRACE_I_B] = (double)in.i_b;
         row[TRACE_THETA_E_ERR] = (double)s->sums.err;
@@ -149,6 +161,6 @@ void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, doubl
         if (j == n) {
             return;
         }
-        plant_step(p, x, u[3 * j], u[3 * j + 1], u[3 * j + 2], p->bridge);
+        plant_step(p, x, u[3 * j], u[3 * j + 1], u[3 * j + 2], p->n_sub, p->bridge);
     }
 }

@@ -101,8 +101,9 @@ enum {
 void sim_start(sim_t *s, int32_t n);
 
 /* Advances n drives by up to `periods` periods each with the weight k_s_ref[i] (one a drive), then
- * reads the signals of drive i into obs[i * SIGNAL_N]. Drives that are lost or at their end stay. */
-void sim_run(sim_t *s, int32_t n, int32_t periods, const float *k_s_ref, float *obs);
+ * reads the signals of drive i into obs[i * SIGNAL_N]. Drives that are lost or at their end stay.
+ * plain: 1 keeps from running blocks of drives as vector code; the results are the same. */
+void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t plain, const float *k_s_ref, float *obs);
 
 /* One drive, one row of TRACE_N numbers a period into out; returns the periods advanced. */
 int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out);

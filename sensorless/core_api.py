@@ -95,7 +95,7 @@ def pointer(array: Array, ctype: str) -> Any:
     return ffi.from_buffer(ctype, array, require_writable=array.flags.writeable)
 
 
-def sim_run(sims: Array, periods: int, k_s: Array, obs: Array) -> None:
+def sim_run(sims: Array, periods: int, k_s: Array, obs: Array, *, plain: bool = False) -> None:
     """Advance every drive by up to ``periods`` periods; other Python threads run meanwhile.
 
     Parameters
@@ -107,8 +107,10 @@ def sim_run(sims: Array, periods: int, k_s: Array, obs: Array) -> None:
         Weight wanted, 0 to 1.
     obs : array of float32, shape (n, SIGNAL_N)
         Filled with each drive's signals.
+    plain : bool
+        Drive by drive instead of blocks as vector code; the results are the same.
     """
-    lib.sim_run(pointer(sims, "sim_t[]"), len(sims), periods, pointer(k_s, "float[]"),
+    lib.sim_run(pointer(sims, "sim_t[]"), len(sims), periods, int(plain), pointer(k_s, "float[]"),
                 pointer(obs, "float[]"))
 
 
