@@ -74,7 +74,7 @@ extension:
 	@$(VENV)/bin/python setup.py -q build_ext --inplace --force
 
 # Each header also on its own, so that it includes what it uses.
-c-warnings:
+c-warnings: $(READY)
 	@echo "==> C warnings"
 	@failed=0; for cc in gcc clang; do \
 	  if ! command -v $$cc >/dev/null; then echo "$$cc: not found"; [ $$cc = clang ] || exit 1; continue; fi; \

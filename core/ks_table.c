@@ -13,12 +13,10 @@ static uint32_t bits_of(float x) {
     return y.u;
 }
 
-static int is_finite(float x) { return abs_f(x) <= 3.4028234e38f; }
-
 uint32_t ks_crc32_word(uint32_t crc, uint32_t word) {
     uint32_t x = crc ^ (word & 0xFFFFUL);
     for (int j = 0; j < 16; j++) {
-        x = (x >> 1) ^ (0xEDB88320UL & (0UL - (x & 1UL)));
+        x = (x >> 1) ^ ((x & 1UL) != 0U ? 0xEDB88320UL : 0UL);
     }
     return x;
 }
@@ -27,7 +25,7 @@ static uint32_t crc_u32(uint32_t crc, uint32_t x) {
     return ks_crc32_word(ks_crc32_word(crc, x), x >> 16);
 }
 
-uint32_t ks_table_crc(const ks_table_t *t, const void *values) {
+uint32_t ks_header_crc(const ks_table_t *t) {
     uint32_t crc = 0xFFFFFFFFUL;
     crc = crc_u32(crc, t->magic);
     crc = crc_u32(crc, t->format);
@@ -42,11 +40,15 @@ uint32_t ks_table_crc(const ks_table_t *t, const void *values) {
     }
     crc = crc_u32(crc, bits_of(t->slew_per_s));
     crc = crc_u32(crc, bits_of(t->fallback));
-    crc = crc_u32(crc, bits_of(t->rule_x_min));
-    crc = crc_u32(crc, bits_of(t->rule_x_max));
     crc = crc_u32(crc, t->policy_hash);
     crc = crc_u32(crc, t->motor_hash);
-    if (t->value_format == KS_FORMAT_Q15) {
+    crc = crc_u32(crc, t->crc_values);
+    return crc ^ 0xFFFFFFFFUL;
+}
+
+uint32_t ks_values_crc(const ks_table_t *t, const void *values) {
+    uint32_t crc = 0xFFFFFFFFUL;
+    if (t->value_format == KS_VALUES_Q15) {
         const uint16_t *v = (const uint16_t *)values;
         for (uint32_t j = 0; j < t->n_nodes; j++) {
             crc = ks_crc32_word(crc, v[j]);
@@ -70,7 +72,7 @@ static int axes_ok(const ks_table_t *t) {
         if (x->signal >= SIGNAL_N || x->n < 2 || x->n > KS_TABLE_NODES) {
             return 0;
         }
-        if (!is_finite(x->x0) || !is_finite(x->inv_step) || x->inv_step <= 0.0f) {
+        if (!finite_f(x->x0) || !finite_f(x->inv_step) || x->inv_step <= 0.0f) {
             return 0;
         }
         nodes *= x->n;
@@ -83,7 +85,7 @@ static int axes_ok(const ks_table_t *t) {
 
 static int values_ok(const ks_table_t *t, const void *values) {
     for (uint32_t j = 0; j < t->n_nodes; j++) {
-        if (t->value_format == KS_FORMAT_Q15) {
+        if (t->value_format == KS_VALUES_Q15) {
             if (((const int16_t *)values)[j] < 0) {
                 return 0;
             }
@@ -94,26 +96,29 @@ static int values_ok(const ks_table_t *t, const void *values) {
             }
         }
     }
-    return t->fallback >= 0.0f && t->fallback <= 1.0f && is_finite(t->slew_per_s) &&
-           t->slew_per_s > 0.0f && is_finite(t->rule_x_min) && is_finite(t->rule_x_max) &&
-           t->rule_x_min < t->rule_x_max;
+    return t->fallback >= 0.0f && t->fallback <= 1.0f && finite_f(t->slew_per_s) &&
+           t->slew_per_s > 0.0f;
 }
 
 int ks_table_check(const ks_table_t *t, const void *values, uint32_t motor_hash) {
     if (t->magic != KS_TABLE_MAGIC) {
         return KS_BAD_MAGIC;
     }
-    if (t->format != KS_TABLE_FORMAT || t->value_format > KS_FORMAT_Q15) {
+    if (t->format != KS_TABLE_FORMAT ||
+        (t->value_format != KS_VALUES_F32 && t->value_format != KS_VALUES_Q15)) {
         return KS_BAD_FORMAT;
+    }
+    if (ks_header_crc(t) != t->crc_header) {
+        return KS_BAD_CRC;
     }
     if (!axes_ok(t)) {
         return KS_BAD_AXES;
     }
+    if (ks_values_crc(t, values) != t->crc_values) {
+        return KS_BAD_CRC;
+    }
     if (!values_ok(t, values)) {
         return KS_BAD_VALUE;
-    }
-    if (ks_table_crc(t, values) != t->crc) {
-        return KS_BAD_CRC;
     }
     return motor_hash == 0 || motor_hash == t->motor_hash ? KS_OK : KS_BAD_MOTOR;
 }
@@ -125,14 +130,15 @@ CORE_INLINE float eval_n(const ks_table_t *t, const void *values, const float *y
     uint32_t offset = 0;
     uint32_t size = 1;
     int finite = 1;
-    for (uint32_t a = n; a-- > 0;) {
+    for (uint32_t i = 1; i <= n; i++) { /* the last axis first: it is the fastest */
+        uint32_t a = n - i;
         const ks_axis_t *x = &t->axis[a];
         float v = y[x->signal];
         float pos = clamp_f((v - x->x0) * x->inv_step, 0.0f, (float)(int32_t)(x->n - 1));
         int32_t j = (int32_t)pos;
         int32_t last = (int32_t)x->n - 2;
         j = j < last ? j : last;
-        finite &= is_finite(v);
+        finite &= finite_f(v);
         frac[a] = pos - (float)j;
         stride[a] = size;
         offset += (uint32_t)j * size;
@@ -144,13 +150,14 @@ CORE_INLINE float eval_n(const ks_table_t *t, const void *values, const float *y
         for (uint32_t a = 0; a < n; a++) {
             at += ((c >> a) & 1U) != 0U ? stride[a] : 0U;
         }
-        corner[c] = t->value_format == KS_FORMAT_Q15
+        corner[c] = t->value_format == KS_VALUES_Q15
                         ? (float)((const int16_t *)values)[at] * (1.0f / 32767.0f)
                         : ((const float *)values)[at];
     }
-    for (uint32_t a = n; a-- > 0;) {
-        for (uint32_t c = 0; c < (1U << a); c++) {
-            corner[c] += frac[a] * (corner[c + (1U << a)] - corner[c]);
+    for (uint32_t i = 1; i <= n; i++) {
+        uint32_t half = 1U << (n - i);
+        for (uint32_t c = 0; c < half; c++) {
+            corner[c] += frac[n - i] * (corner[c + half] - corner[c]);
         }
     }
     return finite ? clamp_f(corner[0], 0.0f, 1.0f) : t->fallback;

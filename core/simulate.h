@@ -10,10 +10,13 @@
 #include "plant.h"
 #include "profile.h"
 
-#define LOST_ANGLE 1      /* angle error beyond the limit for longer than allowed */
-#define LOST_CURRENT 2    /* over-current trip */
-#define LOST_NONFINITE 4  /* a state left the numbers */
-#define LOST_TWIN 8       /* the sensored twin itself tripped */
+/* Why a drive is not advanced any more; bits of sim_t.lost. */
+enum {
+    LOST_ANGLE = 1,     /* angle error beyond its limit for longer than allowed */
+    LOST_CURRENT = 2,   /* over-current trip */
+    LOST_NONFINITE = 4, /* a state left the numbers */
+    LOST_TWIN = 8       /* the sensored twin itself tripped */
+};
 
 typedef struct {
     drive_state_t x;

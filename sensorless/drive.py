@@ -28,12 +28,13 @@ class DriveDesign:
     """Bandwidths and choices of the control core; everything else follows from the motor."""
 
     hfi_pll_hz: float = _setting(20.0, "natural frequency of the injection PLL [Hz]", 1, 200)
-    smo_pll_hz: float = _setting(30.0, "natural frequency of the EMF PLL [Hz]", 1, 200)
+    smo_pll_hz: float = _setting(20.0, "natural frequency of the EMF PLL [Hz]", 1, 200)
     smo_gain: float = _setting(1.0, "SMO gain over the deadbeat gain L_d / T_s", 0.05, 1.95)
-    smo_cross_hz: float = _setting(math.inf, "low-pass on the cross term's speed [Hz]", 0.5, math.inf)
+    smo_cross_hz: float = _setting(20.0, "low-pass on the cross term's speed [Hz]", 0.5, math.inf)
     smo_emf_hz: float = _setting(math.inf, "low-pass on the EMF [Hz]", 1, math.inf)
+    L_q_bias: float = _setting(0.8, "observer's q inductance over the apparent one", 0.3, 1.5)
     smo_floor_rpm: float = _setting(40.0, "speed below which the EMF is not used [r/min]", 0, 1e4)
-    speed_hz: float = _setting(2.0, "natural frequency of the speed loop [Hz]", 0.1, 50)
+    speed_hz: float = _setting(2.5, "natural frequency of the speed loop [Hz]", 0.1, 50)
     speed_weight: float = _setting(0.0, "reference weight of the speed loop", 0, 1)
     current_hz: float = _setting(120.0, "bandwidth of the current loop [Hz]", 10, 1000)
     i_q_slew: float = _setting(150.0, "slope limit of the torque current [A/s]", 1, 1e6)
@@ -74,7 +75,8 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
     omega_max = 2.5 * motor.omega_rated
     record = np.zeros((), dtype=CONTROL)
     line = operating_line(motor, design.mtpa)
-    i_d, L_q, cross = design_curves(motor, line, L_q_table=design.L_q_table, cross=design.cross)
+    i_d, L_q, cross = design_curves(motor, line, L_q_table=design.L_q_table,
+                                   cross=design.cross)
     control = design_control(
         motor, speed_hz=design.speed_hz, speed_weight=design.speed_weight,
         current_hz=design.current_hz, i_q_slew=design.i_q_slew,
@@ -101,7 +103,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
             "inv_e": 1.0 / (motor.omega_rated * motor.psi_f),
             "inv_i_hf": 1.0 / hf_current(motor),
         },
-        "L_q": {"y": L_q},
+        "L_q": {"y": design.L_q_bias * L_q},
         "theta_cross": {"y": cross},
     })
     return record

@@ -1,0 +1,110 @@
+"""The native vector environment as stable-baselines3 wants one. Imports torch: import it late."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
+
+from sensorless.envs.blend_vector_env import BlendVectorEnv
+from sensorless.envs.privileged import BOUND, N_PRIVILEGED
+from sensorless.envs.signals import HIGH, LOW
+from sensorless.errors import UserError
+
+Floats = NDArray[np.float32]
+
+
+class SB3VecEnv(VecEnv):
+    """A `BlendVectorEnv` in ``SAME_STEP`` mode as a VecEnv, without processes or copies of it.
+
+    ``last_info`` holds the vector environment's info of the last step: every term of the reward as
+    one array, for a callback to log.
+
+    Parameters
+    ----------
+    env : BlendVectorEnv
+    privileged : bool
+        Append the N_PRIVILEGED true quantities to the observation, behind the N_SIGNALS columns of
+        the policy, for a critic. The actor must not read beyond its own columns.
+
+    Raises
+    ------
+    UserError
+        If the environment restarts episodes in any other mode.
+    """
+
+    def __init__(self, env: BlendVectorEnv, *, privileged: bool = False) -> None:
+        if env.metadata["autoreset_mode"] is not AutoresetMode.SAME_STEP:
+            raise UserError(f"autoreset_mode: {env.metadata['autoreset_mode'].value!r}; "
+                            "allowed for stable-baselines3: 'SameStep'")  # fmt: skip
+        self.env = env  # before the base class, which asks for env.render_mode
+        self.privileged = privileged
+        self.last_info: dict[str, Any] = {}
+        extra = np.full(N_PRIVILEGED if privileged else 0, BOUND, dtype=np.float32)
+        low, high = np.concatenate([LOW, -extra]), np.concatenate([HIGH, extra])
+        space = gymnasium.spaces.Box(low, high, dtype=np.float32)
+        super().__init__(env.num_envs, space, env.single_action_space)
+
+    def _columns(self, observation: Floats, info: dict[str, Any]) -> Floats:
+        """Columns of the policy, then those of the critic."""
+        if not self.privileged:
+            return observation
+        return np.concatenate([observation, info["privileged"]], axis=-1)
+
+    def reset(self) -> Floats:
+        """Begin an episode in every drive, with the seeds and options set before."""
+        seeds = None if self._seeds[0] is None else self._seeds
+        observation, info = self.env.reset(seed=seeds, options=self._options[0] or None)
+        self._reset_seeds()
+        self._reset_options()
+        self.reset_infos = [{} for _ in range(self.num_envs)]
+        return self._columns(observation, info)
+
+    def step_async(self, actions: Floats) -> None:
+        """Keep the actions for `step_wait`."""
+        self._actions = actions
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Advance every drive by one decision; a drive at its end begins anew at once."""
+        observation, reward, terminated, truncated, info = self.env.step(self._actions)
+        self.last_info = info
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        for i in np.flatnonzero(terminated | truncated):
+            final = info["final_info"]
+            last = {"privileged": final["privileged"][i]}
+            infos[i]["terminal_observation"] = self._columns(info["final_obs"][i], last)
+            infos[i]["TimeLimit.truncated"] = bool(truncated[i])
+            infos[i]["lost"] = bool(final["lost"][i])
+        return self._columns(observation, info), reward, terminated | truncated, infos
+
+    def close(self) -> None:
+        """Close the environment."""
+        self.env.close()
+
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+        """Return the attribute of the one environment, repeated for every drive asked for."""
+        value = getattr(self.env, attr_name)
+        return [value for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+        """Set an attribute of the one environment, for all drives."""
+        if indices is not None:
+            raise NotImplementedError("the drives share their attributes: leave indices out")
+        setattr(self.env, attr_name, value)
+
+    def env_method(
+        self, method_name: str, *args: Any, indices: VecEnvIndices = None, **kwargs: Any
+    ) -> list[Any]:
+        """Refuse: there are no environments of their own to call."""
+        raise NotImplementedError(f"call {method_name} on the vector environment itself")
+
+    def env_is_wrapped(
+        self,
+        wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]],
+        indices: VecEnvIndices = None,
+    ) -> list[bool]:
+        """Return False for every drive asked for."""
+        return [False for _ in self._get_indices(indices)]

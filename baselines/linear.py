@@ -1,0 +1,27 @@
+"""Linear ramp of the estimated speed: the rule of the source paper.
+
+    k_s = 1                                     |omega_hat| <= low
+    k_s = (high - |omega_hat|) / (high - low)   low <= |omega_hat| <= high
+    k_s = 0                                     high <= |omega_hat|
+
+Eq. 25 of doi 10.12177/emca.2025.011 with what it lacks: the magnitude (printed, every negative
+speed gives k_s = 1) and the cases of equality.
+"""
+
+import numpy as np
+
+from sensorless.ks_table import Axis, KsTable
+
+EQ25_BAND = (300.0 / 1500.0, 400.0 / 1500.0)
+"""The paper's band, 300 to 400 r/min, as shares of its motor's rated speed."""
+
+
+def linear_table(low: float, high: float) -> KsTable:
+    """Table of two nodes on the speed axis: exactly the ramp, since a table is clipped outside.
+
+    Parameters
+    ----------
+    low, high : float
+        Band over rated speed [-], low < high.
+    """
+    return KsTable((Axis("speed", low, high, 2),), np.array([1.0, 0.0], dtype=np.float32))

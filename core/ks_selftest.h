@@ -1,0 +1,41 @@
+/* Golden vectors: what the control core gave where the table was exported, to be given here too.
+ *
+ * All numbers are float32 words, so that equality is equality of bits. The functions return the
+ * number of vectors with a mismatch and store the index of the first (n if there is none).
+ */
+#ifndef SENSORLESS_KS_SELFTEST_H
+#define SENSORLESS_KS_SELFTEST_H
+
+#include "drive.h"
+#include "ks_schedule.h"
+
+/* One lookup: the signal of each axis, and the weight. */
+typedef struct {
+    uint32_t y[KS_TABLE_AXES];
+    uint32_t k_s;
+} ks_vector_t;
+
+/* One PWM period: what drive_step is given, what it returns, and its estimate. */
+typedef struct {
+    uint32_t i_a, i_b, u_dc, omega_ref, k_s_ref;
+    uint32_t u_a, u_b, theta, omega;
+} drive_vector_t;
+
+/* Arguments of drive_init before the first period. */
+typedef struct {
+    float theta; /* [rad] */
+    float omega; /* electrical [rad/s] */
+    float k_s;
+} drive_start_t;
+
+/* Lookup alone; small enough to be run at every start of the target. */
+uint32_t ks_table_selftest(const ks_table_t *t, const void *values, const ks_vector_t *v,
+                           uint32_t n, uint32_t *first);
+
+/* The whole control core over consecutive periods: schedule and drive_step. k_s_ref of the vectors
+ * goes to drive_step, and the schedule has to come to the same. */
+uint32_t drive_selftest(const drive_params_t *p, const ks_schedule_params_t *schedule,
+                        const drive_start_t *start, const drive_vector_t *v, uint32_t n,
+                        uint32_t *first);
+
+#endif

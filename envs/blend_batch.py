@@ -1,0 +1,201 @@
+"""n drives side by side, advanced by decisions: the one implementation behind both environments."""
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run
+from sensorless.envs.blend_settings import BlendSettings
+from sensorless.envs.counter_random import Seeds, combine
+from sensorless.envs.privileged import FIXED, Values, fixed, privileged
+from sensorless.envs.reward import Term, terms, total
+from sensorless.envs.scenario import Scenarios, SimFactory
+from sensorless.envs.signals import Observation, bounded
+from sensorless.errors import UserError
+from sensorless.motor import Motor
+
+Flags = NDArray[np.bool_]
+Rows = NDArray[np.intp]
+
+_SUMS = (SIM["sums"], SIM.fields["sums"][1] if SIM.fields else 0)
+
+LOST_TWIN: int = lib.LOST_TWIN
+"""Bit of ``lost`` in core/simulate.h: even the sensored twin tripped, no policy is to blame."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What the last decision brought, each array with n rows."""
+
+    reward: Term
+    terms: dict[str, Term]
+    lost: Flags
+    """Lock was lost: the episode terminated."""
+    ended: Flags
+    """The scenario is over, or even its twin tripped: the episode is truncated."""
+
+
+@dataclass(frozen=True)
+class BatchState:
+    """Copy of all that a batch remembers."""
+
+    sims: Array
+    constant: Values
+    seeds: Seeds
+    episode: Seeds
+
+
+class BlendBatch:
+    """n drives, each with its own endless stream of scenarios.
+
+    Scenario j of drive i is a pure function of (seed of drive i, j), whatever n is.
+
+    Parameters
+    ----------
+    n : int
+    settings : BlendSettings
+    """
+
+    def __init__(self, n: int, settings: BlendSettings) -> None:
+        motor = settings.motor
+        self.motor = motor if isinstance(motor, Motor) else Motor.load(motor)
+        self.settings = settings
+        self.periods = max(1, round(settings.decision_period / self.motor.T_s))
+        self._factory = SimFactory(self.motor, settings.design)
+        self._seeds: Seeds = np.zeros(n, dtype=np.uint64)
+        self._episode: Seeds = np.zeros(n, dtype=np.uint64)
+        self._sims, self._signals, self._constant = self._rooms(n)
+        # One prepared episode a drive: drawing scenarios costs the same for one row and for all.
+        self._next = self._rooms(n)
+        self._ready = np.zeros(n, dtype=bool)
+        self._sums = self._copied_sums()
+
+    @staticmethod
+    def _rooms(n: int) -> tuple[Array, Observation, Values]:
+        """Drives, their signals, and their fixed true quantities."""
+        return (
+            np.zeros(n, dtype=SIM),
+            np.zeros((n, SIGNAL_N), dtype=np.float32),
+            np.zeros((n, len(FIXED)), dtype=np.float32),
+        )
+
+    def __len__(self) -> int:
+        """Return the number of drives."""
+        return len(self._seeds)
+
+    def seed(self, rows: Rows, seeds: Sequence[int]) -> None:
+        """Start the scenario streams of some drives anew."""
+        self._seeds[rows] = np.array(seeds, dtype=np.uint64)
+        self._episode[rows] = 0
+        self._ready[rows] = False
+
+    def begin(self, rows: Rows, given: Scenarios | None = None) -> None:
+        """Start the next episode of some drives, with ``given`` in place of their streams' own."""
+        fresh = self._next
+        if given is not None:
+            fresh = self._built(given)
+        elif not self._ready[rows].all():
+            missing = np.flatnonzero(~self._ready)
+            drawn = self.settings.scenarios(
+                self.motor, combine(self._seeds[missing], self._episode[missing])
+            )
+            if len(drawn) != len(missing):
+                raise UserError(
+                    f"scenarios: {len(drawn)} for {len(missing)} seeds; allowed: one each"
+                )
+            for room, part in zip(self._next, self._built(drawn), strict=True):
+                room[missing] = part
+            self._ready[missing] = True
+        source = rows if given is None else np.arange(len(rows))
+        for room, part in zip((self._sims, self._signals, self._constant), fresh, strict=True):
+            room[rows] = part[source]
+        self._ready[rows] = False
+        self._episode[rows] += np.uint64(1)
+        self._sums = self._copied_sums()
+
+    def _built(self, scenarios: Scenarios) -> tuple[Array, Observation, Values]:
+        """Started drives, their first signals, and their fixed true quantities."""
+        sims = self._factory.build(scenarios)
+        limit = self.settings.max_episode_steps
+        if limit is not None:
+            sims["k_end"] = np.minimum(sims["k_end"], limit * self.periods)
+        signals = np.zeros((len(sims), SIGNAL_N), dtype=np.float32)
+        sim_run(sims, 0, np.ones(len(sims), dtype=np.float32), signals)
+        return sims, signals, fixed(scenarios, self.motor)
+
+    def advance(self, actions: Any) -> None:
+        """One decision of every drive; those lost or at their end stay where they are.
+
+        Parameters
+        ----------
+        actions : array, shape (n,) or (n, 1)
+            -1 (all sliding mode) to 1 (all injection).
+
+        Raises
+        ------
+        UserError
+            Names the first action that is not a number from -1 to 1.
+        """
+        n = len(self)
+        action = np.asarray(actions, dtype=np.float32)
+        if action.shape not in ((n, 1), (n,)):
+            raise UserError(f"action: shape {action.shape}; allowed: {(n, 1)}")
+        action = action.reshape(n)
+        good = np.abs(action) <= 1.0
+        if np.count_nonzero(good) < n:
+            bad = int(np.argmin(good))
+            value = np.ravel(actions)[bad]
+            raise UserError(f"action[{bad}]: {value}; allowed: -1 to 1, which is k_s from 0 to 1")
+        k_s = np.float32(0.5) * action + np.float32(0.5)
+        sim_run(self._sims, self.periods, k_s, self._signals)
+        self._sums = self._copied_sums()
+
+    def idle(self) -> Rows:
+        """Drives that the last `advance` found at the end of their episode."""
+        return np.flatnonzero(self._sums["n"] == 0.0)
+
+    def outcome(self) -> Outcome:
+        """Reward and end of the last decision; a drive that stayed or just began earns 0."""
+        sums, bits = self._sums, self._sims["lost"]
+        lost = just_lost = np.zeros(len(self), dtype=bool)
+        ended = self._sims["k"] >= self._sims["k_end"]
+        if np.count_nonzero(bits):
+            lost = (bits & ~LOST_TWIN) != 0
+            ended = (ended | (bits == LOST_TWIN)) & ~lost
+            just_lost = lost & (sums["n"] > 0.0)
+        parts = terms(sums, just_lost, self.settings.weights, self.motor)
+        return Outcome(total(parts), parts, lost, ended)
+
+    def observation(self) -> Observation:
+        """What a policy may see (n, SIGNAL_N), a copy."""
+        return bounded(self._signals)
+
+    def privileged(self) -> Values:
+        """What only a critic may see (n, N_PRIVILEGED), a copy."""
+        return privileged(self._sims, self._sums, self._constant, self.motor)
+
+    def _copied_sums(self) -> Array:
+        """Copy of ``sims["sums"]``, as one matrix of numbers: NumPy copies records slowly."""
+        dtype, offset = _SUMS
+        shape = (len(self), dtype.itemsize // 4)
+        matrix: Array = np.ndarray(shape, np.float32, self._sims, offset, strides=(SIM.itemsize, 4))
+        return matrix.copy().view(dtype).reshape(len(self))
+
+    def state(self) -> BatchState:
+        """Copy of all memory, for `restore`."""
+        return BatchState(
+            self._sims.copy(), self._constant.copy(), self._seeds.copy(), self._episode.copy()
+        )
+
+    def restore(self, state: BatchState) -> None:
+        """Continue from a copy that `state` made on a batch of the same size."""
+        if len(state.sims) != len(self):
+            raise UserError(f"state: {len(state.sims)} drives; allowed: {len(self)}")
+        for f in dataclasses.fields(state):
+            getattr(self, f"_{f.name}")[:] = getattr(state, f.name)
+        self._ready[:] = False
+        self._sums = self._copied_sums()

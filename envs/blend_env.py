@@ -1,0 +1,129 @@
+"""One drive as a Gymnasium environment."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.error import ResetNeeded
+
+from sensorless.envs.blend_batch import BatchState, BlendBatch
+from sensorless.envs.blend_settings import BlendSettings, checked_scenario, checked_seeds
+from sensorless.envs.blend_vector_env import spaces
+from sensorless.envs.signals import Observation
+
+_ROW = np.zeros(1, dtype=np.intp)
+
+
+class BlendEnv(gymnasium.Env[Observation, Any]):
+    """Choose the weight k_s that blends two position estimators of a running sensorless drive.
+
+    **Description**
+    An interior permanent-magnet motor runs under field-oriented control without a position sensor.
+    High-frequency injection finds the rotor at low speed, a sliding-mode observer finds it from the
+    back-EMF at speed; the drive runs on
+
+        theta = theta_smo + k_s wrap(theta_hfi - theta_smo)
+
+    Machine (saturation, cross-coupling), inverter (dead time, DC link), sampling (noise, offset,
+    gain, ADC, one period of delay), both estimators and the control are simulated at every PWM
+    period by the code that runs on the target. A sensored twin, the same controller fed by the true
+    angle, runs the same scenario and is what deviations are measured against.
+
+    **Action**
+    ``Box(-1, 1, (1,), float32)``, mapped to the weight wanted: k_s = (action + 1) / 2. 1 is all
+    injection. The drive limits the slope of the weight in force. Any other value is refused.
+
+    **Observation**
+    ``Box((12,), float32)``; only what the firmware measures or estimates, low-passed and divided by
+    a fixed scale. "Ahead" means: positive in the direction of motion.
+
+    | Num | Observation    | Unit    | Value 1 is                         | Min  | Max |
+    |-----|----------------|---------|------------------------------------|------|-----|
+    | 0   | speed          | rad/s   | rated electrical speed             | 0    | 3   |
+    | 1   | torque_current | A       | rated current, peak; ahead         | -4   | 4   |
+    | 2   | disagreement   | rad     | 30 degrees; ahead                  | -6   | 6   |
+    | 3   | acceleration   | rad/s^2 | rated electrical speed in 1 s      | -200 | 200 |
+    | 4   | speed_error    | rad/s   | rated electrical speed; ahead      | -6   | 6   |
+    | 5   | speed_ref      | rad/s   | rated electrical speed; ahead      | -3   | 3   |
+    | 6   | k_s            | 1       | all injection                      | 0    | 1   |
+    | 7   | emf            | V       | magnet flux times rated speed      | 0    | 10  |
+    | 8   | hf_amplitude   | A       | answer of the machine without load | 0    | 6   |
+    | 9   | hfi_residual   | 1       | 0.5                                | 0    | 4   |
+    | 10  | smo_residual   | 1       | 0.5                                | 0    | 4   |
+    | 11  | voltage        | V       | voltage limit                      | 0    | 20  |
+
+    **Reward**
+    The sum of named terms, none above 0, each also in ``info``: torque_deviation, torque_ripple,
+    speed_deviation, angle, activity, injection (running costs, at most 0.1 per 1 ms together) and
+    lost_penalty (-40, once). ``sensorless.envs.reward`` has the formulas.
+
+    **Info**
+    The terms, ``lost`` (bool), and ``privileged``: true quantities for a critic, see
+    ``sensorless.envs.privileged``. A policy must not see them.
+
+    **Start**
+    The next scenario of a stream that ``reset(seed=...)`` starts; a scenario is a profile of speed,
+    load and DC-link voltage, a starting point, and the mismatch between machine and controller. By
+    default `stress_scenarios`: all of it at random, from rest or on a spinning shaft.
+    ``reset(options={"scenario": s})`` takes a `Scenarios` of one row instead.
+
+    **End**
+    Terminated when lock is lost: angle error beyond 60 degrees for more than 10 ms, over-current,
+    or a state that is not finite. Truncated at the end of the scenario (2 s by default), after
+    ``max_episode_steps``, or when the sensored twin itself trips.
+
+    Parameters
+    ----------
+    render_mode : None
+        There is nothing to render; ``sensorless simulate`` draws.
+    **settings
+        Fields of `BlendSettings`: motor, design, scenarios, weights, decision_period [s] and
+        max_episode_steps.
+
+    Notes
+    -----
+    Version 0. For many drives ``gymnasium.make_vec`` gives `BlendVectorEnv`, the same to the bit.
+    """
+
+    def __init__(self, *, render_mode: None = None, **settings: Any) -> None:
+        self.batch = BlendBatch(1, BlendSettings(**settings))
+        self.render_mode = render_mode
+        self.metadata = {"render_modes": []}
+        self.observation_space, self.action_space = spaces()
+        self._begun = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin the next episode; a seed starts the stream of scenarios anew."""
+        (value,) = checked_seeds(seed, 1)
+        scenario = checked_scenario(options, 1)
+        super().reset(seed=value)
+        if value is None and not self._begun:
+            value = int(self.np_random.integers(2**63))
+        if value is not None:
+            self.batch.seed(_ROW, [value])
+        self.batch.begin(_ROW, scenario)
+        self._begun = True
+        return self.batch.observation()[0], {"privileged": self.batch.privileged()[0]}
+
+    def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Advance by one decision under an action of shape (1,)."""
+        if not self._begun:
+            raise ResetNeeded("call reset() before step()")
+        self.batch.advance(action)
+        outcome = self.batch.outcome()
+        info: dict[str, Any] = {name: float(term[0]) for name, term in outcome.terms.items()}
+        info["lost"] = bool(outcome.lost[0])
+        info["privileged"] = self.batch.privileged()[0]
+        reward, ended = float(outcome.reward[0]), bool(outcome.ended[0])
+        return self.batch.observation()[0], reward, info["lost"], ended, info
+
+    def state(self) -> BatchState:
+        """Copy of all memory of the drive."""
+        return self.batch.state()
+
+    def restore(self, state: BatchState) -> None:
+        """Continue from a copy that `state` made."""
+        self.batch.restore(state)
+        self._begun = True

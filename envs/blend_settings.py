@@ -1,0 +1,118 @@
+"""What a user sets or hands to the environments, and the checks on it."""
+
+import operator
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sensorless.drive import DriveDesign
+from sensorless.envs.counter_random import Seeds
+from sensorless.envs.reward import RewardWeights
+from sensorless.envs.scenario import Scenarios
+from sensorless.envs.stress import stress_scenarios
+from sensorless.errors import UserError
+from sensorless.motor import Motor
+
+Sampler = Callable[[Motor, Seeds], Scenarios]
+
+
+@dataclass(frozen=True)
+class BlendSettings:
+    """What an environment simulates and rewards; the keywords of both environments."""
+
+    motor: Motor | str | Path = "paper"
+    """Machine: shipped name, TOML file, or Motor."""
+    design: DriveDesign = field(default_factory=DriveDesign)
+    """Bandwidths of observers and control."""
+    scenarios: Sampler = stress_scenarios
+    """Function (motor, seeds (n,)) to n scenarios, row i from seed i alone."""
+    weights: RewardWeights = field(default_factory=RewardWeights)
+    """Reward."""
+    decision_period: float = 1e-3
+    """Time between decisions [s], rounded to whole PWM periods."""
+    max_episode_steps: int | None = None
+    """Decisions until truncation; None: the scenario's end."""
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises
+        ------
+        UserError
+            Names the field, its value and what is allowed.
+        """
+        period, steps = self.decision_period, self.max_episode_steps
+        if not 1e-6 <= period <= 1.0:
+            raise UserError(f"decision_period: {period!r} s; allowed: 1e-6 to 1")
+        if steps is not None and (not _whole(steps) or steps < 1):
+            raise UserError(
+                f"max_episode_steps: {steps!r}; allowed: None or a whole number above 0"
+            )
+
+
+def checked_count(n: Any) -> int:
+    """Number of drives.
+
+    Raises
+    ------
+    UserError
+        If it is not a whole number above 0.
+    """
+    if not _whole(n) or n < 1:
+        raise UserError(f"num_envs: {n!r}; allowed: a whole number above 0")
+    return int(n)
+
+
+def checked_seeds(seed: Any, n: int) -> list[int | None]:
+    """Seeds of n drives: s, s + 1, ... from one, or as they stand in a sequence of n.
+
+    Raises
+    ------
+    UserError
+        Names the seed, its value and what is allowed.
+    """
+    if seed is None or _whole(seed):
+        return [None if seed is None else _seed(seed + i) for i in range(n)]
+    if not isinstance(seed, Sequence | np.ndarray) or len(seed) != n:
+        raise UserError(f"seed: {seed!r}; allowed: None, a whole number, or a list of {n}")
+    return [None if s is None else _seed(s) for s in seed]
+
+
+def checked_scenario(options: dict[str, Any] | None, n: int) -> Scenarios | None:
+    """The n scenarios in the options of a reset, if there are any.
+
+    Raises
+    ------
+    UserError
+        Names the option and what is allowed.
+    """
+    unknown = sorted(set(options or {}) - {"scenario"})
+    if unknown:
+        raise UserError(f"options: {unknown[0]!r}; allowed: 'scenario'")
+    scenario = (options or {}).get("scenario")
+    if scenario is None:
+        return None
+    if not isinstance(scenario, Scenarios) or len(scenario) != n:
+        raise UserError(f"options['scenario']: {_size(scenario)}; allowed: Scenarios with {n} rows")
+    return scenario
+
+
+def _size(value: Any) -> str:
+    return f"{len(value)} rows" if isinstance(value, Scenarios) else repr(value)
+
+
+def _whole(value: Any) -> bool:
+    try:
+        operator.index(value)
+    except TypeError:
+        return False
+    return True
+
+
+def _seed(value: Any) -> int:
+    if not _whole(value) or not 0 <= value < 2**64:
+        raise UserError(f"seed: {value!r}; allowed: a whole number from 0 to 2^64 - 1")
+    return int(value)

@@ -1,0 +1,118 @@
+"""True quantities for a critic. No policy may see them: they are not part of the observation.
+
+Signed quantities are taken in the direction of motion, as in the observation.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core_api import Array
+from sensorless.envs.scenario import LOST_TIME, Scenarios
+from sensorless.motor import Motor
+
+Values = NDArray[np.float32]
+
+BOUND = 10.0
+"""All values are clipped to +-BOUND."""
+
+
+@dataclass(frozen=True)
+class Privileged:
+    """One column."""
+
+    name: str
+    scale: str
+    """What the value 1 stands for."""
+    doc: str
+
+
+MOVING = (
+    Privileged("theta_e_err", "30 degrees", "angle error of the blend, mean of the decision"),
+    Privileged("theta_e_err_hfi", "30 degrees", "angle error of the injection estimator, mean"),
+    Privileged("theta_e_err_smo", "30 degrees", "angle error of the sliding-mode observer, mean"),
+    Privileged("omega_m_dev", "10 % of rated speed", "speed minus the twin's, mean"),
+    Privileged("tau_dev", "rated torque", "torque minus the twin's, mean"),
+    Privileged("tau", "rated torque", "true torque, mean"),
+    Privileged("tau_load", "rated torque", "load torque; positive brakes"),
+    Privileged("omega_m", "rated speed", "true speed"),
+    Privileged("u_dc", "10 % of nominal", "DC-link voltage minus the nominal one"),
+    Privileged("lost_count", "lost", "time the error has been beyond its limit over that allowed"),
+)
+FIXED = (
+    Privileged("R_s", "25 %", "plant's resistance over the controller's, minus 1"),
+    Privileged("L_q_hat", "10 %", "observer's q inductance over its design value, minus 1"),
+    Privileged("psi_f", "5 %", "magnet strength over its nominal value, minus 1"),
+    Privileged("J", "factor e", "logarithm of inertia over its nominal value"),
+    Privileged("cross_hat", "40 %", "cross-coupling compensation over its design value, minus 1"),
+    Privileged("dead_time", "nominal", "dead time over its nominal value"),
+    Privileged("noise", "0.1 % of rated current", "current noise, RMS"),
+    Privileged("gain", "1 %", "gain of current channel a minus that of b"),
+    Privileged("offset", "1 % of rated current", "offset of the current channels, magnitude"),
+)
+PRIVILEGED = MOVING + FIXED
+N_PRIVILEGED = len(PRIVILEGED)
+
+
+def fixed(s: Scenarios, motor: Motor) -> Values:
+    """Columns of ``FIXED`` (n, len(FIXED)): what does not change during an episode."""
+    dead_time = s.dead_time / motor.dead_time if motor.dead_time > 0.0 else s.dead_time * 0.0
+    columns = (
+        (s.R_s - 1.0) / 0.25,
+        (s.L_q_hat - 1.0) / 0.10,
+        (s.psi_f - 1.0) / 0.05,
+        np.log(s.J),
+        (s.cross_hat - 1.0) / 0.40,
+        dead_time,
+        s.noise / (0.001 * motor.i_rated),
+        (s.gain[:, 0] - s.gain[:, 1]) / 0.01,
+        np.hypot(s.offset[:, 0], s.offset[:, 1]) / (0.01 * motor.i_rated),
+    )
+    return np.stack(columns, axis=-1).astype(np.float32)
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def privileged(sims: Array, sums: Array, constant: Values, motor: Motor) -> Values:
+    """All columns (n, N_PRIVILEGED) after a decision or at a start.
+
+    Parameters
+    ----------
+    sims : array of SIM, shape (n,)
+    sums : array of ``SIM["sums"]``, shape (n,)
+        The sums in ``sims``, or a copy of them.
+    constant : array, shape (n, len(FIXED))
+        From `fixed`.
+    motor : Motor
+    """
+    rows: Values = np.empty((N_PRIVILEGED, len(sims)), dtype=np.float32)
+    rows[0] = sums["err"]
+    rows[1] = sums["err_hfi"]
+    rows[2] = sums["err_smo"]
+    np.subtract(sums["omega_m"], sums["omega_m_twin"], out=rows[3])
+    np.subtract(sums["tau"], sums["tau_twin"], out=rows[4])
+    rows[5] = sums["tau"]
+    rows[:6] /= np.maximum(sums["n"], np.float32(1.0))
+    still = sums["n"] == 0.0
+    if np.count_nonzero(still):  # no decision yet: all estimators stand at the same angle
+        rows[:3, still] = sims["start"]["theta_err"][still]
+    rows[6] = sims["now"]["tau_load"]
+    rows[7] = sims["drive"]["y"]["omega_m"]
+    rows[:8] *= np.copysign(np.float32(1.0), sims["drive"]["x"]["signal"]["omega"])
+    np.subtract(sims["now"]["u_dc"], np.float32(motor.u_dc), out=rows[8])
+    rows[9] = sims["err_count"]
+    rows[: len(MOVING)] *= _scale(motor)
+    rows[len(MOVING) :] = constant.T
+    np.fmax(rows, np.float32(-BOUND), out=rows)
+    np.fmin(rows, np.float32(BOUND), out=rows)
+    return rows.T.copy()
+
+
+@lru_cache(maxsize=8)
+def _scale(motor: Motor) -> Values:
+    """Factors of ``MOVING``, a column."""
+    deg_30, speed = 6.0 / np.pi, motor.n_p / motor.omega_rated
+    tau, count = 1.0 / motor.tau_rated, motor.T_s / LOST_TIME
+    factors = (deg_30, deg_30, deg_30, 10.0 * speed, tau, tau, tau, speed, 10.0 / motor.u_dc, count)
+    return np.array(factors, dtype=np.float32)[:, None]

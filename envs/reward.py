@@ -1,0 +1,162 @@
+r"""Reward: the negative of what a decision cost, as a sum of named terms.
+
+Running costs are integrated over time, so a return does not depend on the decision period. Each is
+brought to 0 ... 1: with v the root mean square over the decision and s its scale below,
+
+    cost = v^2 / (v^2 + s^2)
+
+which is quadratic while small, as the metrics are, and cannot exceed 1 in a disturbance. Activity
+is v / (v + s) with v the movement of k_s; injection is the share of time. So no decision costs more
+than ``RewardWeights.worst_running`` per 1 ms.
+
+Losing lock ends an episode and with it all running costs. It must never pay to lose lock early, so
+its penalty is above the worst running cost over the whole horizon the agent looks ahead: with
+gamma = 0.997 a decision of 1 ms, 1 / (1 - gamma) = 333 decisions, or 333 ms.
+"""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core_api import Array
+from sensorless.errors import UserError
+from sensorless.motor import Motor
+
+Term = NDArray[np.float32]
+
+HORIZON_MS = 333.0
+"""What the default penalty dominates [ms]."""
+
+SCALE_TORQUE = 0.20
+"""Torque deviation that costs half [rated torque]."""
+SCALE_RIPPLE = 0.02
+"""Torque ripple that costs half [rated torque]."""
+SCALE_SPEED = 0.05
+"""Speed deviation that costs half [rated speed]."""
+SCALE_ANGLE = math.radians(20.0)
+"""Angle error that costs half [rad]."""
+SCALE_ACTIVITY = 0.05
+"""Movement of k_s in 1 ms that costs half."""
+
+
+@dataclass(frozen=True)
+class RewardWeights:
+    """What each cost is worth at its worst, per 1 ms; all zero or positive."""
+
+    torque_deviation: float = 0.050
+    """Torque minus the sensored twin's, without the injection band."""
+    torque_ripple: float = 0.020
+    """Swing of the torque within the decision, without the injection band."""
+    speed_deviation: float = 0.020
+    """Speed minus the sensored twin's: overshoot and dips that the estimate caused."""
+    angle: float = 0.008
+    """Angle error of the blend: the warning before lock is lost."""
+    activity: float = 0.001
+    """Movement of k_s."""
+    injection: float = 0.001
+    """Share of time with injection on."""
+    lost: float = 40.0
+    """Once, when lock is lost."""
+
+    def __post_init__(self) -> None:
+        """Check every weight.
+
+        Raises
+        ------
+        UserError
+            Names the weight, its value and what is allowed.
+        """
+        for f in dataclasses.fields(self):
+            value = getattr(self, f.name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise UserError(
+                    f"reward weight {f.name}: {value!r}; allowed: 0 or a positive number"
+                )
+
+    @property
+    def worst_running(self) -> float:
+        """Upper bound of all running costs together per 1 ms."""
+        return float(sum(dataclasses.astuple(self))) - self.lost
+
+
+TERMS = (*(f.name for f in dataclasses.fields(RewardWeights) if f.name != "lost"), "lost_penalty")
+"""Names of the terms, in the order in which they are added up."""
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def terms(
+    sums: Array, lost: NDArray[np.bool_], weights: RewardWeights, motor: Motor
+) -> dict[str, Term]:
+    """Terms of the reward of one decision.
+
+    Parameters
+    ----------
+    sums : array of ``SIM["sums"]``, shape (n,)
+        Sums over the periods of the decision; a drive that did not move earns 0.
+    lost : array of bool, shape (n,)
+        Drives that lost lock in this decision.
+    weights : RewardWeights
+    motor : Motor
+        Rated values and the PWM period.
+
+    Returns
+    -------
+    dict of str to array of float32, shape (n,)
+        One array a name of ``TERMS``, none above 0; the reward is their sum.
+    """
+    n = sums["n"]
+    x = np.empty((5, len(n)), dtype=np.float32)
+    x[0] = sums["dev_lf_sq"]
+    x[1] = sums["err_sq"]
+    x[2] = sums["k_s_moved"]
+    np.subtract(sums["omega_m"], sums["omega_m_twin"], out=x[3])
+    np.subtract(sums["tau_max"], sums["tau_min"], out=x[4])
+    x[:4] /= np.maximum(n, np.float32(1.0))
+    x[3:] *= x[3:]
+    np.fmin(x, np.float32(1e12), out=x)  # also turns NaN of a broken state into a number
+
+    weight, scale, ms = _constants(weights, motor)
+    x /= x + scale
+    x *= weight
+    x *= ms * n
+    penalty = np.zeros(len(n), dtype=np.float32)
+    penalty[lost] = -weights.lost
+    return {
+        "torque_deviation": x[0],
+        "torque_ripple": x[4],
+        "speed_deviation": x[3],
+        "angle": x[1],
+        "activity": x[2],
+        "injection": np.float32(-weights.injection) * ms * sums["injecting"],
+        "lost_penalty": penalty,
+    }
+
+
+def total(parts: dict[str, Term]) -> Term:
+    """Reward: the terms added up in the order of ``TERMS``."""
+    reward = parts[TERMS[0]] + parts[TERMS[1]]
+    for name in TERMS[2:]:
+        reward += parts[name]
+    return reward
+
+
+@lru_cache(maxsize=8)
+def _constants(weights: RewardWeights, motor: Motor) -> tuple[Array, Array, np.float32]:
+    """Negative weights and scales of the rows of x in `terms`, both (5, 1), and a period in ms.
+
+    A swing from peak to peak of a sine is sqrt(8) times its root mean square.
+    """
+    ms = 1e3 * motor.T_s
+    rows = (
+        (weights.torque_deviation, (SCALE_TORQUE * motor.tau_rated) ** 2),
+        (weights.angle, SCALE_ANGLE**2),
+        (weights.activity, SCALE_ACTIVITY * ms),
+        (weights.speed_deviation, (SCALE_SPEED * motor.omega_rated / motor.n_p) ** 2),
+        (weights.torque_ripple, 8.0 * (SCALE_RIPPLE * motor.tau_rated) ** 2),
+    )
+    columns = np.array(rows, dtype=np.float32).T[:, :, None]
+    return -columns[0], columns[1], np.float32(ms)

@@ -1,0 +1,18 @@
+# make selftest: does this folder, compiled here, compute what it computed where it was exported?
+
+CC       ?= cc
+CFLAGS   ?= -O2
+FLAGS    := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math
+WARNINGS ?= -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
+SOURCES  := $(wildcard core/*.c) ks_table_data.c ks_table_q15.c
+
+.PHONY: selftest clean
+selftest: build/selftest
+	@build/selftest
+
+build/selftest: test/selftest.c $(SOURCES) $(wildcard *.h core/*.h test/*.h) Makefile
+	@mkdir -p build
+	$(CC) $(FLAGS) $(CFLAGS) $(WARNINGS) -o $@ test/selftest.c $(SOURCES)
+
+clean:
+	rm -rf build

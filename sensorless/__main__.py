@@ -1,0 +1,5 @@
+"""``python -m sensorless``."""
+
+from sensorless.cli import main
+
+main()

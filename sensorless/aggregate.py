@@ -1,0 +1,106 @@
+"""From numbers per scenario to a mean and how sure it is: rates, means, paired differences."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binomtest, bootstrap
+
+from sensorless.rollout import CAUSES, Floats
+
+RESAMPLES = 2000
+"""Bootstrap samples of an interval."""
+
+Bools = NDArray[np.bool_]
+Interval = tuple[float, float]
+
+
+def rate_interval(hits: Bools) -> Interval:
+    """95 % Wilson score interval of the rate of ``hits``."""
+    test = binomtest(int(hits.sum()), len(hits))
+    interval = test.proportion_ci(confidence_level=0.95, method="wilson")
+    return float(interval.low), float(interval.high)
+
+
+def mean_interval(x: Floats, seed: int) -> Interval:
+    """95 % percentile bootstrap interval of the mean; NaN for fewer than two values.
+
+    The same ``seed`` draws the same samples: intervals do not depend on what was computed before.
+    """
+    if len(x) < 2:
+        return math.nan, math.nan
+    result = bootstrap(
+        (x,),
+        np.mean,
+        vectorized=True,
+        n_resamples=RESAMPLES,
+        method="percentile",
+        batch=max(1, 4_000_000 // len(x)),
+        random_state=np.random.default_rng(seed),
+    )
+    return float(result.confidence_interval.low), float(result.confidence_interval.high)
+
+
+def mean_of(values: Mapping[str, Floats], rows: Bools, seed: int) -> dict[str, Any]:
+    """Mean over ``rows``, interval and number of defined values of each metric.
+
+    Keys ``NAME`` and ``NAME_ci``, and ``defined`` with the number by name. A metric that is NaN in
+    a scenario leaves that scenario out; a metric defined nowhere has the mean NaN.
+    """
+    out: dict[str, Any] = {}
+    defined = {}
+    for name, x in values.items():
+        known = x[rows & np.isfinite(x)]
+        out[name] = float(np.mean(known)) if len(known) else math.nan
+        out[f"{name}_ci"] = mean_interval(known, seed)
+        defined[name] = len(known)
+    return {**out, "defined": defined}
+
+
+def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -> dict[str, Any]:
+    """Lost rates over all scenarios, means of ``metrics`` over those survived.
+
+    A scenario that ended early for whatever reason counts as lost. That includes those whose twin,
+    with the true angle, gave up (``twin_lost_rate``): they are beyond the machine, hence lost for
+    every policy, so that the rates of two policies differ by the policies alone.
+
+    Parameters
+    ----------
+    lost : (n,) bits of ``CAUSES``
+    """
+    survived = lost == 0
+    twin = lost & CAUSES["twin"] != 0
+    return {
+        "lost_rate": float(np.mean(~survived)),
+        "lost_ci": rate_interval(~survived),
+        "twin_lost_rate": float(np.mean(twin)),
+        "lost_by_cause": {name: int(np.sum(lost & bit != 0)) for name, bit in CAUSES.items()},
+        "survived": int(survived.sum()),
+        **mean_of(metrics, survived, seed),
+    }
+
+
+def paired(
+    lost: NDArray[np.int32],
+    metrics: Mapping[str, Floats],
+    reference_lost: NDArray[np.int32],
+    reference: Mapping[str, Floats],
+    seed: int,
+) -> dict[str, Any]:
+    """Differences to a reference, scenario by scenario: negative where this one has less.
+
+    Lost rates over all scenarios, ``metrics`` over those that both survived.
+    """
+    here, there = lost != 0, reference_lost != 0
+    both = ~(here | there)
+    difference = here.astype(np.float64) - there.astype(np.float64)
+    return {
+        "survived_both": int(both.sum()),
+        "lost_only_here": int(np.sum(here & ~there)),
+        "lost_only_there": int(np.sum(there & ~here)),
+        "lost_rate": float(np.mean(difference)),
+        "lost_rate_ci": mean_interval(difference, seed),
+        **mean_of({name: x - reference[name] for name, x in metrics.items()}, both, seed),
+    }

@@ -1,0 +1,179 @@
+"""The command ``sensorless``."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from sensorless.errors import StaleCoreError, UserError
+
+app = typer.Typer(
+    add_completion=False, no_args_is_help=True, rich_markup_mode="markdown",
+    pretty_exceptions_enable=False,
+    help="""Learned hand-over between two position estimators of a sensorless IPMSM drive.
+
+HF injection (HFI) finds the rotor at low speed, a sliding-mode observer (SMO) above; the weight
+k_s in [0, 1] blends them (1 = HFI). Train a schedule for k_s, judge it against the rules that
+drives ship, and export it as C:
+
+    sensorless train --minutes 5 --name first
+
+    sensorless evaluate --policy eq25 --policy runs/first --suite stress --out results.json
+
+    sensorless export runs/first --out firmware_first
+""",
+)
+console = Console()
+errors = Console(stderr=True)
+
+MotorOption = Annotated[str, typer.Option("--motor", help="Shipped motor by name, or a TOML file.")]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30; repeatable."),
+]
+PolicyOption = Annotated[
+    list[str],
+    typer.Option("--policy", help="eq25, linear:LO,HI, hysteresis, constant:K, hfi, smo, sensored, "
+                 "or the folder of a training run; repeatable."),
+]
+
+
+@app.command()
+def simulate(
+    motor: MotorOption = "paper",
+    policy: Annotated[str, typer.Option(help="As in evaluate.")] = "eq25",
+    speed: Annotated[str, typer.Option(help="Speed plan TIME:R/MIN,... [s:r/min].")] = "0:200,1:350,2:600",
+    load: Annotated[str, typer.Option(help="Load plan TIME:TORQUE,... [s:N m].")] = "0:0",
+    ramp: Annotated[float | None, typer.Option(help="Slope of the speed reference [r/min/s]; "
+                                               "default: steps.")] = None,
+    duration: Annotated[float, typer.Option(help="Length [s].")] = 3.0,
+    scenario: Annotated[str | None, typer.Option(help="SUITE:SEED:INDEX instead of the plans, "
+                                                 "e.g. stress:7:12 from a results file.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the measurement noise.")] = 0,
+    settings: SetOption = None,
+    plot: Annotated[Path | None, typer.Option(help="Waveforms as PNG.")] = None,
+    out: Annotated[Path | None, typer.Option(help="CSV: every PWM period, or the machine's run.")] = None,
+    plant: Annotated[Path | None, typer.Option(help="Machine JSON: run the machine alone.")] = None,
+    inputs: Annotated[Path | None, typer.Option(help="CSV of u_alpha, u_beta[, tau_L] a period, "
+                                                "with --plant.")] = None,
+) -> None:
+    """Run one drive and look at it, or the machine alone under given voltages.
+
+    Default: Fig. 9 of the source paper (200, 350, 600 r/min without load) under Eq. 25.
+    """
+    from sensorless.options import check_output
+
+    check_output(plot, "plot")
+    check_output(out)
+    if plant is not None or inputs is not None:
+        from sensorless.plant_io import simulate_plant
+
+        if plant is None or inputs is None or out is None:
+            raise UserError("plant: allowed: --plant, --inputs and --out together")
+        simulate_plant(plant, inputs, out)
+        console.print(f"wrote {out}")
+        return
+    from sensorless.baselines.registry import make_policy
+    from sensorless.motor import Motor
+    from sensorless.options import design_from, plan_from, scenario_from
+    from sensorless.trace import trace, write_csv
+    from sensorless.trace_summary import summary_table
+
+    machine, design = Motor.load(motor), design_from(settings)
+    rule = make_policy(policy, machine)
+    case = (scenario_from(scenario, machine) if scenario is not None
+            else plan_from(speed, load, ramp, duration, machine, seed))
+    run = trace(rule, case, machine, design)
+    console.print(summary_table(run, rule.name))
+    if out is not None:
+        write_csv(run, out)
+        console.print(f"wrote {out}")
+    if plot is not None:
+        from sensorless.plots import save, waveforms
+
+        save(waveforms(run, f"{machine.name}, {rule.name}, {scenario or 'planned run'}"), plot)
+        console.print(f"wrote {plot}")
+
+
+@app.command()
+def evaluate(
+    policy: PolicyOption,
+    motor: MotorOption = "paper",
+    suite: Annotated[str, typer.Option(help="paper, nominal, handoff, stress or envelope.")] = "stress",
+    seed: Annotated[int, typer.Option(min=0, help="Draws the scenarios.")] = 1,
+    size: Annotated[int, typer.Option(min=1, help="Number of scenarios.")] = 200,
+    settings: SetOption = None,
+    out: Annotated[Path | None, typer.Option(help="Results as JSON.")] = None,
+) -> None:
+    """Judge policies on a suite: lost rates, torque, speed and angle, with 95 % intervals.
+
+    The same suite, seed and size give the same file to the bit. Training and tuning never see these
+    scenarios. Every policy is compared with the first one, scenario by scenario.
+    """
+    from sensorless.evaluate import evaluate as run
+    from sensorless.motor import Motor
+    from sensorless.options import design_from
+
+    with _progress() as bar:
+        tasks = {}
+
+        def report(name: str, done: float) -> None:
+            if name not in tasks:
+                tasks[name] = bar.add_task(name, total=1.0)
+            bar.update(tasks[name], completed=done)
+
+        results = run(Motor.load(motor), design_from(settings), suite, seed, size, policy, out=out,
+                      progress=report)
+    console.print(results.table())
+    if out is not None:
+        console.print(f"wrote {out}")
+
+
+@app.command()
+def export(
+    run: Annotated[str, typer.Argument(help="Folder of a training run, or a rule with a table: "
+                                       "eq25, linear:LO,HI, constant:K.")],
+    out: Annotated[Path, typer.Option(help="Folder to write: new, or an earlier export.")],
+    motor: MotorOption = "paper",
+    settings: SetOption = None,
+) -> None:
+    """Write a schedule and the control core around it as C99, and check the copy.
+
+    The folder holds the table in float32 and Q15, the core, params.h, golden vectors and a Makefile;
+    its self test is compiled and run here if there is a C compiler.
+    """
+    from sensorless.baselines.registry import make_policy
+    from sensorless.envs.policy import TablePolicy
+    from sensorless.export import export as write
+    from sensorless.motor import Motor
+    from sensorless.options import design_from
+
+    machine = Motor.load(motor)
+    policy = make_policy(run, machine)
+    if not isinstance(policy, TablePolicy):
+        raise UserError(f"run: {run!r} has no table; allowed: a training run, eq25, linear, constant")
+    done = write(policy.table, machine, design_from(settings), out, policy=policy.name)
+    console.print(f"wrote {len(done.files)} files to {done.folder}\n{done.self_test}")
+
+
+def _progress() -> Progress:
+    return Progress(TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"),
+                    TimeElapsedColumn(), console=errors, transient=not errors.is_terminal)
+
+
+def main() -> None:
+    """Entry point: a user's mistake is one line and exit status 2, Ctrl-C is status 130."""
+    try:
+        app(standalone_mode=True)
+    except (UserError, StaleCoreError) as error:
+        errors.print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        errors.print("interrupted")
+        sys.exit(130)
+    except BrokenPipeError:
+        os._exit(1)

@@ -1,0 +1,192 @@
+"""A suite of scenarios under several policies, from names to results."""
+
+import platform
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.aggregate import paired, summary
+from sensorless.baselines.registry import make_policy
+from sensorless.core_api import ffi, lib
+from sensorless.drive import DriveDesign
+from sensorless.envs.policy import Policy
+from sensorless.envs.scenario import Scenarios, SimFactory
+from sensorless.errors import UserError
+from sensorless.metrics import METRICS, SPEED_EDGES, angle_by_speed
+from sensorless.motor import Motor
+from sensorless.results import Results, check_writable
+from sensorless.rollout import CAUSES, CHUNK, Floats, Progress, rollouts
+from sensorless.suites import suite as scenarios_of
+
+PolicyProgress = Callable[[str, float], None]
+"""Called with the name of a policy and the share of its scenarios that is done."""
+
+
+@dataclass(frozen=True)
+class Scores:
+    """One policy on n scenarios."""
+
+    lost: NDArray[np.int32]
+    """(n,) bits of ``CAUSES``"""
+    time: Floats
+    """(n,) time lived [s]"""
+    metrics: dict[str, Floats]
+    """(n,) each, all of ``METRICS``"""
+    speed_err_sq: Floats
+    """(n, bins) of ``angle_by_speed``"""
+    speed_periods: NDArray[np.int64]
+
+
+def evaluate(
+    motor: Motor,
+    design: DriveDesign,
+    suite: str,
+    seed: int,
+    size: int,
+    policies: Sequence[str],
+    *,
+    out: Path | None = None,
+    progress: PolicyProgress | None = None,
+) -> Results:
+    """Run every policy over the same scenarios and compare each with the first one.
+
+    Parameters
+    ----------
+    suite, seed, size
+        As in ``sensorless.suites.suite``.
+    policies : sequence of str
+        As in ``sensorless.baselines.registry.known``.
+    out : Path, optional
+        Results file to write; whether it can be written is found out before the run.
+
+    Raises
+    ------
+    UserError
+        Something that was asked for does not exist or is out of its range.
+    """
+    if out is not None:
+        check_writable(out)
+    named = _named(policies, motor)
+    scenarios = scenarios_of(suite, motor, seed, size)
+    factory = SimFactory(motor, design)
+    scores = {}
+    for name, policy in named.items():
+        report = None if progress is None else _report(progress, name)
+        scores[name] = score(policy, scenarios, factory, report)
+    results = Results(
+        suite=suite,
+        seed=seed,
+        size=size,
+        motor=motor.name,
+        motor_digest=motor.digest,
+        design=asdict(design),
+        versions=_versions(),
+        policies={name: _entry(s, scenarios, seed) for name, s in scores.items()},
+        paired=_paired(scores, seed),
+    )
+    if out is not None:
+        results.write(out)
+    return results
+
+
+def score(
+    policy: Policy,
+    scenarios: Scenarios,
+    factory: SimFactory,
+    progress: Progress | None = None,
+    chunk: int = CHUNK,
+) -> Scores:
+    """All metrics of a policy on every scenario."""
+    parts = []
+    for r in rollouts(policy, scenarios, factory, progress, chunk):
+        metrics = {name: metric(r) for name, metric in METRICS.items()}
+        time = np.asarray(r.periods * r.motor.T_s, dtype=np.float64)
+        parts.append(Scores(r.lost, time, metrics, *angle_by_speed(r)))
+    return Scores(
+        np.concatenate([p.lost for p in parts]),
+        np.concatenate([p.time for p in parts]),
+        {name: np.concatenate([p.metrics[name] for p in parts]) for name in METRICS},
+        np.concatenate([p.speed_err_sq for p in parts]),
+        np.concatenate([p.speed_periods for p in parts]),
+    )
+
+
+def _named(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
+    """Policies by name; by their whole word where a name is taken."""
+    if not specs:
+        raise UserError("policy: none given; allowed: one or more")
+    out: dict[str, Policy] = {}
+    for spec in specs:
+        policy = make_policy(spec, motor)
+        name = spec if policy.name in out else policy.name
+        if name in out:
+            raise UserError(f"policy: {spec!r} is given twice; allowed: each policy once")
+        out[name] = policy
+    return out
+
+
+def _report(progress: PolicyProgress, name: str) -> Progress:
+    return lambda done: progress(name, done)
+
+
+def _entry(s: Scores, scenarios: Scenarios, seed: int) -> dict[str, Any]:
+    """Block of a policy in the results."""
+    survived = s.lost == 0
+    return {
+        **summary(s.lost, s.metrics, seed),
+        "by_speed": _by_speed(s.speed_err_sq[survived], s.speed_periods[survived]),
+        "scenarios": {
+            "seed": scenarios.seed.tolist(),
+            "lost": (~survived).tolist(),
+            "lost_cause": [_cause(int(bits)) for bits in s.lost],
+            "time_s": s.time.tolist(),
+            **{name: x.tolist() for name, x in s.metrics.items()},
+        },
+    }
+
+
+def _by_speed(err_sq: Floats, periods: NDArray[np.int64]) -> dict[str, list[float]]:
+    """Angle error by speed over all scenarios survived."""
+    count = periods.sum(axis=0)
+    known = np.where(count > 0, count, np.nan)
+    return {
+        "from_rated_speed": list(SPEED_EDGES),
+        "time_share": (count / max(int(count.sum()), 1)).tolist(),
+        "angle_err_rms_deg": np.rad2deg(np.sqrt(err_sq.sum(axis=0) / known)).tolist(),
+    }
+
+
+def _paired(scores: dict[str, Scores], seed: int) -> dict[str, dict[str, Any]]:
+    first, *others = scores
+    ref = scores[first]
+    return {
+        name: {
+            "with": first,
+            **paired(scores[name].lost, scores[name].metrics, ref.lost, ref.metrics, seed),
+        }
+        for name in others
+    }
+
+
+def _cause(bits: int) -> str | None:
+    """Names of the bits set, or nothing."""
+    return "+".join(name for name, bit in CAUSES.items() if bits & bit) or None
+
+
+def _versions() -> dict[str, str]:
+    """What the numbers depend on besides the inputs."""
+    try:
+        own = version("sensorless")
+    except PackageNotFoundError:
+        own = "not installed"
+    return {
+        "sensorless": own,
+        "core": ffi.string(lib.core_hash).decode(),
+        "python": platform.python_version(),
+        **{name: version(name) for name in ("numpy", "scipy")},
+    }

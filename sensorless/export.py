@@ -1,0 +1,147 @@
+"""From a schedule table to a folder that drops into any C project and checks itself."""
+
+import os
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from string import Template
+from typing import Any
+
+import numpy as np
+
+from sensorless.drive import DriveDesign, control_record
+from sensorless.errors import UserError
+from sensorless.export_code import params_header
+from sensorless.export_core import FIRMWARE, core_files
+from sensorless.export_folder import (
+    TABLE_JSON,
+    check_replaceable,
+    move_into_place,
+    write_folder,
+)
+from sensorless.export_provenance import motor_hash, table_json
+from sensorless.export_selftest import SelfTest, run_selftest
+from sensorless.export_tables import drive_vectors_header, table_header, table_source
+from sensorless.export_vectors import drive_vectors, table_vectors
+from sensorless.files import ensure_writable
+from sensorless.ks_table import KsTable
+from sensorless.motor import Motor
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What ``export`` wrote."""
+
+    folder: Path
+    files: tuple[str, ...]
+    self_test: SelfTest
+
+
+def export(
+    table: KsTable,
+    motor: Motor,
+    design: DriveDesign,
+    folder: str | Path,
+    *,
+    policy: str = "table",
+    provenance: Mapping[str, Any] | None = None,
+    decision_time: float = 0.001,
+) -> Exported:
+    """Write the folder, whole or not at all, after its self test has passed on this host.
+
+    Parameters
+    ----------
+    table, motor, design
+    folder : str or Path
+        New, empty, or an earlier export, which is replaced.
+    policy : str
+        Name of the schedule in the folder's texts.
+    provenance : mapping, optional
+        JSON types, over the table's own: training command, seed, versions, ...
+    decision_time : float
+        Time from one decision of the schedule to the next [s].
+
+    Raises
+    ------
+    UserError
+        Table of another motor or slew limit, a number that is not finite, a folder that is not
+        writable or holds something else, or a self test that fails.
+    """
+    origin = {**table.provenance, **(provenance or {}), "policy": policy}
+    _check_origin(origin, table, motor, design)
+    target = Path(folder).resolve()
+    check_replaceable(target)
+    ensure_writable(target.parent)
+    periods = max(1, round(decision_time / motor.T_s))
+    files = _contents(table, motor, design, policy, periods)
+    files[TABLE_JSON] = table_json(table, motor, design, origin, files).encode()
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        write_folder(part, files)
+        self_test = run_selftest(part)
+        move_into_place(part, target)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UserError(f"output folder {str(target)!r}: {reason}; allowed: writable") from None
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+    return Exported(target, tuple(sorted(files)), self_test)
+
+
+def _check_origin(
+    origin: Mapping[str, Any], table: KsTable, motor: Motor, design: DriveDesign
+) -> None:
+    made_for = str(origin.get("motor_digest", motor.digest))
+    if made_for != motor.digest:
+        raise UserError(
+            f"motor: {motor.name!r}, digest {motor.digest[:16]}; allowed: the machine that the "
+            f"policy was made for, digest {made_for[:16]}"
+        )
+    if table.slew_per_s != float(np.float32(design.k_s_slew)):
+        raise UserError(
+            f"k_s_slew: {design.k_s_slew:g}; allowed: {table.slew_per_s:g} as in the policy's table"
+        )
+
+
+def _contents(
+    table: KsTable, motor: Motor, design: DriveDesign, policy: str, periods: int
+) -> dict[str, bytes]:
+    """Every file of the folder but ``ks_table.json``."""
+    lookups_f32, lookups_q15 = table_vectors(table, "f32"), table_vectors(table, "q15")
+    run = drive_vectors(table, motor, design, periods)
+    tag = motor_hash(motor)
+    text = {
+        "README.md": _readme(table, motor, policy, periods, len(lookups_f32), len(run.words)),
+        "params.h": params_header(control_record(motor, design), table.rule, tag, periods),
+        "ks_table_data.h": table_header(len(lookups_f32)),
+        "ks_table_data.c": table_source(table, "f32", tag, lookups_f32),
+        "ks_table_q15.c": table_source(table, "q15", tag, lookups_q15),
+        "test/drive_vectors.h": drive_vectors_header(run),
+    }
+    return {
+        **{name: content.encode() for name, content in text.items()},
+        "Makefile": (FIRMWARE / "selftest.mk").read_bytes(),
+        "test/selftest.c": (FIRMWARE / "selftest.c").read_bytes(),
+        **{f"core/{name}": content for name, content in core_files().items()},
+    }
+
+
+def _readme(
+    table: KsTable, motor: Motor, policy: str, periods: int, lookups: int, drive: int
+) -> str:
+    axes = "\n".join(
+        f"| {j} | {a.signal} | {a.lo:g} | {a.hi:g} | {a.n} |" for j, a in enumerate(table.axes)
+    )
+    return Template((FIRMWARE / "export_readme.md").read_text(encoding="utf-8")).substitute(
+        policy=policy,
+        motor=f"{motor.name} ({motor.description})",
+        T_s_us=f"{motor.T_s * 1e6:g}",
+        periods=periods,
+        axes=axes,
+        drive_vectors=drive,
+        table_bytes=20 * lookups,
+        x_min=f"{table.rule[0]:.3g}",
+        x_max=f"{table.rule[1]:.3g}",
+        fallback=f"{table.fallback:g}",
+    )

@@ -1,0 +1,71 @@
+"""Puts an export in its place: new, or instead of an earlier one, never over anything else."""
+
+import json
+import os
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+from sensorless.errors import UserError
+
+TABLE_JSON = "ks_table.json"
+BUILD = "build"
+"""Where the folder's own Makefile puts what it compiles."""
+
+
+def check_replaceable(folder: Path) -> None:
+    """Refuse a place that holds anything but an earlier export.
+
+    Raises
+    ------
+    UserError
+        Names the folder and what is in it.
+    """
+    if not folder.exists():
+        return
+    if not folder.is_dir():
+        raise UserError(f"output folder {str(folder)!r}: a file; allowed: a folder")
+    known = _written(folder)
+    for path in folder.iterdir() if known is None else folder.rglob("*"):
+        name = path.relative_to(folder)
+        if known is None:
+            raise UserError(
+                f"output folder {str(folder)!r}: has {name.name!r} and is no export; allowed: a "
+                "new or empty folder, or an earlier export"
+            )
+        if not path.is_dir() and name.parts[0] != BUILD and name.as_posix() not in known:
+            raise UserError(
+                f"output folder {str(folder)!r}: has {name.as_posix()!r}, which no export wrote; "
+                "allowed: an earlier export with nothing added"
+            )
+
+
+def _written(folder: Path) -> set[str] | None:
+    """Names of the files of an earlier export; None if the folder is none."""
+    try:
+        data = json.loads((folder / TABLE_JSON).read_text(encoding="utf-8"))
+        return {*data["provenance"]["export"]["sha256"], TABLE_JSON}
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write files, given by their relative names, into a new folder."""
+    for name, content in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+
+
+def move_into_place(part: Path, folder: Path) -> None:
+    """Rename ``part`` to ``folder``; what was there is removed after that."""
+    old = folder.with_name(f"{part.name}.old")
+    if folder.exists():
+        os.rename(folder, old)
+    try:
+        os.rename(part, folder)
+    except OSError:
+        if old.exists():
+            os.rename(old, folder)
+        raise
+    shutil.rmtree(old, ignore_errors=True)

@@ -1,0 +1,52 @@
+"""Files that are written whole or not at all."""
+
+import os
+from pathlib import Path
+
+from sensorless.errors import UserError
+
+
+def write_atomic(path: str | Path, data: str | bytes) -> None:
+    """Write a file beside its place, then move it there; text becomes UTF-8.
+
+    Raises
+    ------
+    UserError
+        The folder cannot be written to; an older file of that name is as it was.
+    """
+    path = Path(path)
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    raw = data.encode("utf-8") if isinstance(data, str) else data
+    try:
+        try:
+            part.write_bytes(raw)
+            os.replace(part, path)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        raise UserError(f"output {str(path)!r}: {_reason(error)}; allowed: writable") from None
+
+
+def ensure_writable(folder: str | Path) -> Path:
+    """Create a folder with its parents, make sure that files can be made in it, and return it.
+
+    Raises
+    ------
+    UserError
+        It cannot be created or written to.
+    """
+    folder = Path(folder)
+    probe = folder / f".probe.{os.getpid()}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise UserError(
+            f"output folder {str(folder)!r}: {_reason(error)}; allowed: a writable folder"
+        ) from None
+    return folder
+
+
+def _reason(error: OSError) -> str:
+    return error.strerror or str(error)

@@ -1,0 +1,101 @@
+"""The schedule table as a text file: the same float32 bits after writing and reading."""
+
+import json
+import math
+import zlib
+from collections.abc import Mapping
+from typing import Any
+
+from sensorless.errors import UserError
+
+FORMAT = "sensorless-ks-table/1"
+FIELDS = ("axes", "slew_per_s", "fallback", "rule", "values")
+AXIS_FIELDS = ("signal", "lo", "hi", "n")
+
+
+def content(fields: Mapping[str, Any]) -> bytes:
+    """Return all numbers of a table in one canonical text, which checksum and digest run over."""
+    return json.dumps(fields, sort_keys=True, separators=(",", ":")).encode()
+
+
+def to_text(fields: Mapping[str, Any], provenance: Mapping[str, Any]) -> str:
+    """Return the file's text: one row of nodes (last axis) a line."""
+    head = {
+        "format": FORMAT,
+        "crc32": f"0x{zlib.crc32(content(fields)):08x}",
+        "provenance": _plain(provenance),
+    }
+    parts = [
+        f'  "{key}": {json.dumps(value, indent=2)}'.replace("\n", "\n  ")
+        for key, value in head.items()
+    ]
+    parts += [f'  "{key}": {json.dumps(fields[key])}' for key in FIELDS if key != "values"]
+    parts.append(f'  "values": {_rows(fields["values"], "    ")}')
+    return "{\n" + ",\n".join(parts) + "\n}\n"
+
+
+def _plain(x: Any) -> Any:
+    """JSON types only: a number that is not finite becomes its name."""
+    if isinstance(x, Mapping):
+        return {str(key): _plain(value) for key, value in x.items()}
+    if isinstance(x, (list, tuple)):
+        return [_plain(value) for value in x]
+    return str(x) if isinstance(x, float) and not math.isfinite(x) else x
+
+
+def _rows(values: Any, indent: str) -> str:
+    if not isinstance(values[0], list):
+        return json.dumps(values)
+    return "[\n" + ",\n".join(indent + _rows(v, indent + "  ") for v in values) + "]"
+
+
+def from_text(text: str, where: str) -> tuple[dict[str, Any], dict[str, Any], str]:
+    """Fields, provenance and stored checksum of a file's text; its numbers are not checked here.
+
+    Raises
+    ------
+    UserError
+        Names the file, the field, its value and what is allowed.
+    """
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise UserError(f"{where}: {error}; allowed: a table in JSON") from None
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        found = data.get("format") if isinstance(data, dict) else type(data).__name__
+        raise UserError(f"{where}: format: {found!r}; allowed: {FORMAT!r}")
+    _exactly(data, ("format", "crc32", "provenance", *FIELDS), where)
+    if not isinstance(data["provenance"], dict):
+        raise UserError(f"{where}: provenance: {data['provenance']!r}; allowed: an object")
+    if not isinstance(data["axes"], list):
+        raise UserError(f"{where}: axes: {data['axes']!r}; allowed: a list of axes")
+    for axis in data["axes"]:
+        if not isinstance(axis, dict):
+            raise UserError(f"{where}: axes: {axis!r}; allowed: an object")
+        _exactly(axis, AXIS_FIELDS, f"{where}: axes")
+    return {key: data[key] for key in FIELDS}, data["provenance"], str(data["crc32"])
+
+
+def check_crc(fields: Mapping[str, Any], stored: str, where: str) -> None:
+    """Compare the checksum over fields as they were read with the stored one.
+
+    Raises
+    ------
+    UserError
+        The file was changed after it was written.
+    """
+    crc = f"0x{zlib.crc32(content(fields)):08x}"
+    if stored != crc:
+        raise UserError(
+            f"{where}: crc32: {stored!r}; allowed: {crc!r}, the checksum of the numbers in it (the "
+            "file was changed or damaged)"
+        )
+
+
+def _exactly(data: Mapping[str, Any], names: tuple[str, ...], where: str) -> None:
+    for name in names:
+        if name not in data:
+            raise UserError(f"{where}: {name}: missing; allowed: {', '.join(names)}")
+    for name in data:
+        if name not in names:
+            raise UserError(f"{where}: {name}: unknown field; allowed: {', '.join(names)}")

@@ -1,0 +1,192 @@
+"""What a drive did in one scenario, in numbers: one function a metric, its name is the metric's.
+
+Each maps a rollout to one float per scenario, over the life of the drive (up to its loss if it was
+lost); NaN where a metric has no meaning. Sums run over the PWM periods k of that life, N of them.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
+
+from sensorless.rollout import Floats, Rollout
+from sensorless.step_metrics import (
+    dip_excess_pct_s,
+    dip_pct_s,
+    overshoot_excess_pct,
+    overshoot_pct,
+    settling_s,
+)
+
+RIPPLE_WINDOW = 0.02
+"""Moving mean that torque ripple is measured against, and width of a peak-to-peak window [s]."""
+
+SPEED_EDGES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0)
+"""Lower edges of the bins of ``angle_by_speed`` over rated speed; the last bin is open."""
+
+
+def torque_dev_rms(r: Rollout) -> Floats:
+    """sqrt(sum (tau - tau_twin)^2 / N) / tau_rated: deviation from the sensored twin."""
+    return np.asarray(np.sqrt(r.total("dev_sq")) / r.motor.tau_rated)
+
+
+def torque_dev_lf_rms(r: Rollout) -> Floats:
+    """``torque_dev_rms`` of the mean of each two samples in a row: without the injection band."""
+    return np.asarray(np.sqrt(r.total("dev_lf_sq")) / r.motor.tau_rated)
+
+
+def torque_ripple_rms(r: Rollout) -> Floats:
+    """sqrt(sum (tau - tau_mean)^2 / N) / tau_rated, tau_mean the centred 20 ms moving mean.
+
+    From the sums of each decision j of n_j periods, S_j of tau and Q_j of tau^2: the moving mean,
+    taken at the centre of the decision, is M_j = sum_i w_i S_(j+i) / sum_i w_i n_(j+i) with
+    w_i = 1 for |i| < h, 1/2 for |i| = h, where 2 h decisions are 20 ms (cut at both ends of the
+    life), and the sum over the periods of decision j is Q_j - 2 M_j S_j + n_j M_j^2.
+    """
+    return _ripple(r, "tau_sq")
+
+
+def torque_ripple_lf_rms(r: Rollout) -> Floats:
+    """``torque_ripple_rms`` of the mean of each two samples in a row: without the injection band.
+
+    Q_j is the sum of that mean's square; S_j stays, because its difference to the sum of the mean
+    is half a sample at each end of the decision, which cancels from one decision to the next.
+    """
+    return _ripple(r, "tau_lf_sq")
+
+
+def torque_p2p_handover(r: Rollout) -> Floats:
+    """max_j (max tau - min tau within 20 ms around decision j) / tau_rated, 0.001 < k_s_j < 0.999.
+
+    Without the injection band; NaN if the drive never was between its two estimators.
+    """
+    width = 2 * _half_window(r) + 1
+    high = np.where(r.alive, r.sums["tau_max"], -np.inf)
+    low = np.where(r.alive, r.sums["tau_min"], np.inf)
+    span = maximum_filter1d(high, width, axis=0, mode="constant", cval=-np.inf)
+    span -= minimum_filter1d(low, width, axis=0, mode="constant", cval=np.inf)
+    k_s = r.mean("k_s")
+    between = (k_s > 0.001) & (k_s < 0.999)
+    peak = np.where(between, span, -np.inf).max(axis=0, initial=-np.inf)
+    return np.asarray(np.where(np.isfinite(peak), peak, np.nan) / r.motor.tau_rated)
+
+
+def speed_dev_rms(r: Rollout) -> Floats:
+    """sqrt(mean_j (omega_m - omega_m_twin)^2) / omega_m_rated, of the mean speeds of decision j."""
+    deviation = np.subtract(r.mean("omega_m"), r.mean("omega_m_twin"), dtype=np.float64)
+    rated = r.motor.omega_rated / r.motor.n_p
+    return np.asarray(np.sqrt(_mean_alive(r, deviation**2)) / rated)
+
+
+def angle_err_mean_deg(r: Rollout) -> Floats:
+    """Sum err / N, err = wrap(theta_e - theta_e_hat) [deg]."""
+    return np.asarray(np.rad2deg(r.total("err")))
+
+
+def angle_err_rms_deg(r: Rollout) -> Floats:
+    """sqrt(sum err^2 / N) [deg]."""
+    return np.asarray(np.rad2deg(np.sqrt(r.total("err_sq"))))
+
+
+def angle_err_p999_deg(r: Rollout) -> Floats:
+    """Smallest bound that holds in 99.9 % of the decisions for the largest |err| of each [deg].
+
+    An upper bound of the 99.9 % quantile over the periods.
+    """
+    worst = np.sort(np.where(r.alive, r.sums["err_max"], -1.0), axis=0)
+    count = r.alive.sum(axis=0)
+    if not len(worst):
+        return np.full(len(r.lost), np.nan)
+    rank = len(worst) - count + np.ceil(0.999 * count).astype(np.int64) - 1
+    value = worst[np.maximum(rank, 0), np.arange(len(count))]
+    return np.asarray(np.rad2deg(np.where(count > 0, value, np.nan)), dtype=np.float64)
+
+
+def angle_err_max_deg(r: Rollout) -> Floats:
+    """Max |err| [deg]."""
+    worst = r.sums["err_max"].max(axis=0, initial=0.0)
+    return np.asarray(np.rad2deg(np.where(r.periods > 0, worst, np.nan)), dtype=np.float64)
+
+
+def injection_share(r: Rollout) -> Floats:
+    """Share of periods with injection on."""
+    return r.total("injecting")
+
+
+def copper_extra(r: Rollout) -> Floats:
+    """Sum (|i|^2 - |i_twin|^2) / N / i_rated^2: copper loss beyond the twin's over the rated one.
+
+    Counts the injection and what a wrong angle costs.
+    """
+    return np.asarray((r.total("i_sq") - r.total("i_sq_twin")) / r.motor.i_rated**2)
+
+
+def k_s_activity(r: Rollout) -> Floats:
+    """Sum |k_s(k) - k_s(k-1)| / (N T_s): total variation of the weight per second [1/s]."""
+    return np.asarray(r.total("k_s_moved") / r.motor.T_s)
+
+
+METRICS: dict[str, Callable[[Rollout], Floats]] = {
+    f.__name__: f
+    for f in (
+        torque_dev_rms,
+        torque_dev_lf_rms,
+        torque_ripple_rms,
+        torque_ripple_lf_rms,
+        torque_p2p_handover,
+        overshoot_pct,
+        overshoot_excess_pct,
+        settling_s,
+        dip_pct_s,
+        dip_excess_pct_s,
+        speed_dev_rms,
+        angle_err_mean_deg,
+        angle_err_rms_deg,
+        angle_err_p999_deg,
+        angle_err_max_deg,
+        injection_share,
+        copper_extra,
+        k_s_activity,
+    )
+}
+"""All metrics by name, in the order in which they are reported."""
+
+
+def angle_by_speed(r: Rollout) -> tuple[Floats, NDArray[np.int64]]:
+    """Sum of err^2 [rad^2] and number of periods in each bin of the true speed, two (n, bins)."""
+    rated = r.motor.omega_rated / r.motor.n_p
+    which = np.digitize(np.abs(r.mean("omega_m")) / rated, SPEED_EDGES) - 1
+    err_sq = np.zeros((len(r.lost), len(SPEED_EDGES)))
+    periods = np.zeros((len(r.lost), len(SPEED_EDGES)), dtype=np.int64)
+    for b in range(len(SPEED_EDGES)):
+        inside = r.alive & (which == b)
+        err_sq[:, b] = np.where(inside, r.sums["err_sq"], 0.0).sum(axis=0, dtype=np.float64)
+        periods[:, b] = np.where(inside, r.sums["n"], 0.0).sum(axis=0, dtype=np.float64)
+    return err_sq, periods
+
+
+def _half_window(r: Rollout) -> int:
+    """Decisions in half of the ripple window, at least one."""
+    return max(1, round(0.5 * RIPPLE_WINDOW / r.decision_time))
+
+
+def _ripple(r: Rollout, square: str) -> Floats:
+    h = _half_window(r)
+    weights = np.ones(2 * h + 1)
+    weights[[0, -1]] = 0.5
+    tau, count = (np.asarray(r.sums[name], dtype=np.float64) for name in ("tau", "n"))
+    if not len(tau):
+        return np.full(len(r.lost), np.nan)
+    mean = convolve1d(tau, weights, axis=0, mode="constant")
+    mean /= np.maximum(convolve1d(count, weights, axis=0, mode="constant"), 0.5)
+    total = (r.sums[square] - 2.0 * mean * tau + count * mean**2).sum(axis=0)
+    periods = np.where(r.periods > 0, r.periods, np.nan)
+    return np.asarray(np.sqrt(np.maximum(total, 0.0) / periods) / r.motor.tau_rated)
+
+
+def _mean_alive(r: Rollout, x: Floats) -> Floats:
+    """(n,) mean of (d, n) over the decisions a drive lived."""
+    count = r.alive.sum(axis=0)
+    total = np.where(r.alive, x, 0.0).sum(axis=0)
+    return np.asarray(total / np.where(count > 0, count, np.nan))

@@ -1,0 +1,122 @@
+"""The results of an evaluation: file, and table for the terminal."""
+
+import json
+import math
+import os
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from sensorless.errors import UserError
+from sensorless.files import write_atomic
+
+DIGITS = 9
+"""Significant digits of a number in the file."""
+
+COLUMNS = (
+    ("lost_rate", "lost\n[%]", 100.0, 1),
+    ("torque_dev_rms", "torque\ndeviation [%]", 100.0, 2),
+    ("torque_ripple_rms", "torque\nripple [%]", 100.0, 2),
+    ("overshoot_pct", "speed over-\nshoot [%]", 1.0, 1),
+    ("angle_err_rms_deg", "angle\nerror [°]", 1.0, 2),
+)
+"""Of the table: name, heading, factor, decimals."""
+
+
+@dataclass(frozen=True)
+class Results:
+    """One suite under several policies. Every field is plain data: numbers, text, lists, dicts."""
+
+    suite: str
+    seed: int
+    size: int
+    motor: str
+    motor_digest: str
+    design: dict[str, Any]
+    versions: dict[str, str]
+    policies: dict[str, dict[str, Any]]
+    """by name: rates, means over the scenarios survived, intervals, and ``scenarios``"""
+    paired: dict[str, dict[str, Any]]
+    """by name: differences to the first policy"""
+
+    def to_json(self) -> str:
+        """Text of the file, the same for the same results; null where there is no number."""
+        return _text(asdict(self)) + "\n"
+
+    def write(self, path: Path) -> None:
+        """Write the file as a whole or not at all.
+
+        Raises
+        ------
+        UserError
+            The file cannot be written there.
+        """
+        write_atomic(path, self.to_json())
+
+    def table(self) -> Table:
+        """Lost rate over all scenarios, means over those survived, each with its 95 % interval."""
+        title = f"{self.suite}, seed {self.seed}, {self.size} scenarios, motor {self.motor}"
+        table = Table(title=title, caption="means over survived scenarios; ± half a 95 % interval")
+        table.add_column("policy", overflow="fold")
+        for _, heading, _, _ in COLUMNS:
+            table.add_column(heading, justify="right")
+        for name, policy in self.policies.items():
+            table.add_row(name, *(_cell(policy, *column) for column in COLUMNS))
+        return table
+
+
+def _cell(policy: dict[str, Any], key: str, _: str, factor: float, decimals: int) -> str:
+    value = factor * policy[key]
+    low, high = policy["lost_ci" if key == "lost_rate" else f"{key}_ci"]
+    if not math.isfinite(value):
+        return "–"
+    half = 0.5 * factor * (high - low)
+    return f"{value:.{decimals}f}" + (f" ±{half:.{decimals}f}" if math.isfinite(half) else "")
+
+
+def check_writable(path: Path) -> None:
+    """Find out before a long run whether a file can be written.
+
+    Raises
+    ------
+    UserError
+        No such folder, no right to write there, or the path is a folder.
+    """
+    folder = path.parent
+    if not folder.is_dir():
+        raise UserError(
+            f"out: {str(path)!r}: no folder {str(folder)!r}; allowed: a file in an existing folder"
+        )
+    if path.is_dir():
+        raise UserError(f"out: {str(path)!r} is a folder; allowed: the name of a file")
+    probe = folder / f".{path.name}.{os.getpid()}.part"
+    try:
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise UserError(
+            f"out: {str(path)!r}: {error.strerror}; allowed: a file in a writable folder"
+        ) from None
+
+
+def _text(x: Any, indent: str = "") -> str:
+    """JSON with one line for every entry of an object, so that lists of numbers stay on a line."""
+    if not isinstance(x, dict) or not x:
+        return json.dumps(_plain(x), allow_nan=False)
+    inner = indent + " "
+    lines = (f"{inner}{json.dumps(str(key))}: {_text(value, inner)}" for key, value in x.items())
+    return "{\n" + ",\n".join(lines) + f"\n{indent}}}"
+
+
+def _plain(x: Any) -> Any:
+    """Values that JSON knows; floats rounded, null for what is not finite."""
+    if isinstance(x, np.ndarray | np.generic):
+        x = x.tolist()
+    if isinstance(x, list | tuple):
+        return [_plain(entry) for entry in x]
+    if isinstance(x, float):
+        return float(f"{x:.{DIGITS}g}") if math.isfinite(x) else None
+    return x

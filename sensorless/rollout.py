@@ -1,0 +1,116 @@
+"""Drives under a policy from start to end, with the sums of every decision kept."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run
+from sensorless.envs.policy import Policy
+from sensorless.envs.scenario import Scenarios, SimFactory
+from sensorless.motor import Motor
+
+DECISION = 0.001
+"""Time between two decisions [s], rounded to whole PWM periods."""
+
+CHUNK = 256
+"""Scenarios at a time: with ``sums_t`` of 80 bytes, 2 s of them keep 41 MB."""
+
+Progress = Callable[[float], None]
+"""Called now and then with the share that is done, 0 to 1."""
+
+Floats = NDArray[np.float64]
+
+CAUSES: dict[str, int] = {
+    "angle": lib.LOST_ANGLE,
+    "current": lib.LOST_CURRENT,
+    "nonfinite": lib.LOST_NONFINITE,
+    "twin": lib.LOST_TWIN,
+}
+"""Bits of ``Rollout.lost``, LOST_* of ``core/simulate.h``: why a drive stopped before its end."""
+
+
+def decision_periods(motor: Motor) -> int:
+    """PWM periods between two decisions."""
+    return max(1, round(DECISION / motor.T_s))
+
+
+@dataclass(frozen=True)
+class Rollout:
+    """What happened to n drives in up to d decisions."""
+
+    motor: Motor
+    scenarios: Scenarios
+    sums: Array
+    """(d, n) of ``sums_t``: sums over the periods of each decision. Its ``n`` says how many periods
+    those are; all is zero after the end of a drive."""
+    lost: NDArray[np.int32]
+    """(n,) bits of ``CAUSES``, 0 for a drive that reached the end"""
+    periods: NDArray[np.int64]
+    """(n,) PWM periods lived"""
+
+    @property
+    def decision_time(self) -> float:
+        """Length of a decision [s]."""
+        return decision_periods(self.motor) * self.motor.T_s
+
+    @cached_property
+    def alive(self) -> NDArray[np.bool_]:
+        """(d, n): the drive moved in this decision."""
+        return np.asarray(self.sums["n"] > 0.0)
+
+    def mean(self, name: str) -> NDArray[np.float32]:
+        """(d, n) mean of a field of ``sums_t`` over each decision; NaN after the end of a drive."""
+        count = np.where(self.alive, self.sums["n"], np.float32(np.nan))
+        return np.asarray(self.sums[name] / count)
+
+    def total(self, name: str) -> Floats:
+        """(n,) mean of a field of ``sums_t`` over the life of each drive; NaN if it had none."""
+        count = np.where(self.periods > 0, self.periods, np.nan)
+        return np.asarray(self.sums[name].sum(axis=0, dtype=np.float64) / count)
+
+
+def rollout(
+    policy: Policy, scenarios: Scenarios, factory: SimFactory, progress: Progress | None = None
+) -> Rollout:
+    """All scenarios at once, each beside its sensored twin."""
+    n = len(scenarios)
+    periods = decision_periods(factory.motor)
+    sims = factory.build(scenarios, sensored=policy.sensored, twin=True)
+    decisions = -(-int(sims["k_end"].max(initial=0)) // periods)
+    sums = np.zeros((decisions, n), dtype=SIM["sums"])
+    obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
+    policy.reset(n)
+    sim_run(sims, 0, np.ones(n, dtype=np.float32), obs)
+    for j in range(decisions):
+        k_s = np.ascontiguousarray(policy.act(obs.copy()), dtype=np.float32)
+        if k_s.shape != (n,):
+            raise ValueError(f"policy {policy.name}: weights of shape {k_s.shape}, wanted ({n},)")
+        sim_run(sims, periods, k_s, obs)
+        sums[j] = sims["sums"]
+        if progress is not None and (j % 50 == 49 or j == decisions - 1):
+            progress((j + 1) / decisions)
+    return Rollout(factory.motor, scenarios, sums, sims["lost"].copy(), sims["k"].astype(np.int64))
+
+
+def rollouts(
+    policy: Policy,
+    scenarios: Scenarios,
+    factory: SimFactory,
+    progress: Progress | None = None,
+    chunk: int = CHUNK,
+) -> Iterator[Rollout]:
+    """All scenarios in order, ``chunk`` of them at a time."""
+    total = len(scenarios)
+    for first in range(0, total, chunk):
+        part = scenarios[first : first + chunk]
+        yield rollout(policy, part, factory, _part_of(progress, first / total, len(part) / total))
+
+
+def _part_of(progress: Progress | None, start: float, share: float) -> Progress | None:
+    """Progress of a part as progress of the whole."""
+    if progress is None:
+        return None
+    return lambda done: progress(start + share * done)

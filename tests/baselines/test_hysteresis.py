@@ -1,0 +1,54 @@
+"""The hard switch remembers, each drive for itself."""
+
+import numpy as np
+
+from sensorless.baselines.hysteresis import SPEED, Hysteresis
+from sensorless.core_api import SIGNAL_N
+
+
+def run(policy: Hysteresis, speeds: list[list[float]]) -> list[list[float]]:
+    """Weights for rows of speeds, one row a decision, one column a drive."""
+    out = []
+    for row in speeds:
+        obs = np.zeros((len(row), SIGNAL_N), dtype=np.float32)
+        obs[:, SPEED] = row
+        out.append(policy.act(obs).tolist())
+    return out
+
+
+def test_switches_up_at_high_and_down_at_low() -> None:
+    policy = Hysteresis("hysteresis", 0.2, 0.3)
+    policy.reset(1)
+    path = [0.0, 0.25, 0.29, 0.3, 0.31, 0.25, 0.21, 0.2, 0.25, 0.35]
+    weights = run(policy, [[speed] for speed in path])
+    assert [w for (w,) in weights] == [1, 1, 1, 0, 0, 0, 0, 1, 1, 0]
+
+
+def test_each_drive_has_its_own_memory() -> None:
+    policy = Hysteresis("hysteresis", 0.2, 0.3)
+    policy.reset(3)
+    weights = run(policy, [[0.4, 0.1, 0.25], [0.25, 0.25, 0.25]])
+    assert weights[1] == [0, 1, 1]
+
+
+def test_reset_forgets() -> None:
+    policy = Hysteresis("hysteresis", 0.2, 0.3)
+    policy.reset(1)
+    assert run(policy, [[0.4], [0.25]]) == [[0], [0]]
+    policy.reset(1)
+    assert run(policy, [[0.25]]) == [[1]]
+
+
+def test_what_is_returned_is_not_the_memory() -> None:
+    policy = Hysteresis("hysteresis", 0.2, 0.3)
+    policy.reset(1)
+    obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
+    obs[:, SPEED] = 0.25
+    policy.act(obs)[:] = 0.5
+    assert policy.act(obs)[0] == 1.0
+
+
+def test_a_speed_that_is_no_number_means_injection() -> None:
+    policy = Hysteresis("hysteresis", 0.2, 0.3)
+    policy.reset(1)
+    assert run(policy, [[0.4], [np.nan]]) == [[0], [1]]

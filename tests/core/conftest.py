@@ -1,0 +1,93 @@
+"""What the tests of the core share: its inline stages as functions, and NumPy references."""
+
+import ctypes
+import math
+import os
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sensorless.core_api import SIGNAL_N, sim_run
+from sensorless.drive import DriveDesign
+from sensorless.envs.scenario import Scenarios, SimFactory
+from sensorless.magnetics import Floats
+from sensorless.motor import Motor, Saturation
+
+Call = Callable[..., None]
+
+CORE = Path(__file__).parents[2] / "core"
+FLAGS = ("-std=c99", "-O1", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
+
+
+@pytest.fixture(scope="session")
+def c(tmp_path_factory: pytest.TempPathFactory) -> Call:
+    """Function of ``shim.c`` by name: arrays go as pointers, floats as float, integers as int."""
+    out = tmp_path_factory.mktemp("shim") / "shim.so"
+    source = Path(__file__).with_name("shim.c")
+    compiler = os.environ.get("CC", "cc").split()
+    subprocess.run(
+        [*compiler, *FLAGS, "-shared", "-fPIC", f"-I{CORE}", str(source), "-o", str(out)], check=True
+    )
+    lib = ctypes.CDLL(str(out))
+
+    def number(value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            return ctypes.c_void_p(value.ctypes.data)
+        return ctypes.c_int(value) if isinstance(value, int) else ctypes.c_float(value)
+
+    def call(name: str, *args: Any) -> None:
+        getattr(lib, f"t_{name}")(*[number(value) for value in args])
+
+    return call
+
+
+@pytest.fixture(scope="session")
+def motor() -> Motor:
+    return Motor.load("paper")
+
+
+@pytest.fixture(scope="session")
+def map_currents() -> Callable[[Saturation, Floats], Floats]:
+    """The flux map in NumPy, from the equations in ``flux_map.h``."""
+
+    def currents(s: Saturation, psi: Floats) -> Floats:
+        d, q = psi[..., 0], psi[..., 1]
+        a_d, a_q = np.abs(d), np.abs(q)
+        cross_d = s.a_dq / (s.V + 2) * a_d**s.U * a_q ** (s.V + 2)
+        cross_q = s.a_dq / (s.U + 2) * a_d ** (s.U + 2) * a_q**s.V
+        i_d = (s.a_d0 + s.a_dd * a_d**s.S + cross_d) * d - s.i_f
+        i_q = (s.a_q0 + s.a_qq * a_q**s.T + cross_q) * q
+        n = d - s.psi_n
+        bridge = np.sqrt(n**2 + s.k_q * q**2) ** s.W
+        g = s.a_b * bridge / (1.0 + s.a_bp * bridge)
+        return np.stack([i_d + g * n, i_q + s.k_q * g * q], axis=-1)
+
+    return currents
+
+
+@pytest.fixture(scope="session")
+def steady_angle(motor: Motor) -> Callable[[DriveDesign, float, float, float], float]:
+    """Truth minus estimate [deg] of a closed loop with design, k_s, speed [r/min] and torque [N m].
+
+    Sensors and inverter are ideal; what is left are the errors of the estimators themselves.
+    """
+
+    def settle(design: DriveDesign, k_s: float, rpm: float, tau: float) -> float:
+        s = Scenarios.nominal(motor, np.array([1], dtype=np.uint64), 3.0)
+        s.omega_0[:] = rpm * math.pi / 30.0
+        s.omega[:] = s.omega_0[:, None]
+        s.tau[:], s.tau_rate[:] = tau - motor.B * s.omega_0[0], 20.0
+        s.noise[:], s.dead_time[:] = 0.0, 0.0
+        sims = SimFactory(motor, design).build(s, twin=False)
+        sims["sensor"]["lsb"], sims["sensor"]["inv_lsb"] = 1e-6, 1e6
+        weight, obs = np.full(1, k_s, np.float32), np.empty((1, SIGNAL_N), np.float32)
+        sim_run(sims, round(2.5 / motor.T_s), weight, obs)
+        sim_run(sims, round(0.4 / motor.T_s), weight, obs)
+        assert sims["lost"][0] == 0
+        return math.degrees(float(sims["sums"]["err"][0] / sims["sums"]["n"][0]))
+
+    return settle

@@ -1,0 +1,132 @@
+/* The inline stages of the core as functions a test can call; every argument a pointer or a number. */
+#include "sim_period.h"
+
+void t_rot_of(const float *x, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        rot_t r = rot_of(x[j]);
+        y[2 * j] = r.c;
+        y[2 * j + 1] = r.s;
+    }
+}
+
+void t_rot_turn(const float *r, const float *x, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        rot_t at = {r[2 * j], r[2 * j + 1]};
+        rot_t to = rot_turn(at, x[j]);
+        y[2 * j] = to.c;
+        y[2 * j + 1] = to.s;
+    }
+}
+
+void t_tanh(const float *x, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        y[j] = tanh_f(x[j]);
+    }
+}
+
+void t_wrap(const float *x, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        y[j] = wrap_pi(x[j]);
+    }
+}
+
+void t_clamp(const float *x, float lo, float hi, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        y[j] = clamp_f(x[j], lo, hi);
+    }
+}
+
+void t_park(const float *ab, const float *theta, float *dq, float *back, int n) {
+    for (int j = 0; j < n; j++) {
+        ab_t x = {ab[2 * j], ab[2 * j + 1]};
+        rot_t r = rot_of(theta[j]);
+        dq_t y = ab_to_dq(x, r);
+        ab_t z = dq_to_ab(y, r);
+        dq[2 * j] = y.d;
+        dq[2 * j + 1] = y.q;
+        back[2 * j] = z.a;
+        back[2 * j + 1] = z.b;
+    }
+}
+
+void t_small_angle(const double *x, double *y, int n) {
+    for (int j = 0; j < n; j++) {
+        small_angle(x[j], &y[2 * j], &y[2 * j + 1]);
+    }
+}
+
+void t_pll(const pll_params_t *p, pll_state_t *x, float err, float T_s) { pll_step(p, x, err, T_s); }
+
+void t_hfi_observe(const hfi_params_t *p, hfi_state_t *x, float i_a, float i_b, float theta_idle,
+                   float omega_idle, float T_s) {
+    ab_t i = {i_a, i_b};
+    hfi_observe(p, x, i, theta_idle, omega_idle, T_s);
+}
+
+void t_hfi_inject(const hfi_params_t *p, hfi_state_t *x, int wanted, float *sign) {
+    *sign = hfi_inject(p, x, wanted);
+}
+
+void t_smo_observe(const smo_params_t *p, smo_state_t *x, const float *i, const float *u, float L_q,
+                   float omega, float theta_idle, float T_s) {
+    ab_t i_ab = {i[0], i[1]};
+    ab_t u_ab = {u[0], u[1]};
+    smo_observe(p, x, i_ab, u_ab, L_q, omega, theta_idle, T_s);
+}
+
+void t_blend(const float *hfi, const float *smo, float k_s, float *y) {
+    estimate_t h = {hfi[0], hfi[1]};
+    estimate_t s = {smo[0], smo[1]};
+    estimate_t b = ks_blend(h, s, k_s);
+    y[0] = b.theta;
+    y[1] = b.omega;
+}
+
+void t_slew(float k_s, float target, float step, float *y) { *y = ks_slew(k_s, target, step); }
+
+void t_control(const control_params_t *p, control_state_t *x, const float *est, const float *i,
+               float u_dc, float omega_ref, float reserve, float T_s, float *u) {
+    estimate_t at = {est[0], est[1]};
+    ab_t i_ab = {i[0], i[1]};
+    ab_t y = control_step(p, x, at, i_ab, u_dc, omega_ref, reserve, T_s);
+    u[0] = y.a;
+    u[1] = y.b;
+}
+
+void t_dead_time(float u_dt, float inv_i, const float *i, float *u, int n) {
+    for (int j = 0; j < n; j++) {
+        ab_t i_ab = {i[2 * j], i[2 * j + 1]};
+        ab_t y = dead_time_voltage(u_dt, inv_i, i_ab);
+        u[2 * j] = y.a;
+        u[2 * j + 1] = y.b;
+    }
+}
+
+void t_inverter(const sensor_params_t *p, const float *u, float u_dc, const float *i, float *y,
+                int n) {
+    for (int j = 0; j < n; j++) {
+        ab_t u_ab = {u[2 * j], u[2 * j + 1]};
+        ab_t i_ab = {i[2 * j], i[2 * j + 1]};
+        ab_t out = inverter_voltage(p, u_ab, u_dc, i_ab);
+        y[2 * j] = out.a;
+        y[2 * j + 1] = out.b;
+    }
+}
+
+void t_quantise(const sensor_params_t *p, const float *i, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        y[j] = sensor_quantise(p, i[j]);
+    }
+}
+
+void t_noise(const uint32_t *seed, const uint32_t *counter, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        y[j] = noise_normal(seed[j], counter[j]);
+    }
+}
+
+void t_curve(const curve_t *c, const float *i_q, float inv_step, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        y[j] = curve_at(c, curve_locate(i_q[j], inv_step));
+    }
+}

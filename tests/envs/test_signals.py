@@ -1,0 +1,50 @@
+import numpy as np
+
+from sensorless.core_api import SIGNAL_NAMES, sim_run
+from sensorless.drive import DriveDesign
+from sensorless.envs.blend_env import BlendEnv
+from sensorless.envs.counter_random import combine
+from sensorless.envs.scenario import SimFactory
+from sensorless.envs.signals import HIGH, LOW, N_SIGNALS, SIGNALS, bounded
+from sensorless.envs.stress import stress_scenarios
+from sensorless.motor import Motor
+
+
+def test_table_agrees_with_the_core() -> None:
+    assert tuple(s.name for s in SIGNALS) == SIGNAL_NAMES
+    assert N_SIGNALS == len(SIGNAL_NAMES)
+    assert np.all(np.isfinite(LOW)) and np.all(np.isfinite(HIGH)) and np.all(LOW < HIGH)
+
+
+def test_datasheet_lists_every_signal() -> None:
+    rows = [line.split("|")[1:-1] for line in str(BlendEnv.__doc__).splitlines() if "|" in line]
+    cells = [[cell.strip() for cell in row] for row in rows[2:]]
+    assert [(int(c[0]), c[1], c[2], float(c[4]), float(c[5])) for c in cells] == [
+        (i, s.name, s.unit, s.low, s.high) for i, s in enumerate(SIGNALS)
+    ]
+    assert all(c[3].startswith(s.scale) for c, s in zip(cells, SIGNALS, strict=True))
+
+
+def test_signals_of_living_drives_stay_inside_the_bounds() -> None:
+    """Erratic weights on the hardest scenarios; clipping is for drives that are breaking up."""
+    motor, n = Motor.load("paper"), 48
+    seeds = combine(np.arange(n, dtype=np.uint64), 11)
+    sims = SimFactory(motor, DriveDesign()).build(stress_scenarios(motor, seeds), twin=False)
+    rng = np.random.default_rng(0)
+    signals = np.zeros((n, N_SIGNALS), dtype=np.float32)
+    low, high = np.full(N_SIGNALS, np.inf), np.full(N_SIGNALS, -np.inf)
+    for _ in range(400):
+        sim_run(sims, 25, rng.integers(0, 2, n).astype(np.float32), signals)
+        alive = signals[sims["lost"] == 0]
+        if len(alive) == 0:
+            break
+        low, high = np.fmin(low, alive.min(axis=0)), np.fmax(high, alive.max(axis=0))
+    assert np.all(low >= LOW) and np.all(high <= HIGH)
+    assert np.all(high - low > 0.02 * (HIGH - LOW)), "a component that never moves, or far too wide"
+
+
+def test_bounds_hold_for_broken_values() -> None:
+    broken = np.array([[np.nan], [np.inf], [-np.inf]], dtype=np.float32).repeat(N_SIGNALS, axis=1)
+    kept = bounded(broken)
+    assert np.array_equal(kept, [LOW, HIGH, LOW])
+    assert np.isnan(broken[0, 0]), "the input is not changed"

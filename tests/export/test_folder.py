@@ -1,0 +1,96 @@
+"""Where an export goes, what it says about its origin, and what it refuses."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sensorless.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.export import Exported, export
+from sensorless.ks_table import KsTable
+from sensorless.motor import Motor
+
+
+def test_the_json_is_the_table_and_its_origin(
+    exported: Exported, table: KsTable, motor: Motor
+) -> None:
+    t = KsTable.load(exported.folder / "ks_table.json")
+    assert t.digest == table.digest and t.values.tobytes() == table.values.tobytes()
+    assert t.provenance["command"] == "train --seed 5"
+    assert t.provenance["policy"] == "trial"
+    assert t.provenance["motor_digest"] == motor.digest
+    code = (exported.folder / "ks_table_data.c").read_text()
+    assert t.provenance["export"]["crc"]["f32_header"][2:].upper() in code
+    assert set(t.provenance["export"]["sha256"]) == set(exported.files) - {"ks_table.json"}
+    assert set(exported.files) == {
+        p.relative_to(exported.folder).as_posix() for p in exported.folder.rglob("*") if p.is_file()
+    }
+
+
+def test_the_same_policy_gives_the_same_files(
+    exported: Exported, tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
+) -> None:
+    again = export(table, motor, design, tmp_path / "again", policy="trial")
+    for name in exported.files:
+        assert (again.folder / name).read_bytes() == (exported.folder / name).read_bytes(), name
+
+
+def test_an_earlier_export_is_replaced_and_nothing_else(
+    exported: Exported, copied: Path, table: KsTable, motor: Motor, design: DriveDesign
+) -> None:
+    (copied / "build").mkdir()
+    (copied / "build" / "selftest").write_text("old")
+    constant = replace(table, values=np.ones((9, 5), dtype=np.float32))
+    export(constant, motor, design, copied)
+    assert KsTable.load(copied / "ks_table.json").digest == constant.digest
+    assert not (copied / "build").exists()
+    (copied / "notes.txt").write_text("mine")
+    with pytest.raises(UserError, match=r"has 'notes.txt', which no export wrote"):
+        export(table, motor, design, copied)
+    assert KsTable.load(copied / "ks_table.json").digest == constant.digest
+    assert [p.name for p in copied.parent.iterdir()] == ["copy"]
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda p: (p / "out").write_text("a file"), "out': a file; allowed: a folder"),
+        (lambda p: (p / "out" / "sub").mkdir(parents=True), "has 'sub' and is no export"),
+        (lambda p: (p / "out").symlink_to("/proc/self"), "and is no export"),
+    ],
+)
+def test_anything_else_is_left_alone(
+    tmp_path: Path,
+    make: Callable[[Path], object],
+    message: str,
+    table: KsTable,
+    motor: Motor,
+    design: DriveDesign,
+) -> None:
+    make(tmp_path)
+    with pytest.raises(UserError, match=message):
+        export(table, motor, design, tmp_path / "out")
+    assert [p.name for p in tmp_path.iterdir()] == ["out"]
+
+
+def test_a_place_that_cannot_be_written_is_named(
+    tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
+) -> None:
+    (tmp_path / "file").write_text("")
+    for place in (tmp_path / "file" / "out", Path("/proc/none/out")):
+        with pytest.raises(UserError, match=r"output folder .*; allowed: a writable folder"):
+            export(table, motor, design, place)
+
+
+def test_what_does_not_belong_together_is_refused(
+    tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
+) -> None:
+    other = replace(table, provenance={"motor_digest": "0" * 64})
+    with pytest.raises(UserError, match=r"motor: 'paper', digest .*; allowed: the machine"):
+        export(other, motor, design, tmp_path / "out")
+    with pytest.raises(UserError, match="k_s_slew: 50; allowed: 20"):
+        export(replace(table, slew_per_s=20.0), motor, design, tmp_path / "out")
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,156 @@
+"""The exported folder checks itself with a C compiler alone."""
+
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sensorless.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.export import Exported, export
+from sensorless.export_vectors import drive_vectors
+from sensorless.ks_table import Axis, KsTable
+from sensorless.motor import Motor
+
+GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+
+
+def selftest(folder: Path, *settings: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["make", "selftest", *settings], cwd=folder, capture_output=True, text=True, check=False
+    )
+
+
+@GCC
+def test_the_self_test_ran_on_export(exported: Exported) -> None:
+    assert exported.self_test.ran
+    assert re.fullmatch(r"self test passed: \d{4} vectors", exported.self_test.message)
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("level", ["-O0", "-O2", "-O3"])
+def test_make_selftest_passes_without_a_warning(copied: Path, compiler: str, level: str) -> None:
+    if shutil.which(compiler) is None:
+        pytest.skip(f"{compiler}: not found")
+    done = selftest(copied, f"CC={compiler}", f"CFLAGS={level}")
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    assert "self test passed" in done.stdout
+
+
+@GCC
+def test_sanitizers_find_nothing(copied: Path) -> None:
+    flags = "CFLAGS=-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all"
+    done = selftest(copied, "CC=gcc", flags)
+    assert done.returncode == 0, done.stderr
+
+
+def edit(path: Path, pattern: str, change: Callable[[str], str], which: int = 0) -> None:
+    """Change one match of a pattern's group 1 by hand."""
+    text = path.read_text()
+    match = list(re.finditer(pattern, text, re.MULTILINE))[which]
+    path.write_text(text[: match.start(1)] + change(match[1]) + text[match.end(1) :])
+
+
+def other_word(word: str) -> str:
+    return f"0x{int(word, 16) ^ 1 << 22:08X}"
+
+
+@GCC
+@pytest.mark.parametrize(
+    ("file", "pattern", "which", "message"),
+    [
+        ("ks_table_data.c", r"^    (0\.\d+)f", 0, "float table: check: wrong CRC"),
+        ("ks_table_q15.c", r"^    32767, (32767),", 0, "Q15 table: check: wrong CRC"),
+        ("ks_table_data.c", r"\.crc_header = (0x\w+)UL", 0, "float table: check: wrong CRC"),
+        (
+            "ks_table_data.c",
+            r"\}, (0x\w+)\},$",
+            20,
+            "float table: lookups .*: 1, first 20",
+        ),
+        ("ks_table_q15.c", r"\{\{(0x3\w+), 0x\w+\}", 30, "Q15 table: lookups .*: 1, first "),
+        ("test/drive_vectors.h", r"(0x\w+)\},$", 4000, "control core: periods .*: 1, first 4000"),
+        ("test/drive_vectors.h", r"^    \{(0x\w+), ", 4400, "control core: periods .*: 100, first"),
+        ("params.h", r"\.k_p_speed = (0\.\d+)f", 0, "control core: periods .* golden"),
+        ("params.h", r"motor_HASH (0x\w+)UL", 0, "float table: check: made for another motor"),
+        ("core/ks_table.c", r"frac\[a\] = (pos) - ", 0, "float table: lookups"),
+        ("core/sliding_mode.h", r"x->err = valid \? (e_q)", 0, "control core: periods"),
+    ],
+)
+def test_a_folder_corrupted_by_hand_fails(
+    copied: Path, file: str, pattern: str, which: int, message: str
+) -> None:
+    def change(text: str) -> str:
+        if text.startswith("0x"):
+            return other_word(text)
+        return "0.4" if text.startswith("0.") else {"32767": "32766"}.get(text, f"0.999f * {text}")
+
+    edit(copied / file, pattern, change, which)
+    done = selftest(copied, "CC=gcc", "CFLAGS=-O0")
+    assert done.returncode != 0 and "self test passed" not in done.stdout
+    assert re.search(f"self test FAILED: {message}", done.stderr), done.stderr
+
+
+def test_the_golden_run_crosses_over_both_ways(
+    table: KsTable, motor: Motor, design: DriveDesign
+) -> None:
+    words = drive_vectors(table, motor, design, 5).words
+    k_s_ref, theta = words[:, 4].view(np.float32), words[:, 7].view(np.float32)
+    assert k_s_ref[0] == k_s_ref[-1] == 1.0 and k_s_ref.min() == 0.0
+    assert np.abs(np.diff(theta)).max() > 6.0  # the seam at +-pi is passed
+
+
+def test_without_a_compiler_the_export_says_so(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    table: KsTable,
+    motor: Motor,
+    design: DriveDesign,
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    done = export(table, motor, design, tmp_path / "out")
+    assert not done.self_test.ran
+    assert done.self_test.message.startswith("self test not run: no C compiler")
+
+
+@GCC
+@pytest.mark.parametrize(
+    ("compiler", "message"),
+    [("gcc -ffast-math", "self test FAILED"), ("gcc -no-such-flag", "error")],
+)
+def test_an_export_that_fails_its_self_test_is_not_written(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    compiler: str,
+    message: str,
+    table: KsTable,
+    motor: Motor,
+    design: DriveDesign,
+) -> None:
+    monkeypatch.setenv("CC", compiler)
+    with pytest.raises(UserError, match=message):
+        export(table, motor, design, tmp_path / "out")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_drive_that_gets_lost_still_gives_vectors(
+    tmp_path: Path, motor: Motor, design: DriveDesign
+) -> None:
+    smo = KsTable((Axis("speed", 0.0, 1.0, 2),), np.zeros(2, dtype=np.float32))
+    assert export(smo, motor, design, tmp_path / "out").files
+
+
+@pytest.mark.parametrize("n_axes", [1, 3, 4])
+@GCC
+def test_other_shapes_pass_too(
+    tmp_path: Path, n_axes: int, motor: Motor, design: DriveDesign
+) -> None:
+    names = ("speed", "torque_current", "emf", "voltage")[:n_axes]
+    axes = tuple(Axis(name, 0.0, 0.4, 3 + j) for j, name in enumerate(names))
+    values = np.random.default_rng(6).random(tuple(a.n for a in axes), dtype=np.float32)
+    assert export(KsTable(axes, values), motor, design, tmp_path / "out").self_test.ran

@@ -1,0 +1,238 @@
+"""Metrics against closed forms, on rollouts made up period by period."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike, NDArray
+
+from sensorless.core_api import SIM
+from sensorless.drive import DriveDesign
+from sensorless.envs.scenario import Scenarios, SimFactory
+from sensorless.envs.stress import stress_scenarios
+from sensorless.metrics import (
+    METRICS,
+    SPEED_EDGES,
+    angle_by_speed,
+    angle_err_max_deg,
+    angle_err_mean_deg,
+    angle_err_p999_deg,
+    angle_err_rms_deg,
+    copper_extra,
+    injection_share,
+    k_s_activity,
+    speed_dev_rms,
+    torque_dev_lf_rms,
+    torque_dev_rms,
+    torque_p2p_handover,
+    torque_ripple_lf_rms,
+    torque_ripple_rms,
+)
+from sensorless.motor import Motor
+from sensorless.rollout import Rollout, rollout
+
+MOTOR = Motor.load("paper")
+RATED = MOTOR.omega_rated / MOTOR.n_p
+P = 5
+"""Periods of a decision."""
+
+Floats = NDArray[np.float64]
+
+
+def made_up(periods: int, live: int | None = None, **signals: ArrayLike) -> Rollout:
+    """One drive that shows these signals period by period, and lives for ``live`` periods.
+
+    A signal is a field of ``sums_t`` that is summed as it is; ``tau`` also fills its squares and
+    extremes, ``dev`` its own.
+    """
+    live = periods if live is None else live
+    rows = {
+        name: np.broadcast_to(np.asarray(x, dtype=np.float64), periods).copy()
+        for name, x in signals.items()
+    }
+    for name, parts in {"tau": ("tau_sq", "tau_lf_sq"), "dev": ("dev_sq", "dev_lf_sq")}.items():
+        x = rows.get(name, np.zeros(periods))
+        mean_2 = 0.5 * (x + np.concatenate([x[:1], x[:-1]]))
+        rows[parts[0]], rows[parts[1]] = x**2, mean_2**2
+        if name == "tau":
+            rows["tau_min"], rows["tau_max"] = mean_2, mean_2
+    rows.pop("dev", None)
+    rows["n"] = np.ones(periods)
+    sums = np.zeros((-(-periods // P), 1), dtype=SIM["sums"])
+    fold: dict[str, Callable[[Floats], float]] = {
+        "tau_min": np.min,
+        "tau_max": np.max,
+        "err_max": np.max,
+    }
+    for name, x in rows.items():
+        for j in range(-(-live // P)):
+            part = x[j * P : min((j + 1) * P, live)]
+            sums[name][j, 0] = fold.get(name, np.sum)(part)
+    scenario = Scenarios.nominal(MOTOR, np.ones(1, dtype=np.uint64), periods * MOTOR.T_s)
+    lost = np.array([int(live < periods)], dtype=np.int32)
+    return Rollout(MOTOR, scenario, sums, lost, np.array([live]))
+
+
+def exact_ripple(tau: Floats) -> float:
+    """RMS of torque minus its centred 20 ms moving mean, sample by sample, over rated torque."""
+    h = 50
+    weights = np.ones(2 * h + 1)
+    weights[[0, -1]] = 0.5
+    total, count = (np.convolve(x, weights)[h:-h] for x in (tau, np.ones_like(tau)))
+    mean = total / count
+    return float(np.sqrt(np.mean((tau - mean) ** 2)) / MOTOR.tau_rated)
+
+
+def test_torque_deviation() -> None:
+    r = made_up(1000, dev=np.where(np.arange(1000) < 500, 0.7, -2.1))
+    expected = np.sqrt((0.7**2 + 2.1**2) / 2.0) / 14.0
+    assert torque_dev_rms(r)[0] == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_injection_band_is_left_out_of_lf_metrics() -> None:
+    alternating = np.where(np.arange(1000) % 2, 1.4, -1.4)
+    r = made_up(1000, dev=alternating, tau=3.0 + alternating)
+    assert torque_dev_rms(r)[0] == pytest.approx(0.1, rel=1e-6)
+    assert torque_dev_lf_rms(r)[0] == pytest.approx(0.0, abs=0.004)
+    assert torque_ripple_rms(r)[0] == pytest.approx(0.1, rel=1e-3)
+    assert torque_ripple_lf_rms(r)[0] == pytest.approx(0.0, abs=0.006)
+
+
+@pytest.mark.parametrize("cycles", [1, 2, 3])
+def test_ripple_of_whole_cycles_in_the_window_is_their_rms(cycles: int) -> None:
+    t = np.arange(10_000) * MOTOR.T_s
+    r = made_up(10_000, tau=5.0 + 0.7 * np.sin(2.0 * np.pi * cycles * t / 0.02))
+    assert torque_ripple_rms(r)[0] == pytest.approx(0.05 / np.sqrt(2.0), rel=0.01)
+
+
+def test_constant_torque_and_a_slow_ramp_are_no_ripple() -> None:
+    assert torque_ripple_rms(made_up(5000, tau=14.0))[0] == pytest.approx(0.0, abs=2e-4)
+    ramp = made_up(5000, tau=np.linspace(-14.0, 14.0, 5000))
+    assert torque_ripple_rms(ramp)[0] < 0.003
+
+
+@pytest.mark.parametrize("periods", [40, 333, 4000])
+def test_ripple_is_that_of_every_period(periods: int) -> None:
+    rng = np.random.default_rng(periods)
+    t = np.arange(periods) * MOTOR.T_s
+    tau = 4.0 * np.sin(2.0 * np.pi * 7.0 * t) + np.cos(2.0 * np.pi * 90.0 * t)
+    tau += 0.3 * rng.standard_normal(periods)
+    assert torque_ripple_rms(made_up(periods, tau=tau))[0] == pytest.approx(
+        exact_ripple(tau), rel=0.02
+    )
+
+
+def test_ripple_ends_with_the_drive() -> None:
+    tau = np.where(np.arange(1000) < 703, 6.0, 600.0)
+    assert torque_ripple_rms(made_up(1000, 703, tau=tau))[0] == pytest.approx(0.0, abs=2e-4)
+
+
+def test_peak_to_peak_counts_only_between_the_estimators() -> None:
+    tau = np.zeros(3000)
+    tau[500:600] = 1.4
+    tau[2000:2100] = 2.8
+    k_s = np.where(np.arange(3000) < 1500, 0.5, 0.0)
+    assert torque_p2p_handover(made_up(3000, tau=tau, k_s=k_s))[0] == pytest.approx(0.1)
+    assert torque_p2p_handover(made_up(3000, tau=tau, k_s=0.5))[0] == pytest.approx(0.2)
+    assert np.isnan(torque_p2p_handover(made_up(3000, tau=tau, k_s=1.0))[0])
+
+
+def test_peak_to_peak_looks_no_further_than_20_ms() -> None:
+    slow = made_up(5000, tau=np.linspace(0.0, 14.0, 5000), k_s=0.5)
+    assert torque_p2p_handover(slow)[0] == pytest.approx(0.021, rel=0.03)
+
+
+def test_angle_error() -> None:
+    err = np.repeat(np.deg2rad([8.0, -4.0]), [250, 750])
+    r = made_up(1000, err=err, err_sq=err**2, err_max=np.abs(err))
+    assert angle_err_mean_deg(r)[0] == pytest.approx(-1.0, rel=1e-5)
+    assert angle_err_rms_deg(r)[0] == pytest.approx(np.sqrt(28.0), rel=1e-6)
+    assert angle_err_max_deg(r)[0] == pytest.approx(8.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(("live", "rank"), [(10_000, 1998), (5_000, 999), (50, 10)])
+def test_the_bound_of_99_9_percent(live: int, rank: int) -> None:
+    worst = np.repeat(np.deg2rad(np.arange(1, 2001) / 100.0), P)
+    rng = np.random.default_rng(3)
+    order = rng.permutation(live // P)
+    worst[:live] = worst[:live].reshape(-1, P)[order].ravel()
+    r = made_up(10_000, live, err_max=worst)
+    assert angle_err_p999_deg(r)[0] == pytest.approx(rank / 100.0, rel=1e-5)
+
+
+def test_speed_deviation() -> None:
+    r = made_up(1000, omega_m=100.0, omega_m_twin=100.0 - 0.02 * RATED)
+    assert speed_dev_rms(r)[0] == pytest.approx(0.02, rel=1e-4)
+
+
+def test_costs() -> None:
+    i_sq = np.where(np.arange(1000) < 500, 5.0**2, 3.0**2)
+    steps = np.zeros(1000)
+    steps[[100, 400]] = 0.6, 0.9
+    r = made_up(1000, i_sq=i_sq, i_sq_twin=4.0**2, injecting=np.arange(1000) < 300, k_s_moved=steps)
+    assert copper_extra(r)[0] == pytest.approx((17.0 - 16.0) / 5.63**2, rel=1e-5)
+    assert injection_share(r)[0] == pytest.approx(0.3)
+    assert k_s_activity(r)[0] == pytest.approx(1.5 / 0.2, rel=1e-5)
+
+
+def test_only_the_life_of_a_drive_counts() -> None:
+    late = np.arange(1000) >= 402
+    r = made_up(
+        1000,
+        402,
+        dev=np.where(late, 99.0, 1.4),
+        err_max=np.where(late, 3.0, 0.1),
+        injecting=~late,
+        omega_m=np.where(late, 0.0, 50.0),
+        omega_m_twin=50.0,
+    )
+    assert torque_dev_rms(r)[0] == pytest.approx(0.1, rel=1e-6)
+    assert angle_err_max_deg(r)[0] == pytest.approx(np.rad2deg(0.1), rel=1e-6)
+    assert injection_share(r)[0] == pytest.approx(1.0)
+    assert speed_dev_rms(r)[0] == 0.0
+
+
+def test_angle_error_by_speed() -> None:
+    omega = np.repeat([-0.03, 0.03, 0.07, -1.3], 250) * RATED
+    err_sq = np.repeat([1.0, 3.0, 5.0, 7.0], 250)
+    total, count = angle_by_speed(made_up(1000, omega_m=omega, err_sq=err_sq))
+    assert count[0].tolist() == [500, 250, 0, 0, 0, 0, 250]
+    assert len(SPEED_EDGES) == count.shape[1]
+    np.testing.assert_allclose(total[0], [1000.0, 1250.0, 0, 0, 0, 0, 1750.0])
+
+
+def test_a_drive_without_a_period_has_no_metrics() -> None:
+    r = made_up(100, 0)
+    for name, metric in METRICS.items():
+        assert np.isnan(metric(r)).all(), name
+
+
+class Half:
+    """Both estimators at equal weight."""
+
+    name = "half"
+    sensored = False
+
+    def reset(self, n: int) -> None:
+        pass
+
+    def act(self, obs: NDArray[np.float32]) -> NDArray[np.float32]:
+        return np.full(len(obs), 0.5, dtype=np.float32)
+
+
+def test_metrics_of_a_drive_are_its_own_whatever_runs_beside_it() -> None:
+    scenarios = stress_scenarios(MOTOR, np.arange(5, dtype=np.uint64))
+    scenarios.duration[:] = [0.4, 0.5, 0.3, 0.5, 0.2]
+    factory = SimFactory(MOTOR, DriveDesign())
+    together = rollout(Half(), scenarios, factory)
+    for j in range(5):
+        alone = rollout(Half(), scenarios[j : j + 1], factory)
+        for name, metric in METRICS.items():
+            beside, own = metric(together)[j], metric(alone)[0]
+            np.testing.assert_allclose(beside, own, rtol=1e-12, atol=1e-15, err_msg=name)
+
+
+def test_every_metric_says_what_it_is() -> None:
+    for name, metric in METRICS.items():
+        assert metric.__name__ == name
+        assert metric.__doc__, name
