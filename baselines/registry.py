@@ -14,7 +14,6 @@ from sensorless.errors import UserError
 from sensorless.motor import Motor
 
 RUN = "RUN"
-TABLE = "table.json"
 
 
 def known() -> dict[str, str]:
@@ -47,8 +46,6 @@ def make_policy(spec: str, motor: Motor) -> Policy:
     if build is not None:
         return build(spec, text if colon else None, motor)
     if Path(spec).is_dir():
-        if not (Path(spec) / TABLE).is_file():
-            raise UserError(f"policy: {spec!r}: no {TABLE} in it; allowed: a training run's folder")
         return load_run(Path(spec), motor)
     raise UserError(f"policy: {spec!r}: no such rule or folder; allowed: {', '.join(known())}")
 

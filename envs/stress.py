@@ -47,8 +47,8 @@ def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     _lay_out(s, events)
     inertia = motor.J * s.J
     s.omega_rate = np.broadcast_to(
-        (d.uniform(0.08, 0.35) * motor.tau_rated / inertia)[:, None], s.omega_rate.shape).copy()
-    rise = np.exp(d.uniform(np.log(0.01), np.log(0.5)))
+        (d.uniform(0.10, 0.60) * motor.tau_rated / inertia)[:, None], s.omega_rate.shape).copy()
+    rise = np.exp(d.uniform(np.log(0.002), np.log(0.3)))
     s.tau_rate = np.broadcast_to((motor.tau_rated / rise)[:, None], s.tau_rate.shape).copy()
     return s
 

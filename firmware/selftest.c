@@ -5,6 +5,7 @@
  */
 #include <float.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "../params.h"
@@ -14,14 +15,8 @@
 #error "float32 is not computed in float32; on 32-bit x86 compile with -msse2 -mfpmath=sse"
 #endif
 
-typedef union {
-    float f32[KS_TABLE_NODES];
-    int16_t q15[KS_TABLE_NODES];
-    unsigned char raw[4 * KS_TABLE_NODES];
-} values_t;
-
 static const char *const problem[] = {
-    "good",          "not a table",           "unknown format number", "wrong CRC",
+    "good",          "not a table",    "unknown format number",  "wrong CRC",
     "axis at fault", "value at fault", "made for another motor",
 };
 
@@ -46,7 +41,6 @@ static unsigned long flip(unsigned char *image, size_t n, const ks_table_t *t, c
 
 static void test_table(const char *name, const ks_table_t *t, const void *values,
                        const ks_vector_t *vectors, uint32_t n) {
-    static values_t v;
     ks_table_t copy = *t;
     uint32_t first;
     int check = ks_table_check(t, values, MOTOR_HASH);
@@ -59,10 +53,17 @@ static void test_table(const char *name, const ks_table_t *t, const void *values
     if (bad != 0) {
         fail(name, "lookups that differ from the golden vectors", bad, first);
     }
-    size_t bytes = t->n_nodes * (t->value_format == KS_VALUES_Q15 ? sizeof(int16_t) : sizeof(float));
-    memcpy(v.raw, values, bytes);
-    unsigned long missed = flip((unsigned char *)&copy, sizeof copy, &copy, values) +
-                           flip(v.raw, bytes, t, v.raw);
+    size_t bytes =
+        t->n_nodes * (t->value_format == KS_VALUES_Q15 ? sizeof(int16_t) : sizeof(float));
+    unsigned char *image = malloc(bytes);
+    if (image == NULL) {
+        fail(name, "bytes of memory not to be had", (unsigned long)bytes, 0);
+        return;
+    }
+    memcpy(image, values, bytes);
+    unsigned long missed =
+        flip((unsigned char *)&copy, sizeof copy, &copy, values) + flip(image, bytes, t, image);
+    free(image);
     if (missed != 0) {
         fail(name, "flipped bits that the check did not notice", missed, 0);
     }

@@ -41,7 +41,7 @@ class DriveDesign:
     k_s_slew: float = _setting(50.0, "slope limit of the weight [1/s]", 1, 5000)
     injection_hold: float = _setting(0.02, "injection after the weight reached zero [s]", 0, 10)
     signal_hz: float = _setting(30.0, "low-pass of the signals a schedule sees [Hz]", 1, 1000)
-    dead_time_share: float = _setting(0.0, "share of the dead time compensated", 0, 1)
+    dead_time_share: float = _setting(0.75, "share of the dead time compensated", 0, 1)
     smo_sign: bool = False
     """Signum instead of the sigmoid."""
     lag_cure: bool = True

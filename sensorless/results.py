@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.markup import escape
 from rich.table import Table
 
 from sensorless.errors import UserError
@@ -18,9 +19,9 @@ DIGITS = 9
 
 COLUMNS = (
     ("lost_rate", "lost\n[%]", 100.0, 1),
-    ("torque_dev_rms", "torque\ndeviation [%]", 100.0, 2),
+    ("torque_dev_rms", "torque\ndev. [%]", 100.0, 2),
     ("torque_ripple_rms", "torque\nripple [%]", 100.0, 2),
-    ("overshoot_pct", "speed over-\nshoot [%]", 1.0, 1),
+    ("overshoot_pct", "overshoot\n[%]", 1.0, 1),
     ("angle_err_rms_deg", "angle\nerror [°]", 1.0, 2),
 )
 """Of the table: name, heading, factor, decimals."""
@@ -59,20 +60,24 @@ class Results:
     def table(self) -> Table:
         """Lost rate over all scenarios, means over those survived, each with its 95 % interval."""
         title = f"{self.suite}, seed {self.seed}, {self.size} scenarios, motor {self.motor}"
-        table = Table(title=title, caption="means over survived scenarios; ± half a 95 % interval")
+        caption = "lost: rate (95 % interval); others: mean over survivors ± half the interval"
+        table = Table(title=escape(title), caption=caption)
         table.add_column("policy", overflow="fold")
         for _, heading, _, _ in COLUMNS:
             table.add_column(heading, justify="right")
         for name, policy in self.policies.items():
-            table.add_row(name, *(_cell(policy, *column) for column in COLUMNS))
+            table.add_row(escape(name), *(_cell(policy, *column) for column in COLUMNS))
         return table
 
 
 def _cell(policy: dict[str, Any], key: str, _: str, factor: float, decimals: int) -> str:
     value = factor * policy[key]
-    low, high = policy["lost_ci" if key == "lost_rate" else f"{key}_ci"]
+    if key == "lost_rate":
+        low, high = (factor * x for x in policy["lost_ci"])
+        return f"{value:.{decimals}f} ({low:.0f}–{high:.0f})"
     if not math.isfinite(value):
         return "–"
+    low, high = policy[f"{key}_ci"]
     half = 0.5 * factor * (high - low)
     return f"{value:.{decimals}f}" + (f" ±{half:.{decimals}f}" if math.isfinite(half) else "")
 

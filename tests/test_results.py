@@ -1,5 +1,6 @@
 """The results file: complete, exact and never half-written."""
 
+import io
 import json
 import math
 from dataclasses import replace
@@ -108,10 +109,11 @@ def test_the_check_leaves_nothing_behind(tmp_path: Path) -> None:
 
 
 def test_the_table_fits_on_a_terminal_and_shows_every_policy() -> None:
-    console = Console(width=80, record=True, file=open("/dev/null", "w"))
+    console = Console(width=80, record=True, file=io.StringIO())
     console.print(RESULTS.table())
     text = console.export_text()
     assert "eq25" in text and "other" in text
+    assert "12.3 (10–20)" in text
     assert "12.35 ±5.00" in text and "0.12 ±0.05" in text
     assert "–" in text and "nan" not in text
     assert max(map(len, text.splitlines())) <= 80

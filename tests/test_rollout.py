@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from sensorless.baselines.registry import make_policy
-from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES, Array, sim_run
+from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES, Array, lib, sim_run
 from sensorless.drive import DriveDesign
 from sensorless.envs.policy import Signals
 from sensorless.envs.scenario import Scenarios, SimFactory
@@ -159,3 +159,9 @@ def test_totals_are_means_over_all_periods() -> None:
     r = run("eq25", short(3))
     sums: Array = r.sums["tau"].sum(axis=0, dtype=np.float64)
     np.testing.assert_allclose(r.total("tau"), sums / 1250.0)
+
+
+def test_every_cause_of_the_core_has_a_name() -> None:
+    assert {f"LOST_{name.upper()}" for name in CAUSES} == {
+        name for name in dir(lib) if name.startswith("LOST_")
+    }

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from sensorless.baselines.hysteresis import Hysteresis
+from sensorless.baselines.linear import linear_table
 from sensorless.baselines.registry import RUN, known, make_policy
 from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.errors import UserError
@@ -117,6 +118,16 @@ def test_every_known_name_can_be_made() -> None:
 def test_a_folder_without_a_table_is_no_run(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"table\.json"):
         make_policy(str(tmp_path), PAPER)
+
+
+def test_a_folder_with_a_table_is_a_run_on_its_own_motor(tmp_path: Path) -> None:
+    run = tmp_path / "first"
+    run.mkdir()
+    linear_table(0.1, 0.2).save(run / "table.json", {"motor_digest": PAPER.digest})
+    assert weights(str(run), [150.0, 225.0, 300.0]) == [1.0, 0.5, 0.0]
+    assert make_policy(str(run), PAPER).name == "first"
+    with pytest.raises(UserError, match="motor"):
+        make_policy(str(run), replace(PAPER, J=0.03))
 
 
 def test_a_table_that_is_none_is_refused(tmp_path: Path) -> None:

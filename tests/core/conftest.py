@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sensorless.core_api import SIGNAL_N, sim_run
+from sensorless.core_api import SIGNAL_N, Array, sim_run
 from sensorless.drive import DriveDesign
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.magnetics import Floats
@@ -67,6 +67,18 @@ def map_currents() -> Callable[[Saturation, Floats], Floats]:
         return np.stack([i_d + g * n, i_q + s.k_q * g * q], axis=-1)
 
     return currents
+
+
+@pytest.fixture(scope="session")
+def state_bytes() -> Callable[[Array], bytes]:
+    """All numbers of a structured array, field by field: padding has no say."""
+
+    def collect(records: Array) -> bytes:
+        if records.dtype.names is None:
+            return records.tobytes()
+        return b"".join(collect(records[name]) for name in records.dtype.names)
+
+    return collect
 
 
 @pytest.fixture(scope="session")

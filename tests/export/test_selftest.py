@@ -66,19 +66,14 @@ def other_word(word: str) -> str:
         ("ks_table_data.c", r"^    (0\.\d+)f", 0, "float table: check: wrong CRC"),
         ("ks_table_q15.c", r"^    32767, (32767),", 0, "Q15 table: check: wrong CRC"),
         ("ks_table_data.c", r"\.crc_header = (0x\w+)UL", 0, "float table: check: wrong CRC"),
-        (
-            "ks_table_data.c",
-            r"\}, (0x\w+)\},$",
-            20,
-            "float table: lookups .*: 1, first 20",
-        ),
+        ("ks_table_data.c", r"\}, (0x\w+)\},$", 20, "float table: lookups .*: 1, first 20"),
         ("ks_table_q15.c", r"\{\{(0x3\w+), 0x\w+\}", 30, "Q15 table: lookups .*: 1, first "),
         ("test/drive_vectors.h", r"(0x\w+)\},$", 4000, "control core: periods .*: 1, first 4000"),
         ("test/drive_vectors.h", r"^    \{(0x\w+), ", 4400, "control core: periods .*: 100, first"),
         ("params.h", r"\.k_p_speed = (0\.\d+)f", 0, "control core: periods .* golden"),
-        ("params.h", r"motor_HASH (0x\w+)UL", 0, "float table: check: made for another motor"),
+        ("params.h", r"MOTOR_HASH (0x\w+)UL", 0, "float table: check: made for another motor"),
         ("core/ks_table.c", r"frac\[a\] = (pos) - ", 0, "float table: lookups"),
-        ("core/sliding_mode.h", r"x->err = valid \? (e_q)", 0, "control core: periods"),
+        ("core/frames.h", r"#define TWO_PI_F (6\.\d+)f", 0, "control core: periods"),
     ],
 )
 def test_a_folder_corrupted_by_hand_fails(
