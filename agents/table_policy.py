@@ -1,6 +1,7 @@
 """Actor and critic for PPO: the schedule table acts, a small network that sees the truth judges."""
 
 from collections.abc import Callable
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import torch
@@ -9,6 +10,7 @@ from stable_baselines3.common.distributions import Distribution
 from stable_baselines3.common.policies import ActorCriticPolicy
 from torch import Tensor, nn
 
+from sensorless.agents.node_kernel import NodeKernel
 from sensorless.agents.node_noise import NodeNoise
 from sensorless.agents.table_module import TableModule
 from sensorless.ks_table import KsTable
@@ -28,10 +30,8 @@ class TableActorCritic(ActorCriticPolicy):
         Step of Adam on the nodes; the critic's comes with ``lr_schedule``.
     noise : float
         Standard deviation of the exploration in k_s.
-    persistent : bool
-        Noise on the nodes, held for a rollout (``NodeNoise``), instead of white noise.
     smoothness : float
-        Share of the table's roughness that one step of the optimiser takes away.
+        Distance over which nodes are explored and moved together [nodes], see ``NodeKernel``.
     value_scale : float
         Size of a typical return: the critic's network works in units of it.
     hidden : int
@@ -47,16 +47,16 @@ class TableActorCritic(ActorCriticPolicy):
         table: KsTable,
         lr_nodes: float,
         noise: float,
-        persistent: bool,
         smoothness: float,
         value_scale: float,
         hidden: int,
-        use_sde: bool = False,
+        use_sde: bool = True,
     ) -> None:
         self._settings = {
-            "table": table, "lr_nodes": lr_nodes, "noise": noise, "persistent": persistent,
+            "table": table, "lr_nodes": lr_nodes, "noise": noise,
             "smoothness": smoothness, "value_scale": value_scale, "hidden": hidden,
         }
+        self.learn_nodes = True
         super().__init__(observation_space, action_space, lr_schedule, net_arch={"pi": [], "vf": []})
         self.use_sde = use_sde
 
@@ -75,29 +75,34 @@ class TableActorCritic(ActorCriticPolicy):
             Scaled(s["hidden"], s["value_scale"]),
         )
         self.std = torch.tensor(2.0 * s["noise"])
-        self.action_dist = NodeNoise()
+        self.kernel = NodeKernel(self.actor.shape, s["smoothness"])
+        self.action_dist = NodeNoise(self.kernel)
         self.optimizer = torch.optim.Adam(
             [
-                {"params": list(self.actor.parameters()), "lr": s["lr_nodes"], "own_lr": s["lr_nodes"]},
+                {"params": list(self.actor.parameters()), "lr": s["lr_nodes"]},
                 {"params": list(self.value_net.parameters()), "lr": lr_schedule(1)},
             ],
-            eps=1e-5,
+            eps=1e-8,
         )
+        self.optimizer.register_step_pre_hook(self._before_step)
         self.optimizer.register_step_post_hook(self._after_step)
 
+    def _before_step(self, *_: object) -> None:
+        nodes = self.actor.values
+        if nodes.grad is not None:
+            nodes.grad = self.kernel.smooth(nodes.grad) if self.learn_nodes else None
+
     def _after_step(self, *_: object) -> None:
-        self.actor.relax(self._settings["smoothness"])
         self.actor.project()
 
     def reset_noise(self, n_envs: int = 1) -> None:
         """Draw the noise of the next rollout."""
-        if self._settings["persistent"]:
-            self.action_dist.draw(n_envs, self.actor.values.numel())
+        self.action_dist.draw(n_envs)
 
     def _get_action_dist_from_latent(self, latent_pi: Tensor) -> Distribution:
-        corners = self.actor.corners(latent_pi)
-        mean = 2.0 * self.actor.at(*corners)[:, None] - 1.0
-        return self.action_dist.at(mean, self.std, corners[0], self.actor.weights(corners[1]))
+        nodes, frac, finite = self.actor.corners(latent_pi)
+        mean = 2.0 * self.actor.at(nodes, frac, finite)[:, None] - 1.0
+        return self.action_dist.at(mean, self.std, nodes, frac, self.actor.weights(frac))
 
 
 class Scaled(nn.Linear):

@@ -1,10 +1,10 @@
 """Speed of the closed loop: PWM periods per second of wall time, one thread.
 
-Every variant simulates the same: machine with all effects, inverter, sensors, both observers, control,
-and the sensored twin in lock-step; a period counts once, the twin's is not counted. ``scalar`` goes
-drive by drive, ``batched`` runs blocks of drives as vector code, ``vector_env`` is the Gymnasium
-vector environment with 64 drives including observations, rewards and resets. ``scalar_without_twin``
-leaves the twin out.
+Every variant simulates the same: machine with all effects, inverter, sensors, both observers,
+control, and the sensored twin in lock-step; a period counts once, the twin's is not counted.
+``scalar`` goes drive by drive, ``batched`` runs blocks of drives as vector code, ``vector_env`` is
+the Gymnasium vector environment with 64 drives including observations, rewards and resets.
+``scalar_without_twin`` leaves the twin out.
 """
 
 import json
@@ -91,14 +91,24 @@ def main() -> None:
     for name, run in variants.items():
         rates[name] = best_rate(run)
         print(f"{name:20s} {rates[name] / 1e6:7.2f} million periods/s", flush=True)
-    ratios = {f"{name}_over_scalar": rates[name] / rates["scalar"]
-              for name in ("batched", "vector_env")}
+    ratios = {
+        f"{name}_over_scalar": rates[name] / rates["scalar"] for name in ("batched", "vector_env")
+    }
     for name, ratio in ratios.items():
         print(f"{name:25s} {ratio:.2f}")
     out = Path("build/bench.json")
     out.parent.mkdir(exist_ok=True)
-    write_atomic(out, json.dumps({"periods_per_s": rates, "ratios": ratios,
-                                  "machine": platform.processor() or platform.machine()}, indent=1))
+    write_atomic(
+        out,
+        json.dumps(
+            {
+                "periods_per_s": rates,
+                "ratios": ratios,
+                "machine": platform.processor() or platform.machine(),
+            },
+            indent=1,
+        ),
+    )
     print(f"wrote {out}")
 
 

@@ -1,5 +1,7 @@
 """Random numbers as a pure function of (seed, column): the same for any batch they are drawn in."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,7 +20,7 @@ def mix(x: Seeds) -> Seeds:
     return np.asarray(z ^ (z >> np.uint64(31)))
 
 
-def combine(*parts: Seeds | int) -> Seeds:
+def combine(*parts: NDArray[Any] | int) -> Seeds:
     """One seed from several integers or arrays of them; order matters."""
     out = np.zeros(1, dtype=np.uint64)
     for part in parts:

@@ -19,8 +19,8 @@ LOST_TIME = 0.01
 class Scenarios:
     """A batch of n scenarios; every field has n rows. Speeds are mechanical, torques in N m.
 
-    Profile arrays have ``PROFILE_N`` columns, one a segment; a segment whose ``t`` is infinite never
-    starts. Each quantity runs to its target with its own rate (infinite: a step).
+    Profile arrays have ``PROFILE_N`` columns, one a segment; a segment whose ``t`` is infinite
+    never starts. Each quantity runs to its target with its own rate (infinite: a step).
     """
 
     seed: Seeds
@@ -81,12 +81,26 @@ class Scenarios:
         t[:, 0] = 0.0
         fast = np.full((n, PROFILE_N), np.inf)
         return cls(
-            seed=np.asarray(seed, dtype=np.uint64), duration=duration * ones, t=t,
-            omega=profile, omega_rate=fast, tau=profile.copy(), tau_rate=fast.copy(),
-            u_dc=np.ones((n, PROFILE_N)), omega_0=zeros, theta_0=zeros.copy(),
-            theta_err_0=zeros.copy(), R_s=ones, L_q_hat=ones.copy(), psi_f=ones.copy(),
-            J=ones.copy(), cross_hat=ones.copy(), dead_time=motor.dead_time * ones,
-            noise=0.005 * ones, gain=np.ones((n, 2)), offset=np.zeros((n, 2)),
+            seed=np.asarray(seed, dtype=np.uint64),
+            duration=duration * ones,
+            t=t,
+            omega=profile,
+            omega_rate=fast,
+            tau=profile.copy(),
+            tau_rate=fast.copy(),
+            u_dc=np.ones((n, PROFILE_N)),
+            omega_0=zeros,
+            theta_0=zeros.copy(),
+            theta_err_0=zeros.copy(),
+            R_s=ones,
+            L_q_hat=ones.copy(),
+            psi_f=ones.copy(),
+            J=ones.copy(),
+            cross_hat=ones.copy(),
+            dead_time=motor.dead_time * ones,
+            noise=0.005 * ones,
+            gain=np.ones((n, 2)),
+            offset=np.zeros((n, 2)),
         )
 
 
@@ -97,12 +111,19 @@ class SimFactory:
         self.motor = motor
         self.design = design
         template = np.zeros(1, dtype=SIM)
-        fill(template[0], {
-            "control": control_record(motor, design), "plant": plant_record(motor),
-            "sensor": sensor_record(motor), "omega_scale": motor.n_p, "i_trip": motor.i_trip,
-            "err_limit": np.deg2rad(LOST_ANGLE_DEG),
-            "err_periods": round(LOST_TIME / motor.T_s), "with_twin": 1,
-        })
+        fill(
+            template[0],
+            {
+                "control": control_record(motor, design),
+                "plant": plant_record(motor),
+                "sensor": sensor_record(motor),
+                "omega_scale": motor.n_p,
+                "i_trip": motor.i_trip,
+                "err_limit": np.deg2rad(LOST_ANGLE_DEG),
+                "err_periods": round(LOST_TIME / motor.T_s),
+                "with_twin": 1,
+            },
+        )
         self._template = template
 
     def build(self, s: Scenarios, *, sensored: bool = False, twin: bool = True) -> Array:

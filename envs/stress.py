@@ -1,4 +1,4 @@
-"""Everything at random: the scenarios that training draws from and that the stress suite judges on."""
+"""Everything at random: what training draws from and what the stress suite judges on."""
 
 import numpy as np
 
@@ -13,11 +13,11 @@ DURATION = 2.0
 def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     """Random profiles on a random machine; row i is a function of ``seeds[i]`` alone.
 
-    Half of the drives start at rest, half on a spinning shaft; then two speed targets over the whole
-    range of both directions, two loads over the whole range of both signs, and a sag of the DC link.
-    Ramps ask for 8 to 35 % of rated torque on the inertia at hand. Plant and controller differ in
-    resistance, q inductance, magnet, inertia, cross-coupling, dead time, and the current sensors
-    have noise, gain and offset errors.
+    Half of the drives start at rest, half on a spinning shaft; then two speed targets over the
+    whole range of both directions, two loads over the whole range of both signs, and a sag of the
+    DC link. Ramps ask for 10 to 60 % of rated torque on the inertia at hand; loads rise within 2 to
+    300 ms. Plant and controller differ in resistance, q inductance, magnet, inertia,
+    cross-coupling and dead time, and the current sensors have noise, gain and offset errors.
     """
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, DURATION)
@@ -47,7 +47,8 @@ def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     _lay_out(s, events)
     inertia = motor.J * s.J
     s.omega_rate = np.broadcast_to(
-        (d.uniform(0.10, 0.60) * motor.tau_rated / inertia)[:, None], s.omega_rate.shape).copy()
+        (d.uniform(0.10, 0.60) * motor.tau_rated / inertia)[:, None], s.omega_rate.shape
+    ).copy()
     rise = np.exp(d.uniform(np.log(0.002), np.log(0.3)))
     s.tau_rate = np.broadcast_to((motor.tau_rated / rise)[:, None], s.tau_rate.shape).copy()
     return s

@@ -7,14 +7,18 @@ from sensorless.observers.pll_design import pll_gains
 
 
 def hf_current(motor: Motor) -> float:
-    """Amplitude of the injected current at no load [A]: u_inj T_s / (2 L_d)
-    (doi 10.12177/emca.2025.011, Eq. 2)."""
+    """Amplitude of the injected current at no load [A], u_inj T_s / (2 L_d).
+
+    Eq. 2 of doi 10.12177/emca.2025.011.
+    """
     return motor.u_inj * motor.T_s / (2.0 * motor.L_d)
 
 
 def error_slope(L_d: float, L_q: float) -> float:
-    """Slope of the normalised error signal at lock [1/rad]: 1 - L_d / L_q, from the incremental
-    inductances [H] (Eq. 7 with its exact denominator)."""
+    """Slope of the normalised error signal at lock [1/rad], 1 - L_d / L_q.
+
+    From incremental inductances [H]; Eq. 7 with its exact denominator.
+    """
     return 1.0 - L_d / L_q
 
 

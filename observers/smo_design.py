@@ -9,13 +9,26 @@ from sensorless.observers.pll_design import pll_gains
 
 
 def deadbeat_gain(motor: Motor) -> float:
-    """L_d / T_s [V/A]: the gain at which forward Euler removes the current error in one step; the
-    observer is stable up to twice as much."""
+    """L_d / T_s [V/A]: at this gain forward Euler removes the current error in one step.
+
+    The observer is stable up to twice as much.
+    """
     return motor.L_d / motor.T_s
 
 
-def design_smo(motor: Motor, *, pll_hz: float, gain: float, k: float, cross_hz: float, emf_hz: float,
-               floor_rpm: float, sign: bool, lag_cure: bool, omega_max: float) -> dict[str, Any]:
+def design_smo(
+    motor: Motor,
+    *,
+    pll_hz: float,
+    gain: float,
+    k: float,
+    cross_hz: float,
+    emf_hz: float,
+    floor_rpm: float,
+    sign: bool,
+    lag_cure: bool,
+    omega_max: float,
+) -> dict[str, Any]:
     """Fields of ``smo_params_t``.
 
     Parameters
@@ -44,8 +57,10 @@ def design_smo(motor: Motor, *, pll_hz: float, gain: float, k: float, cross_hz: 
         The gain is outside the stable range of the forward-Euler step.
     """
     if not 0.0 < gain < 2.0 * deadbeat_gain(motor):
-        raise UserError(f"smo_gain: {gain:g} V/A; allowed: above 0 and below 2 L_d/T_s = "
-                        f"{2.0 * deadbeat_gain(motor):g} V/A (stability of the forward-Euler step)")
+        raise UserError(
+            f"smo_gain: {gain:g} V/A; allowed: above 0 and below 2 L_d/T_s = "
+            f"{2.0 * deadbeat_gain(motor):g} V/A (stability of the forward-Euler step)"
+        )
     k_p, k_i = pll_gains(pll_hz, 1.0)
     omega_floor = motor.rpm_to_electrical(floor_rpm)
     return {

@@ -2,17 +2,22 @@
 
 import os
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
 from sensorless.errors import StaleCoreError, UserError
 
 app = typer.Typer(
-    add_completion=False, no_args_is_help=True, rich_markup_mode="markdown",
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
     help="""Learned hand-over between two position estimators of a sensorless IPMSM drive.
 
@@ -33,12 +38,17 @@ errors = Console(stderr=True)
 MotorOption = Annotated[str, typer.Option("--motor", help="Shipped motor by name, or a TOML file.")]
 SetOption = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30; repeatable."),
+    typer.Option(
+        "--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30; repeatable."
+    ),
 ]
 PolicyOption = Annotated[
     list[str],
-    typer.Option("--policy", help="eq25, linear:LO,HI, hysteresis, constant:K, hfi, smo, sensored, "
-                 "or the folder of a training run; repeatable."),
+    typer.Option(
+        "--policy",
+        help="eq25, linear:LO,HI, hysteresis, constant:K, hfi, smo, sensored, "
+        "or the folder of a training run; repeatable.",
+    ),
 ]
 
 
@@ -46,20 +56,30 @@ PolicyOption = Annotated[
 def simulate(
     motor: MotorOption = "paper",
     policy: Annotated[str, typer.Option(help="As in evaluate.")] = "eq25",
-    speed: Annotated[str, typer.Option(help="Speed plan TIME:R/MIN,... [s:r/min].")] = "0:200,1:350,2:600",
+    speed: Annotated[
+        str, typer.Option(help="Speed plan TIME:R/MIN,... [s:r/min].")
+    ] = "0:200,1:350,2:600",
     load: Annotated[str, typer.Option(help="Load plan TIME:TORQUE,... [s:N m].")] = "0:0",
-    ramp: Annotated[float | None, typer.Option(help="Slope of the speed reference [r/min/s]; "
-                                               "default: steps.")] = None,
+    ramp: Annotated[
+        float | None, typer.Option(help="Slope of the speed reference [r/min/s]; default: steps.")
+    ] = None,
     duration: Annotated[float, typer.Option(help="Length [s].")] = 3.0,
-    scenario: Annotated[str | None, typer.Option(help="SUITE:SEED:INDEX instead of the plans, "
-                                                 "e.g. stress:7:12 from a results file.")] = None,
+    scenario: Annotated[
+        str | None,
+        typer.Option(
+            help="SUITE:SEED:INDEX instead of the plans, e.g. stress:7:12 from a results file."
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the measurement noise.")] = 0,
     settings: SetOption = None,
     plot: Annotated[Path | None, typer.Option(help="Waveforms as PNG.")] = None,
-    out: Annotated[Path | None, typer.Option(help="CSV: every PWM period, or the machine's run.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="CSV: every PWM period, or the machine's run.")
+    ] = None,
     plant: Annotated[Path | None, typer.Option(help="Machine JSON: run the machine alone.")] = None,
-    inputs: Annotated[Path | None, typer.Option(help="CSV of u_alpha, u_beta[, tau_L] a period, "
-                                                "with --plant.")] = None,
+    inputs: Annotated[
+        Path | None, typer.Option(help="CSV of u_alpha, u_beta[, tau_L] a period, with --plant.")
+    ] = None,
 ) -> None:
     """Run one drive and look at it, or the machine alone under given voltages.
 
@@ -85,8 +105,11 @@ def simulate(
 
     machine, design = Motor.load(motor), design_from(settings)
     rule = make_policy(policy, machine)
-    case = (scenario_from(scenario, machine) if scenario is not None
-            else plan_from(speed, load, ramp, duration, machine, seed))
+    case = (
+        scenario_from(scenario, machine)
+        if scenario is not None
+        else plan_from(speed, load, ramp, duration, machine, seed)
+    )
     run = trace(rule, case, machine, design)
     console.print(summary_table(run, rule.name))
     if out is not None:
@@ -103,7 +126,9 @@ def simulate(
 def evaluate(
     policy: PolicyOption,
     motor: MotorOption = "paper",
-    suite: Annotated[str, typer.Option(help="paper, nominal, handoff, stress or envelope.")] = "stress",
+    suite: Annotated[
+        str, typer.Option(help="paper, nominal, handoff, stress or envelope.")
+    ] = "stress",
     seed: Annotated[int, typer.Option(min=0, help="Draws the scenarios.")] = 1,
     size: Annotated[int, typer.Option(min=1, help="Number of scenarios.")] = 200,
     settings: SetOption = None,
@@ -118,16 +143,17 @@ def evaluate(
     from sensorless.motor import Motor
     from sensorless.options import design_from
 
-    with _progress() as bar:
-        tasks = {}
-
-        def report(name: str, done: float) -> None:
-            if name not in tasks:
-                tasks[name] = bar.add_task(name, total=1.0)
-            bar.update(tasks[name], completed=done)
-
-        results = run(Motor.load(motor), design_from(settings), suite, seed, size, policy, out=out,
-                      progress=report)
+    with policy_progress() as report:
+        results = run(
+            Motor.load(motor),
+            design_from(settings),
+            suite,
+            seed,
+            size,
+            policy,
+            out=out,
+            progress=report,
+        )
     console.print(results.table())
     if out is not None:
         console.print(f"wrote {out}")
@@ -135,16 +161,20 @@ def evaluate(
 
 @app.command()
 def export(
-    run: Annotated[str, typer.Argument(help="Folder of a training run, or a rule with a table: "
-                                       "eq25, linear:LO,HI, constant:K.")],
+    run: Annotated[
+        str,
+        typer.Argument(
+            help="Folder of a training run, or a rule with a table: eq25, linear:LO,HI, constant:K."
+        ),
+    ],
     out: Annotated[Path, typer.Option(help="Folder to write: new, or an earlier export.")],
     motor: MotorOption = "paper",
     settings: SetOption = None,
 ) -> None:
     """Write a schedule and the control core around it as C99, and check the copy.
 
-    The folder holds the table in float32 and Q15, the core, params.h, golden vectors and a Makefile;
-    its self test is compiled and run here if there is a C compiler.
+    The folder holds the table in float32 and Q15, the core, params.h, golden vectors and a
+    Makefile; its self test is compiled and run here if there is a C compiler.
     """
     from sensorless.baselines.registry import make_policy
     from sensorless.envs.policy import TablePolicy
@@ -155,14 +185,35 @@ def export(
     machine = Motor.load(motor)
     policy = make_policy(run, machine)
     if not isinstance(policy, TablePolicy):
-        raise UserError(f"run: {run!r} has no table; allowed: a training run, eq25, linear, constant")
+        raise UserError(
+            f"run: {run!r} has no table; allowed: a training run, eq25, linear, constant"
+        )
     done = write(policy.table, machine, design_from(settings), out, policy=policy.name)
-    console.print(f"wrote {len(done.files)} files to {done.folder}\n{done.self_test}")
+    console.print(f"wrote {len(done.files)} files to {done.folder}\n{done.self_test.message}")
 
 
-def _progress() -> Progress:
-    return Progress(TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"),
-                    TimeElapsedColumn(), console=errors, transient=not errors.is_terminal)
+@contextmanager
+def policy_progress() -> Iterator[Callable[[str, float], None]]:
+    """Progress of several policies: bars on a terminal, else a line when one is done."""
+    bar = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:.0f} %"),
+        TimeElapsedColumn(),
+        console=errors,
+        disable=not errors.is_terminal,
+    )
+    tasks: dict[str, TaskID] = {}
+
+    def report(name: str, done: float) -> None:
+        if name not in tasks:
+            tasks[name] = bar.add_task(name, total=1.0)
+        bar.update(tasks[name], completed=done)
+        if done >= 1.0 and not errors.is_terminal:
+            errors.print(f"evaluated {name}", markup=False, highlight=False)
+
+    with bar:
+        yield report
 
 
 def main() -> None:
@@ -170,7 +221,7 @@ def main() -> None:
     try:
         app(standalone_mode=True)
     except (UserError, StaleCoreError) as error:
-        errors.print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
+        errors.print(f"[bold red]error:[/] {escape(str(error))}", highlight=False, soft_wrap=True)
         sys.exit(2)
     except KeyboardInterrupt:
         errors.print("interrupted")

@@ -23,8 +23,9 @@ def operating_line(motor: Motor, use_mtpa: bool) -> Floats:
     return np.stack([np.interp(i_q, best_q, best_d), i_q], axis=-1)
 
 
-def design_curves(motor: Motor, line: Floats, *, L_q_table: bool,
-                  cross: str) -> tuple[Floats, Floats, Floats]:
+def design_curves(
+    motor: Motor, line: Floats, *, L_q_table: bool, cross: str
+) -> tuple[Floats, Floats, Floats]:
     """Curves over |i_q|: i_d of the operating line [A], L_q of the observer [H], theta_m / 2 [rad].
 
     Parameters
@@ -48,11 +49,18 @@ def design_curves(motor: Motor, line: Floats, *, L_q_table: bool,
     return i_d, L_q, angle
 
 
-def design_control(motor: Motor, *, speed_hz: float, speed_weight: float, current_hz: float,
-                   i_q_slew: float, u_dt: float) -> dict[str, Any]:
+def design_control(
+    motor: Motor,
+    *,
+    speed_hz: float,
+    speed_weight: float,
+    current_hz: float,
+    i_q_slew: float,
+    u_dt: float,
+) -> dict[str, Any]:
     """Fields of ``control_params_t`` but for its curve.
 
-    Speed: critically damped closed loop of natural frequency ``speed_hz`` [Hz] on the rated inertia,
+    Speed: critically damped closed loop of natural frequency ``speed_hz`` [Hz] on the inertia,
     k_p = 2 w J / k_t, k_i = w^2 J / k_t with k_t = 1.5 n_p^2 psi_f per electrical rad/s. Current:
     internal-model control of bandwidth ``current_hz`` [Hz] (doi 10.1109/28.663477) with the q
     inductance of half rated current.

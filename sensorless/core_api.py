@@ -1,7 +1,7 @@
 """The compiled core as NumPy sees it: structured dtypes of its C structs, and its functions.
 
-A drive, its machine and its twin are one record of ``SIM``; an array of them is a plain NumPy array,
-so copying, pickling and slicing are NumPy's own.
+A drive, its machine and its twin are one record of ``SIM``; an array of them is plain NumPy, so
+copying, pickling and slicing are NumPy's own.
 """
 
 from pathlib import Path
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sensorless.errors import StaleCoreError
 
 try:
-    from sensorless import _core
+    from sensorless import _core  # type: ignore[attr-defined]
 except ImportError as error:
     raise StaleCoreError(
         f"the compiled core cannot be imported ({error}): build it with 'make core' in a checkout, "
@@ -40,8 +40,13 @@ def _check_fresh() -> None:
 
 _check_fresh()
 
-_KINDS = {"float": np.float32, "double": np.float64, "int": np.int32, "int32_t": np.int32,
-          "uint32_t": np.uint32}
+_KINDS = {
+    "float": np.float32,
+    "double": np.float64,
+    "int": np.int32,
+    "int32_t": np.int32,
+    "uint32_t": np.uint32,
+}
 
 
 def _dtype_of(ctype: Any) -> np.dtype[Any]:
@@ -81,9 +86,9 @@ CURVE_N = 9
 
 
 def _enum_names(prefix: str) -> tuple[str, ...]:
-    """Lower-case names of an enumeration's constants without prefix, in the order of their values."""
+    """Lower-case names of an enumeration's constants, without prefix, by value."""
     names = [n for n in dir(lib) if n.startswith(prefix) and n != f"{prefix}N"]
-    return tuple(n[len(prefix):].lower() for n in sorted(names, key=lambda n: getattr(lib, n)))
+    return tuple(n[len(prefix) :].lower() for n in sorted(names, key=lambda n: getattr(lib, n)))
 
 
 TRACE_NAMES = _enum_names("TRACE_")
@@ -110,8 +115,14 @@ def sim_run(sims: Array, periods: int, k_s: Array, obs: Array, *, plain: bool = 
     plain : bool
         Drive by drive instead of blocks as vector code; the results are the same.
     """
-    lib.sim_run(pointer(sims, "sim_t[]"), len(sims), periods, int(plain), pointer(k_s, "float[]"),
-                pointer(obs, "float[]"))
+    lib.sim_run(
+        pointer(sims, "sim_t[]"),
+        len(sims),
+        periods,
+        int(plain),
+        pointer(k_s, "float[]"),
+        pointer(obs, "float[]"),
+    )
 
 
 def sim_start(sims: Array) -> None:
@@ -130,8 +141,13 @@ def flux_map_currents(flux_map: Array, bridge: bool, psi: Array) -> Array:
     """Currents (n, 2) [A] at flux linkages ``psi`` (n, 2) [Vs] of a FLUX_MAP record."""
     points = np.ascontiguousarray(psi, dtype=np.float64)
     out = np.empty_like(points)
-    lib.flux_map_currents(pointer(flux_map.reshape(1), "flux_map_t[]"), int(bridge),
-                          pointer(points, "double[]"), pointer(out, "double[]"), len(points))
+    lib.flux_map_currents(
+        pointer(flux_map.reshape(1), "flux_map_t[]"),
+        int(bridge),
+        pointer(points, "double[]"),
+        pointer(out, "double[]"),
+        len(points),
+    )
     return out
 
 

@@ -27,7 +27,7 @@ def _setting(default: float, doc: str, low: float, high: float) -> Any:
 class DriveDesign:
     """Bandwidths and choices of the control core; everything else follows from the motor."""
 
-    hfi_pll_hz: float = _setting(20.0, "natural frequency of the injection PLL [Hz]", 1, 200)
+    hfi_pll_hz: float = _setting(17.0, "natural frequency of the injection PLL [Hz]", 1, 200)
     smo_pll_hz: float = _setting(20.0, "natural frequency of the EMF PLL [Hz]", 1, 200)
     smo_gain: float = _setting(1.0, "SMO gain over the deadbeat gain L_d / T_s", 0.05, 1.95)
     smo_cross_hz: float = _setting(20.0, "low-pass on the cross term's speed [Hz]", 0.5, math.inf)
@@ -64,8 +64,10 @@ class DriveDesign:
         for f in dataclasses.fields(self):
             value = getattr(self, f.name)
             if "low" in f.metadata and not f.metadata["low"] <= value <= f.metadata["high"]:
-                raise UserError(f"{f.name}: {value!r}; allowed: {f.metadata['low']:g} to "
-                                f"{f.metadata['high']:g}, {f.metadata['doc']}")
+                raise UserError(
+                    f"{f.name}: {value!r}; allowed: {f.metadata['low']:g} to "
+                    f"{f.metadata['high']:g}, {f.metadata['doc']}"
+                )
         if self.cross not in ("none", "line", "table"):
             raise UserError(f"cross: {self.cross!r}; allowed: none, line, table")
 
@@ -75,37 +77,48 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
     omega_max = 2.5 * motor.omega_rated
     record = np.zeros((), dtype=CONTROL)
     line = operating_line(motor, design.mtpa)
-    i_d, L_q, cross = design_curves(motor, line, L_q_table=design.L_q_table,
-                                   cross=design.cross)
+    i_d, L_q, cross = design_curves(motor, line, L_q_table=design.L_q_table, cross=design.cross)
     control = design_control(
-        motor, speed_hz=design.speed_hz, speed_weight=design.speed_weight,
-        current_hz=design.current_hz, i_q_slew=design.i_q_slew,
+        motor,
+        speed_hz=design.speed_hz,
+        speed_weight=design.speed_weight,
+        current_hz=design.current_hz,
+        i_q_slew=design.i_q_slew,
         u_dt=design.dead_time_share * motor.u_dc * motor.dead_time / motor.T_s,
     )
     smo = design_smo(
-        motor, pll_hz=design.smo_pll_hz, gain=design.smo_gain * deadbeat_gain(motor),
-        k=2.5 * motor.omega_rated * motor.psi_f, cross_hz=design.smo_cross_hz,
-        emf_hz=design.smo_emf_hz, floor_rpm=design.smo_floor_rpm, sign=design.smo_sign,
-        lag_cure=design.lag_cure, omega_max=omega_max,
+        motor,
+        pll_hz=design.smo_pll_hz,
+        gain=design.smo_gain * deadbeat_gain(motor),
+        k=2.5 * motor.omega_rated * motor.psi_f,
+        cross_hz=design.smo_cross_hz,
+        emf_hz=design.smo_emf_hz,
+        floor_rpm=design.smo_floor_rpm,
+        sign=design.smo_sign,
+        lag_cure=design.lag_cure,
+        omega_max=omega_max,
     )
     alpha = 2.0 * math.pi * design.signal_hz
-    fill(record, {
-        "T_s": motor.T_s,
-        "k_s_step": design.k_s_slew * motor.T_s,
-        "hfi": design_hfi(motor, design.hfi_pll_hz, design.injection_hold, omega_max),
-        "smo": smo,
-        "control": {**control, "i_d_mtpa": {"y": i_d}},
-        "signal": {
-            "alpha": low_pass(design.signal_hz, motor.T_s),
-            "alpha_per_s": alpha,
-            "inv_omega": 1.0 / motor.omega_rated,
-            "inv_i": 1.0 / motor.i_rated,
-            "inv_e": 1.0 / (motor.omega_rated * motor.psi_f),
-            "inv_i_hf": 1.0 / hf_current(motor),
+    fill(
+        record,
+        {
+            "T_s": motor.T_s,
+            "k_s_step": design.k_s_slew * motor.T_s,
+            "hfi": design_hfi(motor, design.hfi_pll_hz, design.injection_hold, omega_max),
+            "smo": smo,
+            "control": {**control, "i_d_mtpa": {"y": i_d}},
+            "signal": {
+                "alpha": low_pass(design.signal_hz, motor.T_s),
+                "alpha_per_s": alpha,
+                "inv_omega": 1.0 / motor.omega_rated,
+                "inv_i": 1.0 / motor.i_rated,
+                "inv_e": 1.0 / (motor.omega_rated * motor.psi_f),
+                "inv_i_hf": 1.0 / hf_current(motor),
+            },
+            "L_q": {"y": design.L_q_bias * L_q},
+            "theta_cross": {"y": cross},
         },
-        "L_q": {"y": design.L_q_bias * L_q},
-        "theta_cross": {"y": cross},
-    })
+    )
     return record
 
 
@@ -113,9 +126,18 @@ def plant_record(motor: Motor) -> Array:
     """``plant_params_t`` of a motor, shape ()."""
     record = np.zeros((), dtype=PLANT)
     record["map"] = flux_map_record(motor.saturation)
-    fill(record, {"R_s": motor.R_s, "n_p": motor.n_p, "inv_J": 1.0 / motor.J, "B": motor.B,
-                  "h": motor.T_s / SUB_STEPS, "n_sub": SUB_STEPS,
-                  "bridge": int(motor.saturation.a_b > 0.0)})
+    fill(
+        record,
+        {
+            "R_s": motor.R_s,
+            "n_p": motor.n_p,
+            "inv_J": 1.0 / motor.J,
+            "B": motor.B,
+            "h": motor.T_s / SUB_STEPS,
+            "n_sub": SUB_STEPS,
+            "bridge": int(motor.saturation.a_b > 0.0),
+        },
+    )
     return record
 
 
@@ -123,10 +145,19 @@ def sensor_record(motor: Motor, noise_rms: float = 0.005) -> Array:
     """``sensor_params_t`` of a motor with noise of ``noise_rms`` [A], shape ()."""
     lsb = 2.0 * motor.adc_range / 2**motor.adc_bits
     record = np.zeros((), dtype=SENSOR)
-    fill(record, {"dead_time_share": motor.dead_time / motor.T_s,
-                  "inv_i_zero": 1.0 / (0.01 * motor.i_rated), "gain_a": 1.0, "gain_b": 1.0,
-                  "noise_rms": noise_rms, "lsb": lsb, "inv_lsb": 1.0 / lsb,
-                  "range": motor.adc_range})
+    fill(
+        record,
+        {
+            "dead_time_share": motor.dead_time / motor.T_s,
+            "inv_i_zero": 1.0 / (0.01 * motor.i_rated),
+            "gain_a": 1.0,
+            "gain_b": 1.0,
+            "noise_rms": noise_rms,
+            "lsb": lsb,
+            "inv_lsb": 1.0 / lsb,
+            "range": motor.adc_range,
+        },
+    )
     return record
 
 

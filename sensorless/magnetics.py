@@ -15,8 +15,22 @@ Floats = NDArray[np.float64]
 def flux_map_record(s: Saturation) -> Array:
     """The C struct ``flux_map_t`` of a saturation model, shape ()."""
     record = np.zeros((), dtype=FLUX_MAP)
-    for name in ("a_d0", "a_dd", "a_q0", "a_qq", "i_f", "a_b", "a_bp", "k_q", "psi_n",
-                 "S", "T", "U", "V", "W"):
+    for name in (
+        "a_d0",
+        "a_dd",
+        "a_q0",
+        "a_qq",
+        "i_f",
+        "a_b",
+        "a_bp",
+        "k_q",
+        "psi_n",
+        "S",
+        "T",
+        "U",
+        "V",
+        "W",
+    ):
         record[name] = getattr(s, name)
     record["c_d"] = s.a_dq / (s.V + 2)
     record["c_q"] = s.a_dq / (s.U + 2)
@@ -47,8 +61,9 @@ def flux(s: Saturation, i: Floats) -> Floats:
         The map has no flux linkage for a current.
     """
     target = np.atleast_2d(np.asarray(i, dtype=float))
-    psi = np.stack([(target[:, 0] + s.i_f) / (s.a_d0 + s.a_dd), target[:, 1] / (s.a_q0 + s.a_qq)],
-                   axis=-1)
+    psi = np.stack(
+        [(target[:, 0] + s.i_f) / (s.a_d0 + s.a_dd), target[:, 1] / (s.a_q0 + s.a_qq)], axis=-1
+    )
     for _ in range(100):
         error = currents(s, psi) - target
         if np.max(np.abs(error)) < 1e-11:
@@ -71,8 +86,9 @@ def mtpa(motor: Motor, n: int = 49) -> tuple[Floats, Floats]:
     """Maximum torque per ampere: (i_d, i_q) [A], each shape (n,), from zero to ``motor.i_max``."""
     amplitude = np.linspace(0.0, motor.i_max, n)
     angle = np.linspace(0.0, 0.5 * np.pi, 181)[:-1]
-    grid = np.stack([-np.outer(amplitude, np.sin(angle)), np.outer(amplitude, np.cos(angle))],
-                    axis=-1)
+    grid = np.stack(
+        [-np.outer(amplitude, np.sin(angle)), np.outer(amplitude, np.cos(angle))], axis=-1
+    )
     tau = torque(motor, grid.reshape(-1, 2)).reshape(n, -1)
     best = np.clip(np.argmax(tau, axis=1), 1, len(angle) - 2)
     rows = np.arange(n)
@@ -89,7 +105,9 @@ def apparent_q_inductance(motor: Motor, i: Floats) -> Floats:
 
 
 def cross_angle(motor: Motor, i: Floats) -> Floats:
-    """Turn of the magnetic axes theta_m / 2 [rad] at currents (n, 2) (doi
-    10.12177/emca.2025.011, Eq. 16): the injection estimator locks at theta - theta_m / 2."""
+    """Turn of the magnetic axes theta_m / 2 [rad] at currents (n, 2).
+
+    The injection estimator locks at theta - theta_m / 2 (doi 10.12177/emca.2025.011, Eq. 16).
+    """
     gamma = inverse_inductance(motor.saturation, flux(motor.saturation, i))
     return np.asarray(0.5 * np.arctan2(-2.0 * gamma[:, 0, 1], gamma[:, 0, 0] - gamma[:, 1, 1]))

@@ -52,7 +52,7 @@ class Saturation:
 
 @dataclass(frozen=True)
 class Motor:
-    """A machine with its inverter and sensors. SI units, peak values, mechanical torque and inertia.
+    """A machine with its inverter and sensors: SI units, peak values.
 
     ``L_d``, ``L_q`` and ``psi_f`` describe the machine at zero current (what a data sheet gives);
     ``saturation`` is what the simulated machine follows.
@@ -78,7 +78,7 @@ class Motor:
     dead_time: float = _number("dead time of a leg [s]", open_low=False)
     adc_range: float = _number("largest measurable current [A]")
     adc_bits: int = _number("resolution of the current measurement", 4, open_low=False, high=32)
-    saturation: Saturation
+    saturation: Saturation = field(kw_only=True)
 
     @property
     def omega_rated(self) -> float:
@@ -138,14 +138,17 @@ def _from_tables(data: dict[str, Any], where: str) -> Motor:
     else:
         raise UserError(f"{where}: saturation: must be a table, got {sat!r}")
     if numbers["i_trip"] <= numbers["i_max"]:
-        raise UserError(f"{where}: i_trip: {numbers['i_trip']} A; allowed: above i_max = "
-                        f"{numbers['i_max']} A")
-    return Motor(name=values["name"], description=values["description"], saturation=saturation,
-                 **numbers)
+        raise UserError(
+            f"{where}: i_trip: {numbers['i_trip']} A; allowed: above i_max = {numbers['i_max']} A"
+        )
+    return Motor(
+        name=values["name"], description=values["description"], saturation=saturation, **numbers
+    )
 
 
-def _checked(cls: type, values: dict[str, Any], where: str,
-             skip: tuple[str, ...] = ()) -> dict[str, Any]:
+def _checked(
+    cls: type, values: dict[str, Any], where: str, skip: tuple[str, ...] = ()
+) -> dict[str, Any]:
     """Numbers of ``cls`` from ``values``, each present, of its type and in its range."""
     fields = {f.name: f for f in dataclasses.fields(cls) if f.name not in skip}
     unknown = sorted(set(values) - set(fields) - set(skip))
@@ -169,8 +172,9 @@ def _number_in_range(name: str, value: Any, f: "dataclasses.Field[Any]", where: 
     whole = f.type in (int, "int")
     kind = "a whole number" if whole else "a finite number"
     good = isinstance(value, int if whole else (int, float)) and not isinstance(value, bool)
-    good = good and math.isfinite(value) and (value > low if is_open else value >= low)
+    good = good and abs(value) < 1e300 and (value > low if is_open else value >= low)
     if not (good and value <= high):
-        raise UserError(f"{where}: {name}: {value!r}; allowed: {kind}, {bounds} "
-                        f"({f.metadata['doc']})")
+        raise UserError(
+            f"{where}: {name}: {value!r}; allowed: {kind}, {bounds} ({f.metadata['doc']})"
+        )
     return int(value) if whole else float(value)

@@ -30,8 +30,9 @@ def design_from(settings: list[str] | None) -> DriveDesign:
     for word in settings or []:
         name, _, text = word.partition("=")
         if name not in fields:
-            raise UserError(f"set: {word!r}; allowed: NAME=VALUE with NAME one of "
-                            f"{', '.join(fields)}")
+            raise UserError(
+                f"set: {word!r}; allowed: NAME=VALUE with NAME one of {', '.join(fields)}"
+            )
         values[name] = _value(name, text, fields[name].default)
     return DriveDesign(**values)  # type: ignore[arg-type]
 
@@ -66,8 +67,9 @@ def scenario_from(word: str, motor: Motor) -> Scenarios:
     return suite(name, motor, seed, index + 1)[index : index + 1]
 
 
-def plan_from(speed: str, load: str, ramp: float | None, duration: float,
-              motor: Motor, seed: int) -> Scenarios:
+def plan_from(
+    speed: str, load: str, ramp: float | None, duration: float, motor: Motor, seed: int
+) -> Scenarios:
     """One scenario from plans of speed [r/min] and load [N m].
 
     Parameters

@@ -1,27 +1,23 @@
-"""One open-loop run of the machine alone: its description in JSON, its inputs in CSV.
+"""The description of an open-loop run of the machine alone, in JSON.
 
-The JSON names the machine (``linear`` or ``pmsyrm``), the mechanics, the start and the period; the CSV
-holds one row a period: ``u_alpha``, ``u_beta`` [V] in the stator frame and, if the shaft is free,
-``tau_L`` [N m].
+It names the machine (``linear`` or ``pmsyrm``), the mechanics (``J`` and ``B``, or a held speed
+``w_M``), the start (``init``) and the period ``T_s``. A capital ``M`` marks what is mechanical, a
+small ``m`` what is electrical.
 """
 
-import csv
 import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from sensorless.errors import UserError
-from sensorless.magnetics import Floats
 from sensorless.motor import Saturation
 
 EXPONENTS = ("S", "T", "U", "V", "W")
+SATURATED = tuple("n_p R_s a_d0 a_dd S a_q0 a_qq T a_dq U V".split())
 BRIDGE = ("a_b", "a_bp", "k_q", "psi_n", "W")
 POSITIVE = ("T_s", "L_d", "L_q", "a_d0", "a_q0", "J")
-COLUMNS = ("u_alpha", "u_beta", "tau_L")
 NOTES = ("rtol", "atol")
 """Keys that tell how a reference was made; they are read over."""
 
@@ -61,7 +57,9 @@ def read_case(path: str | Path) -> PlantCase:
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
-        raise UserError(f"plant {str(path)!r}: {error.strerror}; allowed: a readable file") from None
+        raise UserError(
+            f"plant {str(path)!r}: {error.strerror}; allowed: a readable file"
+        ) from None
     except ValueError as error:
         raise UserError(f"plant {str(path)!r}: not a valid JSON file: {error}") from None
     return case_from(data, str(path))
@@ -81,14 +79,24 @@ def case_from(data: Any, where: str) -> PlantCase:
     T_s = _numbers(top, ("T_s",), where)["T_s"]
     n_p, R_s, saturation = _machine(dict(tables["machine"]), f"{where}: machine")
     held = "w_M" in tables["mechanics"]
-    mechanics = _numbers(tables["mechanics"], ("w_M",) if held else ("J", "B"),
-                         f"{where}: mechanics")
+    mechanics = _numbers(
+        tables["mechanics"], ("w_M",) if held else ("J", "B"), f"{where}: mechanics"
+    )
     init = _numbers(tables["init"], ("i_d", "i_q", "theta_m", "w_M"), f"{where}: init")
     if held and init["w_M"] != mechanics["w_M"]:
-        raise UserError(f"{where}: init: w_M: {init['w_M']:g}; allowed: the held speed, "
-                        f"{mechanics['w_M']:g} rad/s")
-    return PlantCase(T_s=T_s, n_p=n_p, R_s=R_s, saturation=saturation,
-                     J=mechanics.get("J", math.inf), B=mechanics.get("B", 0.0), **init)
+        raise UserError(
+            f"{where}: init: w_M: {init['w_M']:g}; allowed: the held speed, "
+            f"{mechanics['w_M']:g} rad/s"
+        )
+    return PlantCase(
+        T_s=T_s,
+        n_p=n_p,
+        R_s=R_s,
+        saturation=saturation,
+        J=mechanics.get("J", math.inf),
+        B=mechanics.get("B", 0.0),
+        **init,
+    )
 
 
 def _machine(values: dict[str, Any], where: str) -> tuple[int, float, Saturation]:
@@ -100,12 +108,13 @@ def _machine(values: dict[str, Any], where: str) -> tuple[int, float, Saturation
         return int(v["n_p"]), v["R_s"], saturation
     if kind != "pmsyrm":
         raise UserError(f"{where}: type: {kind!r}; allowed: linear, pmsyrm")
-    needed = ("n_p", "R_s", "a_d0", "a_dd", "S", "a_q0", "a_qq", "T", "a_dq", "U", "V")
+    needed = SATURATED
     needed += BRIDGE if any(name in values for name in BRIDGE) else ()
     needed += ("i_f",) if "i_f" in values else ()
     v = _numbers(values, needed, where)
     n_p, R_s = int(v.pop("n_p")), v.pop("R_s")
-    return n_p, R_s, Saturation(**{k: int(x) if k in EXPONENTS else x for k, x in v.items()})
+    coefficients: dict[str, Any] = {k: int(x) if k in EXPONENTS else x for k, x in v.items()}
+    return n_p, R_s, Saturation(**coefficients)
 
 
 def _numbers(values: dict[str, Any], names: tuple[str, ...], where: str) -> dict[str, float]:
@@ -140,57 +149,3 @@ def _allowed(name: str) -> str:
     if name in ("i_d", "i_q", "theta_m", "w_M"):
         return "a finite number"
     return f"a finite number {'above 0' if name in POSITIVE else 'of at least 0'}"
-
-
-def read_inputs(path: str | Path) -> Floats:
-    """Read the inputs, shape (n, 3): u_alpha, u_beta [V], tau_L [N m] (0 without that column).
-
-    Raises
-    ------
-    UserError
-        Names the file, the line and the column.
-    """
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            return _parse(file, f"inputs {str(path)!r}")
-    except OSError as error:
-        raise UserError(f"inputs {str(path)!r}: {error.strerror}; allowed: a readable file") from None
-    except (csv.Error, UnicodeDecodeError) as error:
-        raise UserError(f"inputs {str(path)!r}: not a valid CSV file: {error}") from None
-
-
-def _parse(lines: Any, where: str) -> Floats:
-    reader = csv.reader(lines)
-    header = [name.strip() for name in next(reader, [])]
-    for name in header:
-        if name not in COLUMNS or header.count(name) > 1:
-            raise UserError(f"{where}: line 1: column {name!r}; allowed, each once: "
-                            f"{', '.join(COLUMNS)}")
-    for name in ("u_alpha", "u_beta"):
-        if name not in header:
-            raise UserError(f"{where}: line 1: column {name}: missing; allowed: "
-                            f"{', '.join(COLUMNS)}")
-    rows = []
-    for row in reader:
-        if not row:
-            continue
-        if len(row) != len(header):
-            raise UserError(f"{where}: line {reader.line_num}: {len(row)} values; allowed: "
-                            f"{len(header)}, as in the header")
-        rows.append([_value(text, name, f"{where}: line {reader.line_num}")
-                     for text, name in zip(row, header, strict=True)])
-    if not rows:
-        raise UserError(f"{where}: no rows; allowed: one a period, at least one")
-    out = np.zeros((len(rows), len(COLUMNS)))
-    out[:, [COLUMNS.index(name) for name in header]] = rows
-    return out
-
-
-def _value(text: str, name: str, where: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise UserError(f"{where}: {name}: {text!r}; allowed: a finite number")
-    return value

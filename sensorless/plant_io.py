@@ -11,10 +11,24 @@ from sensorless.drive import SUB_STEPS
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
 from sensorless.magnetics import Floats, flux, flux_map_record
-from sensorless.plant_case import PlantCase, read_case, read_inputs
+from sensorless.plant_case import PlantCase, read_case
+from sensorless.plant_inputs import read_inputs
 
-COLUMNS = ("t", "i_d", "i_q", "i_alpha", "i_beta", "i_a", "i_b", "i_c", "psi_d", "psi_q", "tau_M",
-           "w_M", "theta_m")
+COLUMNS = (
+    "t",
+    "i_d",
+    "i_q",
+    "i_alpha",
+    "i_beta",
+    "i_a",
+    "i_b",
+    "i_c",
+    "psi_d",
+    "psi_q",
+    "tau_M",
+    "w_M",
+    "theta_m",
+)
 STEP_ERROR = 1e-8
 """Largest difference to a run with half the step that is accepted [A, rad, ...]."""
 SPLITS = 256
@@ -34,7 +48,9 @@ class PlantRun:
     """largest difference to the run with twice the step"""
 
 
-def plant_arrays(case: PlantCase, sub_steps: int = SUB_STEPS, split: int = 1) -> tuple[Array, Array]:
+def plant_arrays(
+    case: PlantCase, sub_steps: int = SUB_STEPS, split: int = 1
+) -> tuple[Array, Array]:
     """Records of PLANT and PLANT_STATE, shape (1,), at the start of a case.
 
     Parameters
@@ -82,7 +98,7 @@ def integrate(case: PlantCase, inputs: Floats, split: int = 1) -> Floats:
 def run_case(case: PlantCase, inputs: Floats) -> PlantRun:
     """Run a case; the step is halved until that changes nothing beyond ``STEP_ERROR``.
 
-    It starts from the step of the closed loop, with which the shipped machine is far inside of that.
+    It starts from the step of the closed loop.
 
     Raises
     ------
@@ -103,8 +119,10 @@ def run_case(case: PlantCase, inputs: Floats) -> PlantRun:
             coarse = fine
     bad = np.flatnonzero(~np.isfinite(fine).all(axis=1))
     if bad.size:
-        raise UserError(f"plant: no finite state from t = {bad[0] * case.T_s:g} s on; allowed: a machine "
-                        "and voltages that stay within the numbers, a T_s short against its dynamics")
+        raise UserError(
+            f"plant: no finite state from t = {bad[0] * case.T_s:g} s on; allowed: a machine "
+            "and voltages that stay within the numbers, a T_s short against its dynamics"
+        )
     return PlantRun(_columns(fine, case.T_s), SUB_STEPS * split, float(np.max(gap)))
 
 
@@ -114,9 +132,24 @@ def _columns(rows: Floats, T_s: float) -> Floats:
     c, s = np.cos(theta_e), np.sin(theta_e)
     i_alpha, i_beta = c * i_d - s * i_q, s * i_d + c * i_q
     half = 0.5 * math.sqrt(3.0) * i_beta
-    return np.stack([T_s * np.arange(len(rows)), i_d, i_q, i_alpha, i_beta, i_alpha,
-                     -0.5 * i_alpha + half, -0.5 * i_alpha - half, psi_d, psi_q, tau, omega_m,
-                     theta_e], axis=-1)
+    return np.stack(
+        [
+            T_s * np.arange(len(rows)),
+            i_d,
+            i_q,
+            i_alpha,
+            i_beta,
+            i_alpha,
+            -0.5 * i_alpha + half,
+            -0.5 * i_alpha - half,
+            psi_d,
+            psi_q,
+            tau,
+            omega_m,
+            theta_e,
+        ],
+        axis=-1,
+    )
 
 
 def to_csv(rows: Floats) -> str:
@@ -133,7 +166,7 @@ def simulate_plant(plant: str | Path, inputs: str | Path, out: str | Path) -> Pl
     plant : path
         JSON of ``plant_case.read_case``.
     inputs : path
-        CSV of ``plant_case.read_inputs``.
+        CSV of ``plant_inputs.read_inputs``.
     out : path
         CSV to write, one row a sampling instant; appears whole or not at all.
 

@@ -16,8 +16,13 @@ from sensorless.trace import Trace, lost_cause
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-COLOURS = {"hfi": "#d1495b", "smo": "#2e86ab", "blend": "#1b1b1e", "twin": "#8d99ae",
-           "ref": "#f2a541"}
+COLOURS = {
+    "hfi": "#d1495b",
+    "smo": "#2e86ab",
+    "blend": "#1b1b1e",
+    "twin": "#8d99ae",
+    "ref": "#f2a541",
+}
 RPM = 30.0 / np.pi
 
 
@@ -44,7 +49,8 @@ def save(figure: "Figure", path: Path) -> None:
 def waveforms(t: Trace, title: str) -> "Figure":
     """Speed, torque, angle errors and weight over time."""
     figure, (speed, torque, angle, weight) = _figure(
-        figsize=(9.0, 9.5), nrows=4, sharex=True, height_ratios=(3, 2.4, 2.4, 1.2))
+        figsize=(9.0, 9.5), nrows=4, sharex=True, height_ratios=(3, 2.4, 2.4, 1.2)
+    )
     x = t["t"]
     speed.plot(x, RPM * t["omega_m_ref"], color=COLOURS["ref"], label="reference")
     speed.plot(x, RPM * t["omega_m_twin"], color=COLOURS["twin"], lw=2.5, label="sensored twin")
@@ -57,8 +63,13 @@ def waveforms(t: Trace, title: str) -> "Figure":
     torque.plot(x, t["tau_load"], color=COLOURS["ref"], label="load")
     torque.set_ylabel("torque [N m]")
     for key, name in (("_hfi", "hfi"), ("_smo", "smo"), ("", "blend")):
-        angle.plot(x, np.rad2deg(t[f"theta_e_err{key}"]), color=COLOURS[name], lw=0.7,
-                   label={"hfi": "HFI", "smo": "SMO", "blend": "blend"}[name])
+        angle.plot(
+            x,
+            np.rad2deg(t[f"theta_e_err{key}"]),
+            color=COLOURS[name],
+            lw=0.7,
+            label={"hfi": "HFI", "smo": "SMO", "blend": "blend"}[name],
+        )
     span = float(np.nanquantile(np.abs(np.rad2deg(t["theta_e_err"])), 0.999))
     angle.set_ylim(-max(6.0, 1.6 * span), max(6.0, 1.6 * span))
     angle.set_ylabel("angle error [° el.]\ntruth − estimate")
@@ -82,8 +93,9 @@ def _pairs(x: Any) -> Any:
 
 def schedules(tables: dict[str, KsTable], motor: Motor) -> "Figure":
     """k_s over speed and torque current, one map a schedule; other signals at zero."""
-    figure, axes = _figure(figsize=(4.6 * len(tables) + 0.8, 4.0), ncols=len(tables), sharey=True,
-                           squeeze=False)
+    figure, axes = _figure(
+        figsize=(4.6 * len(tables) + 0.8, 4.0), ncols=len(tables), sharey=True, squeeze=False
+    )
     speed, current = np.linspace(0.0, 1.0, 151), np.linspace(-1.5, 1.5, 121)
     obs = np.zeros((len(current), len(speed), len(SIGNAL_NAMES)), dtype=np.float32)
     obs[..., SIGNAL_NAMES.index("speed")] = speed
@@ -91,10 +103,23 @@ def schedules(tables: dict[str, KsTable], motor: Motor) -> "Figure":
     image = None
     for ax, (name, table) in zip(axes[0], tables.items(), strict=True):
         k_s = table.evaluate(obs.reshape(-1, len(SIGNAL_NAMES))).reshape(obs.shape[:2])
-        image = ax.pcolormesh(speed * motor.n_rated_rpm, current, k_s, vmin=0.0, vmax=1.0,
-                              cmap="viridis", shading="auto")
-        ax.contour(speed * motor.n_rated_rpm, current, k_s, levels=[0.1, 0.5, 0.9], colors="w",
-                   linewidths=0.8)
+        image = ax.pcolormesh(
+            speed * motor.n_rated_rpm,
+            current,
+            k_s,
+            vmin=0.0,
+            vmax=1.0,
+            cmap="viridis",
+            shading="auto",
+        )
+        ax.contour(
+            speed * motor.n_rated_rpm,
+            current,
+            k_s,
+            levels=[0.1, 0.5, 0.9],
+            colors="w",
+            linewidths=0.8,
+        )
         ax.set_title(name)
         ax.set_xlabel("|speed estimate| [r/min]")
     axes[0, 0].set_ylabel("torque current / rated\n< 0 regenerating, > 0 motoring")

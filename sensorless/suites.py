@@ -21,7 +21,17 @@ def nominal_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     """The profiles of ``stress`` on a drive that knows its machine and has good sensors."""
     s = stress_scenarios(motor, seeds)
     exact = Scenarios.nominal(motor, seeds, 1.0)
-    for name in ("R_s", "L_q_hat", "psi_f", "J", "cross_hat", "dead_time", "noise", "gain", "offset"):
+    for name in (
+        "R_s",
+        "L_q_hat",
+        "psi_f",
+        "J",
+        "cross_hat",
+        "dead_time",
+        "noise",
+        "gain",
+        "offset",
+    ):
         setattr(s, name, getattr(exact, name))
     s.u_dc[:] = 1.0
     return s
@@ -30,8 +40,8 @@ def nominal_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
 def paper_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     """Figs. 9, 13/14 and 11 of doi 10.12177/emca.2025.011 in turn, speeds relative to 1500 r/min.
 
-    Fig. 9: 200, 350, 600 r/min in steps without load. Figs. 13/14: 150, 350, 650 and back on ramps of
-    600 r/min/s. Fig. 11: 150 r/min, 6 N m (43 % of rated torque).
+    Fig. 9: 200, 350, 600 r/min in steps without load. Figs. 13/14: 150, 350, 650 and back on ramps
+    of 600 r/min/s. Fig. 11: 150 r/min, 6 N m (43 % of rated torque).
     """
     s = Scenarios.nominal(motor, seeds, 4.0)
     base = motor.n_rated_rpm / 1500.0 * RPM
@@ -72,31 +82,57 @@ def handoff_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
         j = i % n_kinds
         if j < len(crossings):
             ramp, load, way = crossings[j]
-            _cross(s, i, ramp * RPM * motor.n_rated_rpm / 1500.0, load * motor.tau_rated, way * base)
+            _cross(
+                s, i, ramp * RPM * motor.n_rated_rpm / 1500.0, load * motor.tau_rated, way * base
+            )
             continue
         j -= len(crossings)
         if j < len(reversals):
             ramp, load, way = reversals[j]
-            _segments(s, i, [(0.0, 0.4 * way, 0.0), (0.6, 0.4 * way, load), (1.0, -0.4 * way, load)],
-                      base, motor.tau_rated, ramp * RPM * motor.n_rated_rpm / 1500.0)
+            _segments(
+                s,
+                i,
+                [(0.0, 0.4 * way, 0.0), (0.6, 0.4 * way, load), (1.0, -0.4 * way, load)],
+                base,
+                motor.tau_rated,
+                ramp * RPM * motor.n_rated_rpm / 1500.0,
+            )
             s.omega_0[i] = 0.4 * way * base
             continue
         j -= len(reversals)
         if j < len(holds):
             load, way = holds[j]
-            _segments(s, i, [(0.0, 0.0, 0.0), (0.3, 0.0, way * load), (1.5, 0.0, -way * load)],
-                      base, motor.tau_rated, base)
+            _segments(
+                s,
+                i,
+                [(0.0, 0.0, 0.0), (0.3, 0.0, way * load), (1.5, 0.0, -way * load)],
+                base,
+                motor.tau_rated,
+                base,
+            )
             continue
         load, way = stops[j - len(holds)]
-        _segments(s, i, [(0.0, 0.5 * way, 0.0), (0.3, 0.5 * way, load), (1.0, 0.0, load)],
-                  base, motor.tau_rated, 2.0 * base)
+        _segments(
+            s,
+            i,
+            [(0.0, 0.5 * way, 0.0), (0.3, 0.5 * way, load), (1.0, 0.0, load)],
+            base,
+            motor.tau_rated,
+            2.0 * base,
+        )
         s.omega_0[i] = 0.5 * way * base
     s.tau_rate[:] = motor.tau_rated / 0.05
     return s
 
 
-def _segments(s: Scenarios, i: int, plan: list[tuple[float, float, float]], base: float,
-              tau: float, rate: float) -> None:
+def _segments(
+    s: Scenarios,
+    i: int,
+    plan: list[tuple[float, float, float]],
+    base: float,
+    tau: float,
+    rate: float,
+) -> None:
     """Segments (start [s], speed / base, load / tau) for row i."""
     for j, (start, speed, load) in enumerate(plan):
         s.t[i, j] = start
@@ -106,13 +142,18 @@ def _segments(s: Scenarios, i: int, plan: list[tuple[float, float, float]], base
 
 
 def _cross(s: Scenarios, i: int, ramp: float, load: float, base: float) -> None:
-    """10 % of rated speed, up to the band's centre with a dwell and a load step, up to 40 %, back."""
+    """From 10 % of rated speed to the band's centre, a dwell and a load step, 40 %, and back."""
     low, centre, high = 0.1 * base, 7.0 / 30.0 * base, 0.4 * base
     signed = load * np.sign(base)
     up, down = abs(centre - low) / ramp, abs(high - low) / ramp
-    plan = [(0.0, low, 0.0), (0.2, low, signed), (0.4, centre, signed),
-            (0.4 + up + 0.15, centre, 0.5 * signed), (0.4 + up + 0.30, high, signed),
-            (0.4 + 2.0 * up + 0.6, low, signed)]
+    plan = [
+        (0.0, low, 0.0),
+        (0.2, low, signed),
+        (0.4, centre, signed),
+        (0.4 + up + 0.15, centre, 0.5 * signed),
+        (0.4 + up + 0.30, high, signed),
+        (0.4 + 2.0 * up + 0.6, low, signed),
+    ]
     for j, (start, speed, tau) in enumerate(plan):
         s.t[i, j] = start
         s.omega[i, j:] = speed
@@ -123,12 +164,14 @@ def _cross(s: Scenarios, i: int, ramp: float, load: float, base: float) -> None:
 
 
 def envelope_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
-    """A square grid of speed (rows) and load (columns) from -100 to 100 %, in row-major order: the
-    drive starts at its speed, then the load rises within 0.2 s and stays for 0.6 s."""
-    side = max(2, int(np.sqrt(len(seeds))))
+    """A square grid of speed (rows) and load (columns) from -100 to 100 %, in row-major order.
+
+    The drive starts at its speed, then the load rises within 0.2 s and stays for 0.6 s.
+    """
+    side = int(np.sqrt(len(seeds)))
     grid = np.linspace(-1.0, 1.0, side)
     speed, load = np.meshgrid(grid, grid, indexing="ij")
-    s = Scenarios.nominal(motor, seeds[: side * side], 1.0)
+    s = Scenarios.nominal(motor, seeds, 1.0)
     omega = speed.ravel() * motor.omega_rated / motor.n_p
     s.omega_0[:] = omega
     s.omega[:] = omega[:, None]
@@ -158,7 +201,7 @@ def suite(name: str, motor: Motor, seed: int, size: int, role: str = "test") -> 
     seed : int
         0 to 2^63 - 1; another seed draws other scenarios.
     size : int
-        Number of scenarios; ``envelope`` takes the largest square grid within.
+        Number of scenarios; for ``envelope``, a grid, a square number.
     role : str
         ``train``, ``tune`` or ``test``: keeps the three apart whatever the seeds.
 
@@ -175,4 +218,6 @@ def suite(name: str, motor: Motor, seed: int, size: int, role: str = "test") -> 
         raise UserError(f"seed: {seed}; allowed: 0 to 2^63 - 1")
     if not 1 <= size <= 10_000_000:
         raise UserError(f"size: {size}; allowed: 1 to 10000000")
+    if name == "envelope" and (size < 4 or int(np.sqrt(size)) ** 2 != size):
+        raise UserError(f"size: {size}; allowed for envelope: a square number of at least 4")
     return SUITES[name](motor, combine(ROLES[role], seed, np.arange(size)))

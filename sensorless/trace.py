@@ -31,8 +31,10 @@ def trace(policy: Policy, scenario: Scenarios, motor: Motor, design: DriveDesign
         raise UserError(f"scenario: {len(scenario)} rows; allowed: 1")
     sim = SimFactory(motor, design).build(scenario, sensored=policy.sensored)
     if not 1 <= sim["k_end"][0] <= MOST_PERIODS:
-        raise UserError(f"duration: {scenario.duration[0]:g} s; allowed: above 0 and at most "
-                        f"{MOST_PERIODS * motor.T_s:g}")
+        raise UserError(
+            f"duration: {scenario.duration[0]:g} s; allowed: above 0 and at most "
+            f"{MOST_PERIODS * motor.T_s:g}"
+        )
     obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
     sim_run(sim, 0, np.ones(1, dtype=np.float32), obs)
     policy.reset(1)

@@ -3,6 +3,7 @@
 import numpy as np
 from rich.table import Table
 
+from sensorless.core_api import Array
 from sensorless.trace import Trace, lost_cause
 
 RPM = 30.0 / np.pi
@@ -16,13 +17,26 @@ def summary_table(t: Trace, policy: str) -> Table:
     """One row for every stretch of constant speed reference."""
     title = f"{policy}: " + (f"lost ({lost_cause(t)})" if lost_cause(t) else "kept lock")
     table = Table(title=title)
-    for heading in ("from [s]", "target\n[r/min]", "settled\nafter [s]", "overshoot\n[%]",
-                    "k_s at\nthe end", "steady angle\nerror [°]", "largest angle\nerror [°]"):
+    for heading in (
+        "from [s]",
+        "target\n[r/min]",
+        "settled\nafter [s]",
+        "overshoot\n[%]",
+        "k_s at\nthe end",
+        "steady angle\nerror [°]",
+        "largest angle\nerror [°]",
+    ):
         table.add_column(heading, justify="right")
     for row in plateaus(t):
-        table.add_row(f"{row['from_s']:.2f}", f"{row['target_rpm']:.0f}", _number(row["settled_s"], 3),
-                      _number(row["overshoot_pct"], 1), f"{row['k_s']:.2f}",
-                      f"{row['angle_err_steady_deg']:.2f}", f"{row['angle_err_max_deg']:.1f}")
+        table.add_row(
+            f"{row['from_s']:.2f}",
+            f"{row['target_rpm']:.0f}",
+            _number(row["settled_s"], 3),
+            _number(row["overshoot_pct"], 1),
+            f"{row['k_s']:.2f}",
+            f"{row['angle_err_steady_deg']:.2f}",
+            f"{row['angle_err_max_deg']:.1f}",
+        )
     return table
 
 
@@ -55,23 +69,31 @@ def plateaus(t: Trace) -> list[dict[str, float]]:
     return rows
 
 
-def _plateau(t: Trace, omega: np.ndarray, a: int, b: int, before: float,  # type: ignore[type-arg]
-             T_s: float) -> dict[str, float]:
+def _plateau(
+    t: Trace,
+    omega: Array,
+    a: int,
+    b: int,
+    before: float,
+    T_s: float,
+) -> dict[str, float]:
     target = RPM * float(t["omega_m_ref"][b - 1])
     step = target - before
     away = np.flatnonzero(np.abs(omega[a:b] - target) > SETTLED * max(abs(step), 1e-9))
     settled = 0.0 if len(away) == 0 else (away[-1] + 1) * T_s
     beyond = float(np.max(np.sign(step) * (omega[a:b] - target), initial=0.0))
     err = np.rad2deg(t["theta_e_err"][a:b])
-    tail = err[-round(STEADY / T_s):]
+    tail = err[-round(STEADY / T_s) :]
     window = max(1, round(0.02 / T_s))
-    smooth = np.convolve(tail, np.ones(window) / window, mode="valid") if len(tail) >= window else tail
+    smooth = (
+        np.convolve(tail, np.ones(window) / window, mode="valid") if len(tail) >= window else tail
+    )
     return {
         "from_s": a * T_s,
         "target_rpm": target,
         "settled_s": settled if settled < (b - a) * T_s - 1e-9 and abs(step) > 1.0 else np.nan,
         "overshoot_pct": 100.0 * beyond / abs(step) if abs(step) > 1.0 else np.nan,
-        "k_s": float(np.mean(t["k_s"][a:b][-round(STEADY / T_s):])),
+        "k_s": float(np.mean(t["k_s"][a:b][-round(STEADY / T_s) :])),
         "angle_err_steady_deg": float(np.max(np.abs(smooth))),
         "angle_err_max_deg": float(np.max(np.abs(err))),
     }

@@ -91,19 +91,21 @@ def test_linear_machine(linear: Motor) -> None:
     tau = 1.5 * linear.n_p * (linear.psi_f + (linear.L_d - linear.L_q) * i[:, 0]) * i[:, 1]
     assert torque(linear, i) == pytest.approx(tau)
     L = np.linalg.inv(inverse_inductance(linear.saturation, psi))
-    assert np.broadcast_to(np.diag([linear.L_d, linear.L_q]), (3, 2, 2)) == pytest.approx(L, abs=1e-8)
+    assert np.broadcast_to(np.diag([linear.L_d, linear.L_q]), (3, 2, 2)) == pytest.approx(
+        L, abs=1e-8
+    )
     assert cross_angle(linear, i) == pytest.approx(0.0, abs=1e-8)
 
 
 def test_cross_angle_turns_the_axes_of_the_inductance(motor: Motor) -> None:
-    """theta_m / 2 is the direction of the least incremental inductance."""
+    """The axis of least incremental inductance, where injection locks, lies at -theta_m / 2."""
     i = np.array([[-0.6, 1.8], [0.0, 5.0], [-2.0, 3.6], [0.0, -2.0]])
     angle = cross_angle(motor, i)
     L = np.linalg.inv(inverse_inductance(motor.saturation, flux(motor.saturation, i)))
     for matrix, at in zip(L, angle, strict=True):
         values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
         direction = vectors[:, np.argmin(values)]
-        assert abs(math.sin(math.atan2(direction[1], direction[0]) - at)) < 1e-5
+        assert abs(math.sin(math.atan2(direction[1], direction[0]) + at)) < 1e-5
     assert angle[3] > 0.0 > angle[0]
 
 

@@ -90,7 +90,7 @@ def test_speed_after_the_next_step_is_no_overshoot() -> None:
     assert overshoot_pct(made_up(scenario, speed))[0] == pytest.approx(0.0, abs=1e-4)
 
 
-def test_a_change_of_load_before_the_next_step_hides_it_no_less() -> None:
+def test_a_window_ends_at_the_next_speed_step_whatever_comes_between() -> None:
     scenario = profile((0.0, 50.0, 0.0), (0.5, 50.0, 5.0), (1.0, 120.0, 5.0))
     speed = np.where(TIME < 1.0, rise(0.0, 50.0, 0.0), rise(50.0, 120.0, 0.0, 1.0))
     assert overshoot_pct(made_up(scenario, speed))[0] == pytest.approx(0.0, abs=1e-4)

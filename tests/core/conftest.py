@@ -30,7 +30,8 @@ def c(tmp_path_factory: pytest.TempPathFactory) -> Call:
     source = Path(__file__).with_name("shim.c")
     compiler = os.environ.get("CC", "cc").split()
     subprocess.run(
-        [*compiler, *FLAGS, "-shared", "-fPIC", f"-I{CORE}", str(source), "-o", str(out)], check=True
+        [*compiler, *FLAGS, "-shared", "-fPIC", f"-I{CORE}", str(source), "-o", str(out)],
+        check=True,
     )
     lib = ctypes.CDLL(str(out))
 
@@ -96,6 +97,7 @@ def steady_angle(motor: Motor) -> Callable[[DriveDesign, float, float, float], f
         s.noise[:], s.dead_time[:] = 0.0, 0.0
         sims = SimFactory(motor, design).build(s, twin=False)
         sims["sensor"]["lsb"], sims["sensor"]["inv_lsb"] = 1e-6, 1e6
+        sims["control"]["control"]["u_dt"] = 0.0
         weight, obs = np.full(1, k_s, np.float32), np.empty((1, SIGNAL_N), np.float32)
         sim_run(sims, round(2.5 / motor.T_s), weight, obs)
         sim_run(sims, round(0.4 / motor.T_s), weight, obs)

@@ -22,8 +22,10 @@ def slew(c: Call, k_s: float, target: float, step: float) -> float:
 
 
 @pytest.mark.parametrize("k_s", [0.0, 0.25, 0.5, 1.0])
-@pytest.mark.parametrize(("hfi_deg", "smo_deg"), [(359.0, 1.0), (1.0, 359.0), (-179.0, 179.0),
-                                                  (170.0, -170.0), (30.0, 40.0)])
+@pytest.mark.parametrize(
+    ("hfi_deg", "smo_deg"),
+    [(359.0, 1.0), (1.0, 359.0), (-179.0, 179.0), (170.0, -170.0), (30.0, 40.0)],
+)
 def test_shortest_way(c: Call, hfi_deg: float, smo_deg: float, k_s: float) -> None:
     """The blend lies on the short arc: 359 and 1 degree give 0, not 180."""
     hfi, smo = (math.remainder(math.radians(a), 2 * math.pi) for a in (hfi_deg, smo_deg))
@@ -61,8 +63,9 @@ def test_slew_limit(c: Call) -> None:
     assert k_s == 0.0
 
 
-@pytest.mark.parametrize(("target", "end"), [(7.0, 1.0), (-3.0, 0.0), (math.nan, 1.0),
-                                             (math.inf, 1.0), (-math.inf, 0.0)])
+@pytest.mark.parametrize(
+    ("target", "end"), [(7.0, 1.0), (-3.0, 0.0), (math.nan, 1.0), (math.inf, 1.0), (-math.inf, 0.0)]
+)
 def test_bad_targets(c: Call, target: float, end: float) -> None:
     """Targets outside [0, 1] are clipped; NaN means injection."""
     assert slew(c, 0.5, target, 1.0) == end

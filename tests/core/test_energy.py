@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,8 +15,22 @@ from sensorless.plant_io import integrate
 
 Map = Callable[[Saturation, Floats], Floats]
 
-BRIDGE = Saturation(a_d0=3.96, a_dd=28.5, S=4, a_q0=5.89, a_qq=2.67, T=6, a_dq=41.5, U=1, V=1,
-                    a_b=81.75, a_bp=1.0, k_q=0.1, psi_n=0.804, W=2)
+BRIDGE = Saturation(
+    a_d0=3.96,
+    a_dd=28.5,
+    S=4,
+    a_q0=5.89,
+    a_qq=2.67,
+    T=6,
+    a_dq=41.5,
+    U=1,
+    V=1,
+    a_b=81.75,
+    a_bp=1.0,
+    k_q=0.1,
+    psi_n=0.804,
+    W=2,
+)
 H = 5e-6
 HOLD = 40
 
@@ -27,6 +42,7 @@ def simpson(y: Floats) -> float:
 
 def magnetic_energy(currents: Map, s: Saturation, start: Floats, end: Floats) -> float:
     """Work 3/2 int i dpsi along the straight line between two fluxes [J]."""
+
     def slope(x: float) -> float:
         return 1.5 * float(currents(s, start + x * (end - start)) @ (end - start))
 
@@ -38,11 +54,22 @@ def test_balance(name: str, motor: Motor, map_currents: Map) -> None:
     """Electrical input = copper loss + shaft work + change of field energy, to 1e-8."""
     linear = Saturation.linear(motor.L_d, motor.L_q, motor.psi_f)
     s = {"linear": linear, "saturated": motor.saturation, "bridge": BRIDGE}[name]
-    case = PlantCase(T_s=H, n_p=2, R_s=2.484, saturation=s, J=0.005, B=0.02, i_d=-1.0, i_q=3.0,
-                     theta_m=0.4, w_M=60.0)
+    case = PlantCase(
+        T_s=H,
+        n_p=2,
+        R_s=2.484,
+        saturation=s,
+        J=0.005,
+        B=0.02,
+        i_d=-1.0,
+        i_q=3.0,
+        theta_m=0.4,
+        w_M=60.0,
+    )
     rng = np.random.default_rng(3)
-    held = np.concatenate([rng.uniform(-200.0, 200.0, (30, 2)), rng.uniform(-5.0, 5.0, (30, 1))],
-                          axis=1)
+    held = np.concatenate(
+        [rng.uniform(-200.0, 200.0, (30, 2)), rng.uniform(-5.0, 5.0, (30, 1))], axis=1
+    )
     inputs = np.repeat(held, HOLD, axis=0)
     i_d, i_q, psi_d, psi_q, tau, omega, theta = integrate(case, inputs).T
     i_ab = (i_d + 1j * i_q) * np.exp(1j * theta)
@@ -67,17 +94,29 @@ def test_balance(name: str, motor: Motor, map_currents: Map) -> None:
 
 
 @pytest.mark.parametrize("name", ["saturated", "bridge"])
-def test_without_resistance_the_field_gives_back_what_it_took(name: str, motor: Motor,
-                                                              map_currents: Map) -> None:
+def test_without_resistance_the_field_gives_back_what_it_took(
+    name: str, motor: Motor, map_currents: Map
+) -> None:
     """A closed loop of flux at standstill costs nothing: the map has an energy."""
     s = {"saturated": motor.saturation, "bridge": BRIDGE}[name]
-    case = PlantCase(T_s=1e-4, n_p=1, R_s=0.0, saturation=s, J=math.inf, B=0.0, i_d=0.0, i_q=0.0,
-                     theta_m=0.0, w_M=0.0)
-    loop = np.array([[1000.0, 500.0, 0.0], [-700.0, 900.0, 0.0], [-600.0, -800.0, 0.0],
-                     [300.0, -600.0, 0.0]])
+    case = PlantCase(
+        T_s=1e-4,
+        n_p=1,
+        R_s=0.0,
+        saturation=s,
+        J=math.inf,
+        B=0.0,
+        i_d=0.0,
+        i_q=0.0,
+        theta_m=0.0,
+        w_M=0.0,
+    )
+    loop = np.array(
+        [[1000.0, 500.0, 0.0], [-700.0, 900.0, 0.0], [-600.0, -800.0, 0.0], [300.0, -600.0, 0.0]]
+    )
     rows = integrate(case, np.repeat(loop, 2, axis=0), split=200)
     psi = rows[:, 2:4]
     assert np.max(np.abs(psi[-1] - psi[0])) < 1e-12
-    work = [magnetic_energy(map_currents, s, a, b) for a, b in zip(psi, psi[1:], strict=False)]
+    work = [magnetic_energy(map_currents, s, a, b) for a, b in pairwise(psi)]
     assert max(np.abs(work)) > 0.05
     assert abs(sum(work)) < 1e-10

@@ -12,12 +12,42 @@ from sensorless.motor import Motor, Saturation
 
 Map = Callable[[Saturation, Floats], Floats]
 
-BRIDGE = Saturation(a_d0=3.96, a_dd=28.5, S=4, a_q0=5.89, a_qq=2.67, T=6, a_dq=41.5, U=1, V=1,
-                    a_b=81.75, a_bp=1.0, k_q=0.1, psi_n=0.804, W=2)
-STRESS = Saturation(a_d0=13.0, a_dd=0.59097761, S=4, a_q0=1.9612252, a_qq=1.90, T=2, a_dq=3.114,
-                    i_f=13.479581)
-ODD = Saturation(a_d0=5.0, a_dd=2.0, S=3, a_q0=4.0, a_qq=3.0, T=5, a_dq=2.0, U=5, V=4, i_f=2.0,
-                 a_b=3.0, a_bp=0.5, k_q=0.7, psi_n=0.4, W=7)
+BRIDGE = Saturation(
+    a_d0=3.96,
+    a_dd=28.5,
+    S=4,
+    a_q0=5.89,
+    a_qq=2.67,
+    T=6,
+    a_dq=41.5,
+    U=1,
+    V=1,
+    a_b=81.75,
+    a_bp=1.0,
+    k_q=0.1,
+    psi_n=0.804,
+    W=2,
+)
+STRESS = Saturation(
+    a_d0=13.0, a_dd=0.59097761, S=4, a_q0=1.9612252, a_qq=1.90, T=2, a_dq=3.114, i_f=13.479581
+)
+ODD = Saturation(
+    a_d0=5.0,
+    a_dd=2.0,
+    S=3,
+    a_q0=4.0,
+    a_qq=3.0,
+    T=5,
+    a_dq=2.0,
+    U=5,
+    V=4,
+    i_f=2.0,
+    a_b=3.0,
+    a_bp=0.5,
+    k_q=0.7,
+    psi_n=0.4,
+    W=7,
+)
 
 RATED = 3.98 * math.sqrt(2.0)
 
@@ -62,7 +92,7 @@ def test_reciprocity(name: str, motor: Motor) -> None:
 
 @pytest.mark.parametrize("name", ["paper", "stress"])
 def test_positive_definite(name: str, motor: Motor) -> None:
-    """Least eigenvalue of d i / d psi above 1.86 1/H on the working range: the map is one to one."""
+    """Least eigenvalue of d i / d psi above 1.86 1/H in use: the map is one to one."""
     gamma = inverse_inductance(saturation(name, motor), fluxes(4000))
     least = float(np.linalg.eigvalsh(0.5 * (gamma + np.swapaxes(gamma, 1, 2))).min())
     assert 1.85 < least < 2.6
@@ -99,8 +129,10 @@ def test_fitted_numbers(row: tuple[float, ...], motor: Motor) -> None:
     assert np.rad2deg(cross_angle(motor, i)[0]) == pytest.approx(row[7], abs=digit)
 
 
-@pytest.mark.parametrize(("i_q", "angle"), [(1.0, -4.02), (2.04, -7.90), (4.0, -14.6), (RATED, -19.9),
-                                            (2.0 * RATED, -39.0)])
+@pytest.mark.parametrize(
+    ("i_q", "angle"),
+    [(1.0, -4.02), (2.04, -7.90), (4.0, -14.6), (RATED, -19.9), (2.0 * RATED, -39.0)],
+)
 def test_cross_angle_of_the_stress_set(i_q: float, angle: float, motor: Motor) -> None:
     """The harder saturation set turns its axes by up to 39 degrees."""
     hard = replace(motor, saturation=STRESS)

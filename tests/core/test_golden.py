@@ -1,13 +1,15 @@
 """The plant against trajectories of an independent simulator; see tests/data/golden/README.md."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sensorless.magnetics import Floats
-from sensorless.plant_case import read_case, read_inputs
+from sensorless.plant_case import read_case
+from sensorless.plant_inputs import read_inputs
 from sensorless.plant_io import COLUMNS, integrate, simulate_plant
 
 GOLDEN = Path(__file__).parents[1] / "data" / "golden"
@@ -21,7 +23,7 @@ def reference(name: str) -> Floats:
 
 
 def angle_between(a: Floats, b: Floats) -> Floats:
-    return np.abs(np.angle(np.exp(1j * (a - b))))
+    return np.asarray(np.abs(np.angle(np.exp(1j * (a - b)))))
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -46,7 +48,9 @@ def test_simulated_file_has_the_format_of_the_reference(name: str, tmp_path: Pat
     assert got[0] == want[0] == ",".join(COLUMNS)
     got_rows = got[1::THINNED]
     assert [row.split(",")[0] for row in got_rows] == [row.split(",")[0] for row in want[1:]]
-    a, b = (np.array([row.split(",") for row in rows], dtype=float) for rows in (got_rows, want[1:]))
+    a, b = (
+        np.array([row.split(",") for row in rows], dtype=float) for rows in (got_rows, want[1:])
+    )
     a[:, -1] = b[:, -1] + angle_between(a[:, -1], b[:, -1])
     assert np.max(np.abs(a - b)) < 1e-8
     assert run.step_error < 1e-8
@@ -56,8 +60,6 @@ def test_simulated_file_has_the_format_of_the_reference(name: str, tmp_path: Pat
 
 def test_linear_reference_rejects_another_machine() -> None:
     """One per mille of q inductance is far outside the tolerance, so the comparison can fail."""
-    from dataclasses import replace
-
     case = read_case(GOLDEN / "linear_injection.json")
     other = replace(case, saturation=replace(case.saturation, a_q0=1.001 * case.saturation.a_q0))
     got = integrate(other, read_inputs(GOLDEN / "linear_injection.u.csv"))[::THINNED]

@@ -23,15 +23,23 @@ class Drive:
         self.params = np.zeros(1, dtype=CONTROL)
         self.params[0] = control_record(motor, DriveDesign())
         self.x = np.zeros(1, dtype=STATE)
-        lib.drive_init(pointer(self.params, "drive_params_t[]"), pointer(self.x, "drive_state_t[]"),
-                       0.3, omega, 1.0)
+        lib.drive_init(
+            pointer(self.params, "drive_params_t[]"),
+            pointer(self.x, "drive_state_t[]"),
+            0.3,
+            omega,
+            1.0,
+        )
 
     def step(self, **values: float) -> tuple[float, float]:
         signal = np.zeros(1, dtype=INPUT)
         for name, value in {**GOOD, **values}.items():
             signal[name] = value
-        u = lib.drive_step(pointer(self.params, "drive_params_t[]"),
-                           pointer(self.x, "drive_state_t[]"), pointer(signal, "drive_in_t[]"))
+        u = lib.drive_step(
+            pointer(self.params, "drive_params_t[]"),
+            pointer(self.x, "drive_state_t[]"),
+            pointer(signal, "drive_in_t[]"),
+        )
         return u.a, u.b
 
     def numbers(self) -> Array:
@@ -50,10 +58,21 @@ def test_good_inputs_set_no_fault(motor: Motor) -> None:
 
 @pytest.mark.parametrize(
     ("field", "value", "bit"),
-    [("i_a", math.nan, CURRENT), ("i_b", math.inf, CURRENT), ("i_a", -2e4, CURRENT),
-     ("u_dc", math.nan, U_DC), ("u_dc", -5.0, U_DC), ("u_dc", math.inf, U_DC), ("u_dc", 1e6, U_DC),
-     ("omega_ref", math.nan, COMMAND), ("omega_ref", -math.inf, COMMAND), ("omega_ref", 1e7, COMMAND),
-     ("k_s_ref", math.nan, COMMAND), ("k_s_ref", 1.01, COMMAND), ("k_s_ref", -0.01, COMMAND)],
+    [
+        ("i_a", math.nan, CURRENT),
+        ("i_b", math.inf, CURRENT),
+        ("i_a", -2e4, CURRENT),
+        ("u_dc", math.nan, U_DC),
+        ("u_dc", -5.0, U_DC),
+        ("u_dc", math.inf, U_DC),
+        ("u_dc", 1e6, U_DC),
+        ("omega_ref", math.nan, COMMAND),
+        ("omega_ref", -math.inf, COMMAND),
+        ("omega_ref", 1e7, COMMAND),
+        ("k_s_ref", math.nan, COMMAND),
+        ("k_s_ref", 1.01, COMMAND),
+        ("k_s_ref", -0.01, COMMAND),
+    ],
 )
 def test_fault_bits(motor: Motor, field: str, value: float, bit: int) -> None:
     """A bad value sets exactly its bit, which stays; the drive goes on with numbers."""
@@ -98,8 +117,13 @@ def test_largest_plausible_inputs(motor: Motor) -> None:
     drive = Drive(motor)
     for _ in range(3000):
         signs = rng.choice([-1.0, 1.0], 3)
-        u = drive.step(i_a=9.9e3 * signs[0], i_b=9.9e3 * signs[1], u_dc=9.9e4,
-                       omega_ref=9.9e4 * signs[2], k_s_ref=float(rng.integers(0, 2)))
+        u = drive.step(
+            i_a=9.9e3 * signs[0],
+            i_b=9.9e3 * signs[1],
+            u_dc=9.9e4,
+            omega_ref=9.9e4 * signs[2],
+            k_s_ref=float(rng.integers(0, 2)),
+        )
         assert all(map(math.isfinite, u))
     assert drive.x["fault"][0] == 0
     assert np.all(np.isfinite(drive.numbers()))

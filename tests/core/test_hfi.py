@@ -4,6 +4,7 @@ import cmath
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ Call = Callable[..., None]
 Angle = Callable[[DriveDesign, float, float, float], float]
 
 STATE = struct_dtype("hfi_state_t")
+DESIGN = DriveDesign(hfi_pll_hz=20.0, speed_hz=2.0, speed_weight=0.0, i_q_slew=150.0)
 
 
 class Bench:
@@ -26,17 +28,35 @@ class Bench:
     Timing of the drive: the voltage computed at k acts over [k+1, k+2].
     """
 
-    def __init__(self, c: Call, motor: Motor, rpm: float, theta_err: float, *, closed: bool,
-                 mid_interval: bool = True, sign: float = 1.0) -> None:
+    def __init__(
+        self,
+        c: Call,
+        motor: Motor,
+        rpm: float,
+        theta_err: float,
+        *,
+        closed: bool,
+        mid_interval: bool = True,
+        sign: float = 1.0,
+    ) -> None:
         self.c, self.T_s, self.mid, self.sign = c, motor.T_s, mid_interval, sign
         self.omega = motor.rpm_to_electrical(rpm)
         saturation = Saturation.linear(motor.L_d, motor.L_q, motor.psi_f)
-        case = PlantCase(T_s=motor.T_s, n_p=motor.n_p, R_s=motor.R_s, saturation=saturation,
-                         J=math.inf, B=0.0, i_d=0.0, i_q=0.0, theta_m=0.5,
-                         w_M=self.omega / motor.n_p)
+        case = PlantCase(
+            T_s=motor.T_s,
+            n_p=motor.n_p,
+            R_s=motor.R_s,
+            saturation=saturation,
+            J=math.inf,
+            B=0.0,
+            i_d=0.0,
+            i_q=0.0,
+            theta_m=0.5,
+            w_M=self.omega / motor.n_p,
+        )
         self.plant, self.state = plant_arrays(case)
         self.emf = self.omega * motor.psi_f
-        self.p = np.array(control_record(motor, DriveDesign())["hfi"]).reshape(1)
+        self.p = np.array(control_record(motor, DESIGN)["hfi"]).reshape(1)
         if not closed:
             self.p["pll"]["k_p"] = self.p["pll"]["k_i"] = 0.0
         self.x = np.zeros(1, dtype=STATE)
@@ -112,11 +132,13 @@ def test_lock_has_no_offset(c: Call, motor: Motor, rpm: float) -> None:
     assert abs(angle) < 0.02
 
 
-@pytest.mark.parametrize(("rpm", "offset"), [(150.0, 0.15), (350.0, 0.36), (600.0, 0.61),
-                                             (1500.0, 1.54)])
-def test_injection_without_delay_compensation_is_seen(c: Call, motor: Motor, rpm: float,
-                                                      offset: float) -> None:
-    """An injection axis 1.5 periods late shifts the lock by the tabulated angle (truth - estimate)."""
+@pytest.mark.parametrize(
+    ("rpm", "offset"), [(150.0, 0.15), (350.0, 0.36), (600.0, 0.61), (1500.0, 1.54)]
+)
+def test_injection_without_delay_compensation_is_seen(
+    c: Call, motor: Motor, rpm: float, offset: float
+) -> None:
+    """An injection axis 1.5 periods late shifts the lock by the tabulated angle."""
     bench = Bench(c, motor, rpm, 0.1, closed=True, mid_interval=False)
     _, _, angle = bench.run(1500, 200)
     assert angle == pytest.approx(offset, abs=0.02)
@@ -139,7 +161,7 @@ def test_polarity_is_not_seen(c: Call, motor: Motor, start: float) -> None:
 
 def test_without_injection_the_estimator_follows(c: Call, motor: Motor) -> None:
     """Until two alternating voltages have acted the angle is the one it is told, and valid is 0."""
-    p = np.array(control_record(motor, DriveDesign())["hfi"]).reshape(1)
+    p = np.array(control_record(motor, DESIGN)["hfi"]).reshape(1)
     x = np.zeros(1, dtype=STATE)
     valid = []
     for k in range(8):
@@ -155,7 +177,7 @@ def test_without_injection_the_estimator_follows(c: Call, motor: Motor) -> None:
 
 def test_injection_holds_and_stops(c: Call, motor: Motor) -> None:
     """Signs alternate while wanted and for n_hold periods after, then stay 0."""
-    p = np.array(control_record(motor, DriveDesign(injection_hold=0.002))["hfi"]).reshape(1)
+    p = np.array(control_record(motor, replace(DESIGN, injection_hold=0.002))["hfi"]).reshape(1)
     x = np.zeros(1, dtype=STATE)
     signs: list[float] = []
     for k in range(30):
@@ -165,16 +187,20 @@ def test_injection_holds_and_stops(c: Call, motor: Motor) -> None:
     assert p["n_hold"][0] == 10.0
     on = [s for s in signs if s]
     assert len(on) == 6 + 9
-    assert signs[len(on):] == [0.0] * (30 - len(on))
-    assert all(a == -b for a, b in zip(on, on[1:], strict=False))
+    assert signs[len(on) :] == [0.0] * (30 - len(on))
+    assert all(a == -b for a, b in pairwise(on))
 
 
-PRINTED = DriveDesign(cross="none", mtpa=False)
+PRINTED = replace(DESIGN, cross="none", mtpa=False)
 
 
-@pytest.mark.parametrize(("rpm", "tau", "error"), [(150.0, 6.0, -7.70), (150.0, -6.0, 7.70),
-                                                   (-150.0, -6.0, 7.70), (150.0, 14.0, -14.1)])
-def test_cross_coupling_turns_the_lock(steady_angle: Angle, rpm: float, tau: float, error: float) -> None:
+@pytest.mark.parametrize(
+    ("rpm", "tau", "error"),
+    [(150.0, 6.0, -7.70), (150.0, -6.0, 7.70), (-150.0, -6.0, 7.70), (150.0, 14.0, -14.1)],
+)
+def test_cross_coupling_turns_the_lock(
+    steady_angle: Angle, rpm: float, tau: float, error: float
+) -> None:
     """Uncompensated, the closed loop settles at the tabulated angle; its sign is that of -i_q."""
     assert steady_angle(PRINTED, 1.0, rpm, tau) == pytest.approx(error, abs=0.15)
 
@@ -184,5 +210,3 @@ def test_table_compensates_cross_coupling(steady_angle: Angle, tau: float) -> No
     """With the compensation curve less than 0.2 degrees remain."""
     design = replace(PRINTED, cross="table")
     assert abs(steady_angle(design, 1.0, 150.0, tau)) < 0.2
-
-

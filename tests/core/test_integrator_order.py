@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -16,16 +17,39 @@ from sensorless.plant_io import integrate, plant_arrays, run_case
 
 Map = Callable[[Saturation, Floats], Floats]
 
-BRIDGE = Saturation(a_d0=3.96, a_dd=28.5, S=4, a_q0=5.89, a_qq=2.67, T=6, a_dq=41.5, U=2, V=2,
-                    a_b=81.75, a_bp=1.0, k_q=0.1, psi_n=0.804, W=2)
+BRIDGE = Saturation(
+    a_d0=3.96,
+    a_dd=28.5,
+    S=4,
+    a_q0=5.89,
+    a_qq=2.67,
+    T=6,
+    a_dq=41.5,
+    U=2,
+    V=2,
+    a_b=81.75,
+    a_bp=1.0,
+    k_q=0.1,
+    psi_n=0.804,
+    W=2,
+)
 PERIOD = 1e-3
 
 
 def case_of(saturation: Saturation, held: bool) -> PlantCase:
     """A turning machine with current; its flux keeps away from the kinks of |psi|."""
-    return PlantCase(T_s=PERIOD, n_p=2, R_s=0.63, saturation=saturation,
-                     J=math.inf if held else 0.01, B=0.0 if held else 0.01, i_d=-1.0, i_q=4.0,
-                     theta_m=2.0, w_M=90.0)
+    return PlantCase(
+        T_s=PERIOD,
+        n_p=2,
+        R_s=0.63,
+        saturation=saturation,
+        J=math.inf if held else 0.01,
+        B=0.0 if held else 0.01,
+        i_d=-1.0,
+        i_q=4.0,
+        theta_m=2.0,
+        w_M=90.0,
+    )
 
 
 def voltages(case: PlantCase, periods: int) -> Floats:
@@ -35,8 +59,14 @@ def voltages(case: PlantCase, periods: int) -> Floats:
     theta = case.theta_m + case.n_p * case.w_M * case.T_s * (k + 0.5)
     emf = case.n_p * case.w_M * psi_f
     along = 40.0 * (-1.0) ** k
-    return np.stack([along * np.cos(theta) - emf * np.sin(theta),
-                     along * np.sin(theta) + emf * np.cos(theta), np.full(periods, 3.0)], axis=-1)
+    return np.stack(
+        [
+            along * np.cos(theta) - emf * np.sin(theta),
+            along * np.sin(theta) + emf * np.cos(theta),
+            np.full(periods, 3.0),
+        ],
+        axis=-1,
+    )
 
 
 def end_state(case: PlantCase, inputs: Floats, sub_steps: int) -> Floats:
@@ -55,18 +85,27 @@ def oracle(case: PlantCase, inputs: Floats, currents: Map, turning: bool) -> Flo
     for u_alpha, u_beta, tau_load in inputs:
         start = state[3]
 
-        def rate(t: float, y: Floats, u: complex = complex(u_alpha, u_beta), start: float = start,
-                 load: float = tau_load) -> list[float]:
+        def rate(
+            t: float,
+            y: Floats,
+            u: complex = complex(u_alpha, u_beta),
+            start: float = start,
+            load: float = tau_load,
+        ) -> list[float]:
             i = currents(case.saturation, y[:2])
             seen = u * np.exp(-1j * (y[3] if turning else start))
             omega = case.n_p * y[2]
             tau = 1.5 * case.n_p * (y[0] * i[1] - y[1] * i[0])
-            return [seen.real - case.R_s * i[0] + omega * y[1],
-                    seen.imag - case.R_s * i[1] - omega * y[0],
-                    (tau - case.B * y[2] - load) / case.J, omega]
+            return [
+                seen.real - case.R_s * i[0] + omega * y[1],
+                seen.imag - case.R_s * i[1] - omega * y[0],
+                (tau - case.B * y[2] - load) / case.J,
+                omega,
+            ]
 
-        state = solve_ivp(rate, (0.0, case.T_s), state, method="DOP853", rtol=1e-12,
-                          atol=1e-13).y[:, -1]
+        state = solve_ivp(rate, (0.0, case.T_s), state, method="DOP853", rtol=1e-12, atol=1e-13).y[
+            :, -1
+        ]
         rows.append(state)
     return np.array(rows)
 
@@ -88,7 +127,7 @@ def test_order_is_four(name: str, held: bool, motor: Motor) -> None:
     exact = end_state(case, inputs, 256)
     errors = [float(np.max(np.abs(end_state(case, inputs, n) - exact))) for n in (4, 8, 16)]
     assert errors[2] > 1e-13, "the errors are round-off, nothing is measured"
-    for coarse, fine in zip(errors, errors[1:], strict=False):
+    for coarse, fine in pairwise(errors):
         assert math.log2(coarse / fine) >= 3.8
 
 

@@ -62,16 +62,18 @@ def test_order_of_calls_does_not_matter(c: Call) -> None:
     assert np.array_equal(noise(c, seed, order), straight[order])
 
 
-def test_a_drive_does_not_depend_on_its_batch(motor: Motor,
-                                              state_bytes: Callable[[Array], bytes]) -> None:
+def test_a_drive_does_not_depend_on_its_batch(
+    motor: Motor, state_bytes: Callable[[Array], bytes]
+) -> None:
     """The same scenario gives the same numbers alone, in a batch, and in another order."""
     scenarios = stress_scenarios(motor, np.arange(20, dtype=np.uint64))
     factory = SimFactory(motor, DriveDesign())
 
     def run(s: Scenarios) -> list[bytes]:
         sims = factory.build(s)
-        sim_run(sims, 300, np.full(len(s), 0.7, np.float32),
-                np.empty((len(s), SIGNAL_N), np.float32))
+        sim_run(
+            sims, 300, np.full(len(s), 0.7, np.float32), np.empty((len(s), SIGNAL_N), np.float32)
+        )
         return [state_bytes(sims[j : j + 1]) for j in range(len(s))]
 
     whole = run(scenarios)

@@ -6,8 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from sensorless.core_api import struct_dtype
-from sensorless.magnetics import Floats
+from sensorless.core_api import Array, struct_dtype
 from sensorless.observers.pll_design import pll_gains
 
 Call = Callable[..., None]
@@ -16,8 +15,14 @@ T_S = 2e-4
 PARAMS, STATE = struct_dtype("pll_params_t"), struct_dtype("pll_state_t")
 
 
-def run(c: Call, theta: Floats, hertz: float, slope: float = 1.0, omega_0: float = 0.0,
-        omega_max: float = 1e4) -> tuple[Floats, Floats]:
+def run(
+    c: Call,
+    theta: Array,
+    hertz: float,
+    slope: float = 1.0,
+    omega_0: float = 0.0,
+    omega_max: float = 1e4,
+) -> tuple[Array, Array]:
     """Follow the angles ``theta``; returns angle errors and speeds before each update."""
     p, x = np.zeros(1, PARAMS), np.zeros(1, STATE)
     p["k_p"], p["k_i"] = pll_gains(hertz, slope)
@@ -46,7 +51,7 @@ def test_recursion(c: Call) -> None:
 @pytest.mark.parametrize("slope", [1.0, 0.78])
 @pytest.mark.parametrize("hertz", [10.0, 20.0, 30.0])
 def test_lag_under_acceleration(c: Call, hertz: float, slope: float) -> None:
-    """A constant acceleration a is followed a / w_n^2 behind (5.1 degrees at 20 Hz, 1400 rad/s^2)."""
+    """An acceleration a is followed a / w_n^2 behind: 5.1 degrees at 20 Hz, 1400 rad/s^2."""
     t = T_S * np.arange(int(6.0 / hertz / T_S))
     errors, _ = run(c, 0.5 * 1400.0 * t**2, hertz, slope)
     lag = 1400.0 / (2.0 * math.pi * hertz) ** 2

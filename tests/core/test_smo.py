@@ -22,8 +22,14 @@ Angle = Callable[[DriveDesign, float, float, float], float]
 
 STATE = struct_dtype("smo_state_t")
 
-EXACT = DriveDesign(smo_pll_hz=20.0, smo_cross_hz=math.inf, smo_emf_hz=math.inf, smo_gain=1.0,
-                    L_q_bias=1.0, speed_hz=1.0)
+EXACT = DriveDesign(
+    smo_pll_hz=20.0,
+    smo_cross_hz=math.inf,
+    smo_emf_hz=math.inf,
+    smo_gain=1.0,
+    L_q_bias=1.0,
+    speed_hz=1.0,
+)
 PRINTED = replace(EXACT, cross="none", L_q_table=False, mtpa=False)
 """No cross-coupling compensation, data-sheet L_q, i_d = 0."""
 
@@ -33,10 +39,20 @@ def linear(motor: Motor) -> Motor:
 
 
 def holding_voltage(motor: Motor, rpm: float, i: complex) -> complex:
-    """Voltage, held in the stator frame from angle 0 on, after which the flux of ``i`` is back [V]."""
+    """Voltage, held in the stator frame from angle 0 on, that brings the flux of ``i`` back [V]."""
     omega = motor.rpm_to_electrical(rpm)
-    case = PlantCase(T_s=motor.T_s, n_p=motor.n_p, R_s=motor.R_s, saturation=motor.saturation,
-                     J=math.inf, B=0.0, i_d=i.real, i_q=i.imag, theta_m=0.0, w_M=omega / motor.n_p)
+    case = PlantCase(
+        T_s=motor.T_s,
+        n_p=motor.n_p,
+        R_s=motor.R_s,
+        saturation=motor.saturation,
+        J=math.inf,
+        B=0.0,
+        i_d=i.real,
+        i_q=i.imag,
+        theta_m=0.0,
+        w_M=omega / motor.n_p,
+    )
 
     def moved(u: Floats) -> Floats:
         plant, state = plant_arrays(case, 16)
@@ -52,8 +68,14 @@ def holding_voltage(motor: Motor, rpm: float, i: complex) -> complex:
     return complex(u[0], u[1])
 
 
-def params(motor: Motor, gain: float = 315.0, *, cure: bool = True, k: float = 1e4,
-           R_s: float | None = None) -> Array:
+def params(
+    motor: Motor,
+    gain: float = 315.0,
+    *,
+    cure: bool = True,
+    k: float = 1e4,
+    R_s: float | None = None,
+) -> Array:
     """A record of ``smo_params_t`` with gain ``gain`` [V/A] at the origin."""
     p = np.array(control_record(motor, EXACT)["smo"]).reshape(1)
     p["k"], p["half_a"], p["lag_cure"] = k, gain / k, float(cure)
@@ -61,9 +83,17 @@ def params(motor: Motor, gain: float = 315.0, *, cure: bool = True, k: float = 1
     return p
 
 
-def angles(c: Call, motor: Motor, p: Array, rpm: float, i: complex, L_q: float | None = None,
-           u_lost: float = 0.0, periods: int = 2500) -> tuple[Floats, Floats]:
-    """Truth minus estimate [deg] and model-current error [A] in a steady state with current ``i`` [A].
+def angles(
+    c: Call,
+    motor: Motor,
+    p: Array,
+    rpm: float,
+    i: complex,
+    L_q: float | None = None,
+    u_lost: float = 0.0,
+    periods: int = 2500,
+) -> tuple[Floats, Floats]:
+    """Truth minus estimate [deg] and model-current error [A] in a steady state of ``i`` [A].
 
     u_lost: voltage that the drive commands along the current and the inverter loses [V].
     """
@@ -78,9 +108,17 @@ def angles(c: Call, motor: Motor, p: Array, rpm: float, i: complex, L_q: float |
         now = i * cmath.exp(1j * theta)
         was = u * cmath.exp(1j * (theta - omega * motor.T_s))
         out[k] = math.degrees(math.remainder(theta - float(x["pll"]["theta"][0]), 2.0 * math.pi))
-        c("smo_observe", p, x, np.array([now.real, now.imag], np.float32),
-          np.array([was.real, was.imag], np.float32), motor.L_q if L_q is None else L_q, omega, 0.0,
-          motor.T_s)
+        c(
+            "smo_observe",
+            p,
+            x,
+            np.array([now.real, now.imag], np.float32),
+            np.array([was.real, was.imag], np.float32),
+            motor.L_q if L_q is None else L_q,
+            omega,
+            0.0,
+            motor.T_s,
+        )
         miss[k] = x["i_hat"]["a"][0] - now.real
     return out[-500:], miss[-500:]
 
@@ -94,9 +132,16 @@ def closed_form(motor: Motor, rpm: float, i: complex, L_q: float, dR: float, V: 
     return -math.degrees(math.atan2(q, d))
 
 
-@pytest.mark.parametrize(("gain", "rpm", "lag"), [(315.0, 150.0, 1.6), (315.0, 300.0, 3.2),
-                                                  (315.0, 600.0, 6.5), (315.0, 1500.0, 15.8),
-                                                  (125.0, 300.0, 8.0)])
+@pytest.mark.parametrize(
+    ("gain", "rpm", "lag"),
+    [
+        (315.0, 150.0, 1.6),
+        (315.0, 300.0, 3.2),
+        (315.0, 600.0, 6.5),
+        (315.0, 1500.0, 15.8),
+        (125.0, 300.0, 8.0),
+    ],
+)
 def test_lag_of_the_sigmoid(c: Call, motor: Motor, gain: float, rpm: float, lag: float) -> None:
     """Without the cure the estimate lags by arg(g + R_s + j w L_q), -3.2 degrees at 300 r/min."""
     ideal = linear(motor)
@@ -107,10 +152,11 @@ def test_lag_of_the_sigmoid(c: Call, motor: Motor, gain: float, rpm: float, lag:
 
 
 @pytest.mark.parametrize("i", [1e-3 + 0j, 2j, -0.6 + 1.8j, -2.0 + 3.0j, -0.5 - 0.8j])
-@pytest.mark.parametrize(("rpm", "left"), [(150.0, 0.2), (300.0, 0.2), (-300.0, 0.2), (600.0, 0.3),
-                                           (1500.0, 0.7)])
+@pytest.mark.parametrize(
+    ("rpm", "left"), [(150.0, 0.2), (300.0, 0.2), (-300.0, 0.2), (600.0, 0.3), (1500.0, 0.7)]
+)
 def test_cure_removes_the_lag(c: Call, motor: Motor, rpm: float, left: float, i: complex) -> None:
-    """With it less than 0.2 degrees remain at 300 r/min, with and without load, in both directions."""
+    """With it less than 0.2 degrees remain at 300 r/min, with and without load."""
     ideal = linear(motor)
     mirrored = i if rpm > 0.0 else i.conjugate()
     error, _ = angles(c, ideal, params(ideal), rpm, mirrored)
@@ -119,7 +165,7 @@ def test_cure_removes_the_lag(c: Call, motor: Motor, rpm: float, left: float, i:
 
 
 POINTS = [
-    # r/min, current [A], observer's L_q [H] (None: exact), plant's R_s / observer's, lost voltage [V]
+    # r/min, current [A], observer's L_q [H] (None: exact), R_s over observer's, lost voltage [V]
     (350.0, 2.07j, 0.286, 1.0, 0.0),
     (350.0, -0.618 + 1.844j, 0.286, 1.0, 0.0),
     (600.0, 4.7j, 0.286, 1.0, 0.0),
@@ -131,8 +177,9 @@ POINTS = [
 
 
 @pytest.mark.parametrize(("rpm", "i", "L_q", "R_ratio", "lost"), POINTS)
-def test_parameter_errors(c: Call, motor: Motor, rpm: float, i: complex, L_q: float | None,
-                          R_ratio: float, lost: float) -> None:
+def test_parameter_errors(
+    c: Call, motor: Motor, rpm: float, i: complex, L_q: float | None, R_ratio: float, lost: float
+) -> None:
     """Wrong L_q, R_s and a dead-time voltage turn the estimate by the closed form."""
     psi = flux(motor.saturation, np.array([[i.real, i.imag]]))[0]
     used = float(psi[1]) / i.imag if L_q is None else L_q
@@ -143,8 +190,9 @@ def test_parameter_errors(c: Call, motor: Motor, rpm: float, i: complex, L_q: fl
 
 
 @pytest.mark.parametrize(("rpm", "tau", "error"), [(350.0, 6.0, 7.39), (600.0, 6.0, 7.39)])
-def test_constant_inductance_in_the_closed_loop(steady_angle: Angle, rpm: float, tau: float,
-                                                error: float) -> None:
+def test_constant_inductance_in_the_closed_loop(
+    steady_angle: Angle, rpm: float, tau: float, error: float
+) -> None:
     """With the data-sheet L_q and i_d = 0 the drive settles 7.39 degrees off at 6 N m."""
     assert steady_angle(PRINTED, 0.0, rpm, tau) == pytest.approx(error, abs=0.25)
 
@@ -162,10 +210,12 @@ def test_half_blend_of_the_printed_scheme(steady_angle: Angle) -> None:
     assert steady_angle(one_sided, 0.5, 350.0, 6.0) == pytest.approx(3.31, abs=0.3)
 
 
-@pytest.mark.parametrize(("hertz", "i_q", "stable"), [(30.0, -1.9, True), (30.0, -2.9, False),
-                                                      (20.0, -2.9, True), (20.0, -4.4, False)])
+@pytest.mark.parametrize(
+    ("hertz", "i_q", "stable"),
+    [(30.0, -1.9, True), (30.0, -2.9, False), (20.0, -2.9, True), (20.0, -4.4, False)],
+)
 def test_regenerating_bound(c: Call, motor: Motor, hertz: float, i_q: float, stable: bool) -> None:
-    """The loop is damped while i_q > -(2 zeta / w_n) E / (L_q - L_d): -2.45 A at 30 Hz, 350 r/min."""
+    """Damped while i_q > -(2 zeta / w_n) E / (L_q - L_d): -2.45 A at 30 Hz, 350 r/min."""
     ideal = linear(motor)
     p = params(ideal)
     p["pll"]["k_p"], p["pll"]["k_i"] = pll_gains(hertz, 1.0)
@@ -200,8 +250,18 @@ def test_gain_beyond_the_range_is_refused(motor: Motor) -> None:
     from sensorless.observers.smo_design import design_smo
 
     with pytest.raises(UserError, match=r"smo_gain: 630 V/A; allowed: above 0 and below"):
-        design_smo(motor, pll_hz=30.0, gain=630.0, k=400.0, cross_hz=math.inf, emf_hz=math.inf,
-                   floor_rpm=40.0, sign=False, lag_cure=True, omega_max=800.0)
+        design_smo(
+            motor,
+            pll_hz=30.0,
+            gain=630.0,
+            k=400.0,
+            cross_hz=math.inf,
+            emf_hz=math.inf,
+            floor_rpm=40.0,
+            sign=False,
+            lag_cure=True,
+            omega_max=800.0,
+        )
 
 
 def test_below_its_floor_the_estimator_follows(c: Call, motor: Motor) -> None:

@@ -37,16 +37,20 @@ def run(state_bytes: State) -> Run:
 @pytest.fixture
 def sims(motor: Motor) -> Array:
     """Random drives in the middle of their scenarios."""
-    out = SimFactory(motor, DriveDesign()).build(stress_scenarios(motor, np.arange(N, dtype=np.uint64)))
+    out = SimFactory(motor, DriveDesign()).build(
+        stress_scenarios(motor, np.arange(N, dtype=np.uint64))
+    )
     advance(out, 700, 0.8)
     return out
 
 
 def gaps(dtype: np.dtype[Any], path: str) -> list[str]:
     """Where a C struct has bytes that belong to no field."""
-    found, end = [], 0
+    found: list[str] = []
+    end = 0
     for name in dtype.names or ():
-        field, offset = (dtype.fields or {})[name][:2]
+        assert dtype.fields is not None
+        field, offset = dtype.fields[name][:2]
         found += [f"{path} before {name}"] if offset != end else []
         found += gaps(field.subdtype[0] if field.subdtype else field, f"{path}.{name}")
         end = offset + field.itemsize

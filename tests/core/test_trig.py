@@ -6,14 +6,16 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from sensorless.core_api import Array
+
 Call = Callable[..., None]
 
 
-def f32(x: object) -> np.ndarray:  # type: ignore[type-arg]
+def f32(x: object) -> Array:
     return np.ascontiguousarray(x, dtype=np.float32)
 
 
-def rot_of(c: Call, x: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+def rot_of(c: Call, x: Array) -> Array:
     y = np.empty((len(x), 2), dtype=np.float32)
     c("rot_of", x, y, len(x))
     return y
