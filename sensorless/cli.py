@@ -12,6 +12,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
+from sensorless.cli_train import train_command
+from sensorless.cli_tune import list_policies, tune_command
 from sensorless.errors import StaleCoreError, UserError
 
 app = typer.Typer(
@@ -42,12 +44,15 @@ SetOption = Annotated[
         "--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30; repeatable."
     ),
 ]
+ListOption = Annotated[
+    bool, typer.Option("--list", help="Name all policies.", is_eager=True, callback=list_policies)
+]
 PolicyOption = Annotated[
     list[str],
     typer.Option(
         "--policy",
-        help="eq25, linear:LO,HI, hysteresis, constant:K, hfi, smo, sensored, "
-        "or the folder of a training run; repeatable.",
+        help="Rule by name (see evaluate --list), file of sensorless tune, or folder of a training "
+        "run; repeatable.",
     ),
 ]
 
@@ -133,6 +138,7 @@ def evaluate(
     size: Annotated[int, typer.Option(min=1, help="Number of scenarios.")] = 200,
     settings: SetOption = None,
     out: Annotated[Path | None, typer.Option(help="Results as JSON.")] = None,
+    listed: ListOption = False,
 ) -> None:
     """Judge policies on a suite: lost rates, torque, speed and angle, with 95 % intervals.
 
@@ -190,6 +196,41 @@ def export(
         )
     done = write(policy.table, machine, design_from(settings), out, policy=policy.name)
     console.print(f"wrote {len(done.files)} files to {done.folder}\n{done.self_test.message}")
+
+
+@app.command()
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder for all it writes.")] = Path("build/demo"),
+    minutes: Annotated[float, typer.Option(help="Time to train [min].")] = 2.0,
+    size: Annotated[int, typer.Option(min=2, help="Scenarios to judge on.")] = 400,
+    seed: Annotated[int, typer.Option(min=0, help="Of the scenarios to judge on.")] = 7,
+) -> None:
+    """Train, evaluate, draw and export on the paper's motor, in about three minutes."""
+    from sensorless.agents.train_config import TrainConfig
+    from sensorless.cli_train import run_training
+    from sensorless.demo import draw, fresh_folder, hand_over, judge
+    from sensorless.drive import DriveDesign
+
+    config = TrainConfig(minutes=minutes)
+    fresh_folder(out)
+    run = out / "ppo-table"
+    errors.print(f"[bold]1/4[/] training a schedule for {minutes:g} min, starting from Eq. 25")
+    run_training(config, DriveDesign(), run, resume=False)
+    errors.print(f"[bold]2/4[/] evaluating on {size} stress scenarios")
+    with policy_progress() as report:
+        results = judge(out, f"./{run}" if not run.is_absolute() else str(run), size, seed, report)
+    errors.print("[bold]3/4[/] drawing")
+    figures = draw(out, str(run), results, lambda path: None)
+    errors.print("[bold]4/4[/] exporting and checking the firmware")
+    folder, said = hand_over(out, str(run))
+    console.print(results.table())
+    console.print(f"figures:  {', '.join(map(str, figures))}", soft_wrap=True)
+    console.print(f"results:  {out / 'results.json'}", soft_wrap=True)
+    console.print(f"firmware: {folder} ({said})", soft_wrap=True)
+
+
+app.command("train")(train_command)
+app.command("tune")(tune_command)
 
 
 @contextmanager

@@ -78,7 +78,7 @@ def waveforms(t: Trace, title: str) -> "Figure":
     weight.set_ylabel("$k_s$\n1 = HFI, 0 = SMO")
     weight.set_xlabel("time [s]")
     for axes in (speed, torque, angle):
-        axes.legend(loc="upper left", ncols=4, fontsize=8)
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=8, frameon=False)
     for axes in (speed, torque, angle, weight):
         axes.grid(alpha=0.3)
     cause = lost_cause(t)

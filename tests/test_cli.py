@@ -44,8 +44,13 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["simulate", "--scenario", "stress"], "SUITE:SEED:INDEX"),
         (["simulate", "--plant", "none.json"], "plant"),
         (["export", "hysteresis", "--out", "folder"], "hysteresis"),
-        (["export", "eq25", "--out", "/proc/nowhere"], "/proc/nowhere"),
-        (["train", "--motor", "nomotor"], "nomotor"),
+        (["export", "eq25", "--out", "/proc/nowhere"], "/proc"),
+        (["train", "--name", "x", "--motor", "nomotor"], "nomotor"),
+        (["train"], "--name"),
+        (["train", "--name", "x", "--gamma", "2"], "gamma"),
+        (["train", "--name", "x", "--axes", "speed"], "axes"),
+        (["train", "--name", "x", "--start", "linear:110,320"], "start"),
+        (["train", "--resume", "nothing"], "resume"),
     ],
 )
 def test_a_mistake_is_one_line(words: list[str], said: str, tmp_path: Path) -> None:

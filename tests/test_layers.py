@@ -16,10 +16,11 @@ LAYERS = (
     ("observers", "*_design"),
     ("drive",),
     ("envs",),
+    ("rollout", "*metrics", "suites"),
     ("baselines", "agents"),
-    ("rollout", "*metrics", "aggregate", "suites", "results", "evaluate", "report"),
-    ("export*", "plant_*", "trace*", "plots", "demo"),
-    ("options", "cli*", "__main__"),
+    ("aggregate", "results", "evaluate", "report", "tuning*"),
+    ("export*", "plant_*", "trace*", "plots", "options"),
+    ("demo", "cli*", "__main__"),
 )
 
 

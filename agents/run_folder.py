@@ -1,0 +1,79 @@
+"""What a training run leaves on disk, and what is needed to go on with it."""
+
+import dataclasses
+import json
+import platform
+import sys
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from sensorless.agents.train_config import TrainConfig
+from sensorless.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.files import ensure_writable, write_atomic
+from sensorless.ks_table import KsTable
+from sensorless.motor import Motor
+
+CONFIG, TABLE, LATEST = "config.json", "table.json", "checkpoints/latest.zip"
+
+
+def versions() -> dict[str, str]:
+    """Versions of what a result depends on."""
+    names = ("numpy", "torch", "stable-baselines3", "gymnasium")
+    return {"python": platform.python_version(), **{name: version(name) for name in names}}
+
+
+def describe(config: TrainConfig, motor: Motor, design: DriveDesign) -> dict[str, Any]:
+    """Content of ``config.json``."""
+    return {
+        "command": " ".join(["sensorless", *sys.argv[1:]]),
+        "motor": motor.name,
+        "motor_digest": motor.digest,
+        "train": dataclasses.asdict(config),
+        "design": dataclasses.asdict(design),
+        "versions": versions(),
+    }
+
+
+def create(folder: Path, config: TrainConfig, motor: Motor, design: DriveDesign) -> None:
+    """Make a new run folder with its configuration.
+
+    Raises
+    ------
+    UserError
+        The folder holds something already, or cannot be written to.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise UserError(
+            f"name: {str(folder)!r} exists already; allowed: a new name, or --resume {folder}"
+        )
+    ensure_writable(folder / "checkpoints")
+    text = json.dumps(describe(config, motor, design), indent=1)
+    write_atomic(folder / CONFIG, text + "\n")
+
+
+def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str]:
+    """Configuration of a run to go on with, and the digest of its motor.
+
+    Raises
+    ------
+    UserError
+        No run folder, or one whose configuration cannot be read.
+    """
+    if not (folder / CONFIG).is_file() or not (folder / LATEST).is_file():
+        raise UserError(
+            f"resume: {str(folder)!r}: no {CONFIG} or no {LATEST}; allowed: the folder of a run"
+        )
+    try:
+        data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
+        return TrainConfig(**data["train"]), DriveDesign(**data["design"]), data["motor_digest"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise UserError(f"{folder / CONFIG}: {error}; allowed: as training wrote it") from None
+
+
+def save_table(folder: Path, table: KsTable, config: dict[str, Any], **facts: Any) -> None:
+    """Write the schedule with its provenance."""
+    origin = {key: config[key] for key in ("command", "motor", "motor_digest", "versions")}
+    origin["seed"] = config["train"]["seed"]
+    table.save(folder / TABLE, {**origin, **facts})

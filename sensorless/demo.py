@@ -1,0 +1,91 @@
+"""The whole road in one command: train, judge, look, export."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+from sensorless.baselines.registry import make_policy
+from sensorless.drive import DriveDesign
+from sensorless.envs.policy import TablePolicy
+from sensorless.errors import UserError
+from sensorless.evaluate import PolicyProgress, evaluate
+from sensorless.export import export
+from sensorless.motor import Motor
+from sensorless.options import plan_from
+from sensorless.plots import save, schedules, waveforms
+from sensorless.results import Results
+from sensorless.suites import suite
+from sensorless.trace import trace
+
+MARK = ".sensorless-demo"
+FIG9 = ("0:200,1:350,2:600", "0:0", 3.0)
+
+
+def fresh_folder(folder: Path) -> None:
+    """Make an empty folder, or empty one that an earlier demo wrote.
+
+    Raises
+    ------
+    UserError
+        The folder holds something else.
+    """
+    if folder.exists():
+        if not folder.is_dir() or (any(folder.iterdir()) and not (folder / MARK).is_file()):
+            raise UserError(
+                f"out: {str(folder)!r} holds something else; allowed: a new folder, "
+                "or one of an earlier demo"
+            )
+        shutil.rmtree(folder)
+    try:
+        folder.mkdir(parents=True)
+        (folder / MARK).touch()
+    except OSError as error:
+        raise UserError(f"out: {str(folder)!r}: {error.strerror}; allowed: writable") from None
+
+
+def judge(folder: Path, run: str, size: int, seed: int, report: PolicyProgress) -> Results:
+    """Eq. 25, hysteresis, the trained table and the sensored drive on the stress suite."""
+    motor = Motor.load("paper")
+    policies = ["eq25", "hysteresis", run, "sensored"]
+    out = folder / "results.json"
+    return evaluate(motor, DriveDesign(), "stress", seed, size, policies, out=out, progress=report)
+
+
+def draw(folder: Path, run: str, results: Results, say: Callable[[str], None]) -> list[Path]:
+    """Figures: Fig. 9, the schedules, and the hand-over where Eq. 25 fared worst."""
+    motor, design = Motor.load("paper"), DriveDesign()
+    eq25, learned = make_policy("eq25", motor), make_policy(run, motor)
+    paths = [folder / "fig9.png", folder / "schedules.png"]
+    speed, load, duration = FIG9
+    plan = plan_from(speed, load, None, duration, motor, 0)
+    save(waveforms(trace(eq25, plan, motor, design), "Fig. 9 under Eq. 25, no load"), paths[0])
+    say(str(paths[0]))
+    tables = {p.name: p.table for p in (eq25, learned) if isinstance(p, TablePolicy)}
+    save(schedules(tables, motor), paths[1])
+    say(str(paths[1]))
+    index = worst_of(results, eq25.name)
+    case = suite("stress", motor, results.seed, index + 1)[index : index + 1]
+    for policy in (eq25, learned):
+        paths.append(folder / f"worst_of_eq25_{policy.name}.png")
+        title = f"stress:{results.seed}:{index} under {policy.name}"
+        save(waveforms(trace(policy, case, motor, design), title), paths[-1])
+        say(str(paths[-1]))
+    return paths
+
+
+def worst_of(results: Results, name: str) -> int:
+    """Scenario a policy lost first, or, if it lost none, that of its largest torque deviation."""
+    rows = results.policies[name]["scenarios"]
+    order = range(len(rows["lost"]))
+    return max(order, key=lambda i: (rows["lost"][i], -rows["time_s"][i] if rows["lost"][i] else
+                                     rows["torque_dev_rms"][i]))  # fmt: skip
+
+
+def hand_over(folder: Path, run: str) -> tuple[Path, str]:
+    """Export the trained table; returns the folder and what its self test said."""
+    motor, design = Motor.load("paper"), DriveDesign()
+    policy = make_policy(run, motor)
+    if not isinstance(policy, TablePolicy):
+        raise UserError(f"run: {run!r} has no table")
+    done = export(policy.table, motor, design, folder / "firmware", policy=policy.name)
+    return done.folder, done.self_test.message
