@@ -148,6 +148,8 @@ def train(
     motor = Motor.load(config.motor)
     if resume:
         old, design, digest = reopen(folder)
+        if config.motor == TrainConfig.motor:
+            motor = Motor.load(old.motor)
         if digest != motor.digest:
             raise UserError(
                 f"resume: {str(folder)!r} was trained on motor {old.motor!r}, digest "

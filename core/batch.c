@@ -25,13 +25,13 @@ typedef struct {
 #define AT(type, path) ((type *)(void *)((char *)block + LANES * offsetof(sim_t, path)))
 #define LOAD(type, path) s.path = AT(type, path)[l];
 #define KEEP(type, path) AT(type, path)[l] = go ? s.path : AT(type, path)[l];
-#define GATHER(type, path)                                                                 \
+#define GATHER(type, path)                                                                         \
     for (int l = 0; l < LANES; l++) {                                                              \
-        AT(type, path)[l] = sims[l].path;                                                        \
+        AT(type, path)[l] = sims[l].path;                                                          \
     }
-#define SCATTER(type, path)                                                                \
+#define SCATTER(type, path)                                                                        \
     for (int l = 0; l < LANES; l++) {                                                              \
-        sims[l].path = AT(type, path)[l];                                                        \
+        sims[l].path = AT(type, path)[l];                                                          \
     }
 
 static void block_load(block_t *restrict block, const sim_t *restrict sims) {
@@ -39,9 +39,7 @@ static void block_load(block_t *restrict block, const sim_t *restrict sims) {
     SIM_STATE_FIELDS(GATHER)
 }
 
-static void block_store(block_t *restrict block, sim_t *restrict sims) {
-    SIM_STATE_FIELDS(SCATTER)
-}
+static void block_store(block_t *restrict block, sim_t *restrict sims) { SIM_STATE_FIELDS(SCATTER) }
 
 /* One period of all lanes; lost and finished drives keep their state. */
 static void block_period(block_t *restrict block, const float *restrict k_s_ref) {

@@ -26,8 +26,10 @@ GENERATED = CORE.parent / "build" / "generated"
 SOURCES = ("batch.c", "drive.c", "ks_schedule.c", "ks_selftest.c", "ks_table.c", "simulate.c")
 HEADERS = ("simulate.h", "ks_selftest.h")
 CFLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
-STDINT = "typedef signed int int32_t; typedef unsigned int uint32_t;" \
-         "typedef short int16_t; typedef unsigned short uint16_t;"
+STDINT = (
+    "typedef signed int int32_t; typedef unsigned int uint32_t;"
+    "typedef short int16_t; typedef unsigned short uint16_t;"
+)
 
 
 def _preprocessed() -> str:
@@ -35,8 +37,20 @@ def _preprocessed() -> str:
     text = "".join(f'#include "{name}"\n' for name in HEADERS)
     compiler = os.environ.get("CC") or (sysconfig.get_config_var("CC") or "cc").split()[0]
     text = subprocess.run(
-        [*compiler.split(), "-E", "-P", "-nostdinc", "-U__GNUC__", f"-I{CORE}", f"-I{CORE}/cdef", "-"],
-        input=text, capture_output=True, text=True, check=True,
+        [
+            *compiler.split(),
+            "-E",
+            "-P",
+            "-nostdinc",
+            "-U__GNUC__",
+            f"-I{CORE}",
+            f"-I{CORE}/cdef",
+            "-",
+        ],
+        input=text,
+        capture_output=True,
+        text=True,
+        check=True,
     ).stdout
     return STDINT + re.sub(r"__builtin_sqrtf?", "sqrt_builtin", text)
 
@@ -45,11 +59,12 @@ def declarations() -> str:
     """C declarations for cffi: all types and linkable functions, no function bodies."""
     tree = c_parser.CParser().parse(_preprocessed())
     keep = [
-        node for node in tree.ext
+        node
+        for node in tree.ext
         if not isinstance(node, c_ast.FuncDef)
         and not (isinstance(node, c_ast.Typedef) and node.name.startswith(("int", "uint")))
     ]
-    return c_generator.CGenerator().visit(c_ast.FileAST(keep))
+    return str(c_generator.CGenerator().visit(c_ast.FileAST(keep)))
 
 
 def _numbers(ctype: Any, path: str) -> Iterator[tuple[str, str]]:
@@ -65,7 +80,7 @@ def _numbers(ctype: Any, path: str) -> Iterator[tuple[str, str]]:
 
 
 def write_fields(ffi: FFI) -> None:
-    """``sim_fields.h``: two lists X(type, path), what stays constant in ``sim_t`` and what moves."""
+    """Write ``sim_fields.h``: what stays constant in ``sim_t``, and what moves."""
     moving = ("drive", "twin", "now", "sums", "tau_1", "dev_1", "err_count", "k", "lost")
     lists: dict[str, list[str]] = {"PARAM": [], "STATE": []}
     for ctype, path in _numbers(ffi.typeof("sim_t"), ""):

@@ -16,38 +16,38 @@
 #include "trig.h"
 
 typedef struct {
-    float k_p_speed;    /* [A s/rad], electrical speed */
-    float k_i_speed;    /* [A/rad] */
-    float weight_ref;   /* share of the reference in the proportional part, 0 ... 1 */
-    float i_q_step;     /* largest change of i_q_ref a period [A] */
-    float i_max;        /* current limit, peak [A] */
-    float k_t_d;        /* reference gain, alpha_c L_d [V/A] */
-    float k_t_q;        /* alpha_c L_q [V/A] */
-    float k_p_d;        /* feedback gain, 2 alpha_c L_d - R_s [V/A] */
-    float k_p_q;        /* 2 alpha_c L_q - R_s [V/A] */
-    float k_i_d;        /* alpha_c^2 L_d times T_s [V/A] */
-    float k_i_q;        /* alpha_c^2 L_q times T_s [V/A] */
-    float L_d;          /* decoupling [H] */
-    float L_q;          /* decoupling [H] */
-    float psi_f;        /* decoupling [Vs] */
-    float k_fw;         /* field-weakening gain times T_s [A/V] */
-    float fw_margin;    /* share of the voltage limit the fundamental may use */
-    float i_d_min;      /* most negative d current [A] */
-    float u_dt;         /* dead-time voltage a leg to compensate [V], 0 = off */
-    float inv_i_dt;     /* slope of its transition through zero current [1/A] */
-    curve_t i_d_mtpa;   /* d current of maximum torque per ampere over |i_q| [A] */
+    float k_p_speed;      /* [A s/rad], electrical speed */
+    float k_i_speed;      /* [A/rad] */
+    float weight_ref;     /* share of the reference in the proportional part, 0 ... 1 */
+    float i_q_step;       /* largest change of i_q_ref a period [A] */
+    float i_max;          /* current limit, peak [A] */
+    float k_t_d;          /* reference gain, alpha_c L_d [V/A] */
+    float k_t_q;          /* alpha_c L_q [V/A] */
+    float k_p_d;          /* feedback gain, 2 alpha_c L_d - R_s [V/A] */
+    float k_p_q;          /* 2 alpha_c L_q - R_s [V/A] */
+    float k_i_d;          /* alpha_c^2 L_d times T_s [V/A] */
+    float k_i_q;          /* alpha_c^2 L_q times T_s [V/A] */
+    float L_d;            /* decoupling [H] */
+    float L_q;            /* decoupling [H] */
+    float psi_f;          /* decoupling [Vs] */
+    float k_fw;           /* field-weakening gain times T_s [A/V] */
+    float fw_margin;      /* share of the voltage limit the fundamental may use */
+    float i_d_min;        /* most negative d current [A] */
+    float u_dt;           /* dead-time voltage a leg to compensate [V], 0 = off */
+    float inv_i_dt;       /* slope of its transition through zero current [1/A] */
+    curve_t i_d_mtpa;     /* d current of maximum torque per ampere over |i_q| [A] */
     float curve_inv_step; /* common abscissa of all curves [1/A] */
 } control_params_t;
 
 typedef struct {
-    dq_t i_1;        /* sample k-1 in the control frame [A] */
-    dq_t i;          /* mean of samples k-1 and k [A] */
-    dq_t i_ref;      /* [A] */
-    dq_t u_int;      /* integrators of the current control [V] */
-    float i_int;     /* integrator of the speed control [A] */
-    float i_d_fw;    /* field-weakening part of i_d_ref, at most 0 [A] */
-    float u_abs;     /* magnitude of the voltage wanted before the limit [V] */
-    float u_max;     /* voltage limit of the last period [V] */
+    dq_t i_1;     /* sample k-1 in the control frame [A] */
+    dq_t i;       /* mean of samples k-1 and k [A] */
+    dq_t i_ref;   /* [A] */
+    dq_t u_int;   /* integrators of the current control [V] */
+    float i_int;  /* integrator of the speed control [A] */
+    float i_d_fw; /* field-weakening part of i_d_ref, at most 0 [A] */
+    float u_abs;  /* magnitude of the voltage wanted before the limit [V] */
+    float u_max;  /* voltage limit of the last period [V] */
 } control_state_t;
 
 /* Torque-current reference from the speed error [A]. omega_ref, omega: electrical [rad/s]. */
@@ -90,8 +90,7 @@ CORE_INLINE ab_t control_step(const control_params_t *p, control_state_t *x, est
 
     dq_t u = {
         p->k_t_d * x->i_ref.d - p->k_p_d * i.d + x->u_int.d - est.omega * p->L_q * i.q,
-        p->k_t_q * x->i_ref.q - p->k_p_q * i.q + x->u_int.q +
-            est.omega * (p->L_d * i.d + p->psi_f),
+        p->k_t_q * x->i_ref.q - p->k_p_q * i.q + x->u_int.q + est.omega * (p->L_d * i.d + p->psi_f),
     };
     float u_abs = sqrt_f(u.d * u.d + u.q * u.q);
     float u_max = max_f(u_dc * INV_SQRT3_F - reserve, 1.0f);

@@ -12,8 +12,8 @@ typedef struct {
 
 /* Where |i_q| lies on the common abscissa of all curves. */
 typedef struct {
-    int j;         /* left node, 0 ... CURVE_N - 2 */
-    float f;       /* fraction between node j and j + 1 */
+    int j;   /* left node, 0 ... CURVE_N - 2 */
+    float f; /* fraction between node j and j + 1 */
 } curve_pos_t;
 
 /* inv_step: nodes per ampere [1/A]. Beyond the last node the last value holds. */

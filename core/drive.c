@@ -5,10 +5,68 @@ ab_t drive_step(const drive_params_t *p, drive_state_t *x, const drive_in_t *in)
     return drive_step_inline(p, x, in);
 }
 
+/* Zeros are written one by one: of a whole struct the compiler would make a call of memset, which
+ * not every target has. */
+static void hfi_clear(hfi_state_t *x) {
+    x->i_1.d = 0.0f;
+    x->i_1.q = 0.0f;
+    x->i_2.d = 0.0f;
+    x->i_2.q = 0.0f;
+    x->sign_1 = 0.0f;
+    x->sign_2 = 0.0f;
+    x->sign_3 = 0.0f;
+    x->hold = 0.0f;
+    x->err = 0.0f;
+    x->amplitude = 0.0f;
+    x->valid = 0.0f;
+}
+
+static void smo_clear(smo_state_t *x) {
+    x->i_hat.a = 0.0f;
+    x->i_hat.b = 0.0f;
+    x->z.a = 0.0f;
+    x->z.b = 0.0f;
+    x->e.a = 0.0f;
+    x->e.b = 0.0f;
+    x->err = 0.0f;
+    x->valid = 0.0f;
+}
+
+static void control_clear(control_state_t *x) {
+    x->i_1.d = 0.0f;
+    x->i_1.q = 0.0f;
+    x->i.d = 0.0f;
+    x->i.q = 0.0f;
+    x->i_ref.d = 0.0f;
+    x->i_ref.q = 0.0f;
+    x->u_int.d = 0.0f;
+    x->u_int.q = 0.0f;
+    x->i_d_fw = 0.0f;
+    x->u_abs = 0.0f;
+    x->u_max = 1.0f;
+}
+
+static void signal_clear(signal_state_t *x) {
+    x->i_q = 0.0f;
+    x->disagree = 0.0f;
+    x->emf = 0.0f;
+    x->hf = 0.0f;
+    x->hfi_var = 0.0f;
+    x->smo_var = 0.0f;
+    x->voltage = 0.0f;
+}
+
 void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float omega, float k_s) {
-    drive_state_t zero = {0};
     float at = wrap_pi(theta);
-    *x = zero;
+    hfi_clear(&x->hfi);
+    smo_clear(&x->smo);
+    control_clear(&x->control);
+    signal_clear(&x->signal);
+    x->u_1.a = 0.0f;
+    x->u_1.b = 0.0f;
+    x->u_2.a = 0.0f;
+    x->u_2.b = 0.0f;
+    x->fault = 0;
     x->hfi.pll.theta = at;
     x->hfi.pll.omega = omega;
     x->smo.pll.theta = at;
@@ -25,5 +83,4 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float om
     x->signal.k_s = k_s;
     /* an IP controller at speed omega without load: its integrator carries the proportional part */
     x->control.i_int = p->control.k_p_speed * (1.0f - p->control.weight_ref) * omega;
-    x->control.u_max = 1.0f;
 }

@@ -23,14 +23,14 @@
 #define LIMIT_SPEED 1.0e5f   /* [rad/s] electrical */
 
 typedef struct {
-    float T_s;                 /* PWM period [s] */
-    float k_s_step;            /* largest change of k_s a period */
+    float T_s;      /* PWM period [s] */
+    float k_s_step; /* largest change of k_s a period */
     hfi_params_t hfi;
     smo_params_t smo;
     control_params_t control;
     signal_params_t signal;
-    curve_t L_q;               /* apparent q inductance of the observer over |i_q| [H] */
-    curve_t theta_cross;       /* half the cross-coupling angle at positive i_q over |i_q| [rad] */
+    curve_t L_q;         /* apparent q inductance of the observer over |i_q| [H] */
+    curve_t theta_cross; /* half the cross-coupling angle at positive i_q over |i_q| [rad] */
 } drive_params_t;
 
 typedef struct {
@@ -38,21 +38,21 @@ typedef struct {
     smo_state_t smo;
     control_state_t control;
     signal_state_t signal;
-    estimate_t est;            /* blended estimate at k */
-    ab_t u_1;                  /* voltage that acts over [k, k+1], stator frame [V] */
-    ab_t u_2;                  /* voltage that acted over [k-1, k] [V] */
-    float theta_hfi;           /* compensated angle of the injection estimator at k [rad] */
-    float theta_smo;           /* angle of the sliding-mode estimator at k [rad] */
-    float k_s;                 /* weight in force */
-    int fault;                 /* FAULT_* bits, kept until the caller clears them */
+    estimate_t est;  /* blended estimate at k */
+    ab_t u_1;        /* voltage that acts over [k, k+1], stator frame [V] */
+    ab_t u_2;        /* voltage that acted over [k-1, k] [V] */
+    float theta_hfi; /* compensated angle of the injection estimator at k [rad] */
+    float theta_smo; /* angle of the sliding-mode estimator at k [rad] */
+    float k_s;       /* weight in force */
+    int fault;       /* FAULT_* bits, kept until the caller clears them */
 } drive_state_t;
 
 typedef struct {
-    float i_a;        /* phase currents at k [A] */
+    float i_a; /* phase currents at k [A] */
     float i_b;
-    float u_dc;       /* DC-link voltage [V] */
-    float omega_ref;  /* speed reference, electrical [rad/s] */
-    float k_s_ref;    /* weight wanted, 0 ... 1 */
+    float u_dc;      /* DC-link voltage [V] */
+    float omega_ref; /* speed reference, electrical [rad/s] */
+    float k_s_ref;   /* weight wanted, 0 ... 1 */
 } drive_in_t;
 
 /* Inputs made safe: a bad value is replaced and its fault bit set. */
@@ -71,7 +71,8 @@ CORE_INLINE drive_in_t drive_guard(drive_state_t *x, const drive_in_t *in) {
 }
 
 /* Both observers and their blend; x->est is the result for instant k. */
-CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float k_s_ref) {
+CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
+                               float k_s_ref) {
     curve_pos_t pos = curve_locate(x->control.i.q, p->control.curve_inv_step);
     float cross = sign_f(x->control.i.q) * curve_at(&p->theta_cross, pos);
     float L_q = curve_at(&p->L_q, pos);
@@ -109,15 +110,15 @@ CORE_INLINE void drive_signals(const signal_params_t *p, drive_state_t *x, float
 CORE_INLINE ab_t drive_actuate(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
                                ab_t i_ab, estimate_t est, float s) {
     float reserve = s * s * p->hfi.u_inj;
-    ab_t u = control_step(&p->control, &x->control, est, i_ab, in->u_dc, in->omega_ref, reserve,
-                          p->T_s);
+    ab_t u =
+        control_step(&p->control, &x->control, est, i_ab, in->u_dc, in->omega_ref, reserve, p->T_s);
     rot_t r = rot_of(x->hfi.pll.theta + 0.5f * p->T_s * x->hfi.pll.omega);
     ab_t model = {u.a + s * p->hfi.u_inj * r.c, u.b + s * p->hfi.u_inj * r.s};
     x->u_2 = x->u_1;
     x->u_1 = model;
     rot_t r_i = rot_of(est.theta);
-    ab_t comp = dead_time_voltage(p->control.u_dt, p->control.inv_i_dt,
-                                  dq_to_ab(x->control.i, r_i));
+    ab_t comp =
+        dead_time_voltage(p->control.u_dt, p->control.inv_i_dt, dq_to_ab(x->control.i, r_i));
     ab_t out = {model.a + comp.a, model.b + comp.b};
     return out;
 }

@@ -27,7 +27,7 @@ typedef struct {
     double a_b;  /* bridge, 0 = none [1/(H Vs^W)] */
     double a_bp; /* [1/Vs^W] */
     double k_q;
-    double psi_n; /* [Vs] */
+    double psi_n;          /* [Vs] */
     int32_t S, T, U, V, W; /* exponents 0 ... 7 */
     int32_t reserved;
 } flux_map_t;

@@ -9,10 +9,20 @@
 #ifndef SENSORLESS_FRAMES_H
 #define SENSORLESS_FRAMES_H
 
+/* Compilers other than gcc and clang: sqrtf of their library, or define CORE_SQRTF to an intrinsic. */
 #if defined(__GNUC__)
 #define CORE_INLINE static inline __attribute__((always_inline))
+#define CORE_APART static __attribute__((noinline))
+#define CORE_LIKELY(x) __builtin_expect(x, 1)
+#define CORE_SQRTF __builtin_sqrtf
 #else
 #define CORE_INLINE static inline
+#define CORE_APART static
+#define CORE_LIKELY(x) (x)
+#ifndef CORE_SQRTF
+#include <math.h>
+#define CORE_SQRTF sqrtf
+#endif
 #endif
 
 #define PI_F 3.14159265358979f
@@ -52,7 +62,7 @@ CORE_INLINE float sane_f(float x, float limit) { return abs_f(x) <= limit ? x : 
 
 /* Square root: the one library function used; correctly rounded on every IEEE-754 machine, and a
  * single instruction (no call, no errno) with -fno-math-errno. */
-CORE_INLINE float sqrt_f(float x) { return __builtin_sqrtf(x); }
+CORE_INLINE float sqrt_f(float x) { return CORE_SQRTF(x); }
 
 /* Angle in (-3 pi, 3 pi) to [-pi, pi]: a sum or difference of two wrapped angles. */
 CORE_INLINE float wrap_pi(float x) {

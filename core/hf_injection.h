@@ -22,22 +22,22 @@
 
 typedef struct {
     pll_params_t pll;
-    float u_inj;     /* amplitude of the injected voltage [V] */
-    float i_floor;   /* least magnitude the error is divided by [A] */
-    float n_hold;    /* periods the injection stays on after it was last asked for */
+    float u_inj;   /* amplitude of the injected voltage [V] */
+    float i_floor; /* least magnitude the error is divided by [A] */
+    float n_hold;  /* periods the injection stays on after it was last asked for */
 } hfi_params_t;
 
 typedef struct {
-    pll_state_t pll;  /* magnetic (uncompensated) lock angle */
-    dq_t i_1;         /* sample k-1 in the estimated frame [A] */
-    dq_t i_2;         /* sample k-2 in the estimated frame [A] */
-    float sign_1;     /* sign of the injection applied over [k, k+1]: +-1, or 0 when off */
-    float sign_2;     /* over [k-1, k] */
-    float sign_3;     /* over [k-2, k-1] */
-    float hold;       /* periods left before the injection stops */
-    float err;        /* last normalised error signal [1] */
-    float amplitude;  /* last magnitude of the high-frequency current [A] */
-    float valid;      /* 1 when the last error came from a full alternating window */
+    pll_state_t pll; /* magnetic (uncompensated) lock angle */
+    dq_t i_1;        /* sample k-1 in the estimated frame [A] */
+    dq_t i_2;        /* sample k-2 in the estimated frame [A] */
+    float sign_1;    /* sign of the injection applied over [k, k+1]: +-1, or 0 when off */
+    float sign_2;    /* over [k-1, k] */
+    float sign_3;    /* over [k-2, k-1] */
+    float hold;      /* periods left before the injection stops */
+    float err;       /* last normalised error signal [1] */
+    float amplitude; /* last magnitude of the high-frequency current [A] */
+    float valid;     /* 1 when the last error came from a full alternating window */
 } hfi_state_t;
 
 /* Demodulates one sample and advances the PLL. i_ab: measured current at k [A].

@@ -6,14 +6,14 @@
 #include "noise.h"
 
 typedef struct {
-    float dead_time_share; /* dead time / PWM period */
-    float inv_i_zero;      /* slope of the dead-time voltage through zero current [1/A] */
-    float gain_a, gain_b;  /* gain of the phase-current channels, 1 = exact */
+    float dead_time_share;    /* dead time / PWM period */
+    float inv_i_zero;         /* slope of the dead-time voltage through zero current [1/A] */
+    float gain_a, gain_b;     /* gain of the phase-current channels, 1 = exact */
     float offset_a, offset_b; /* [A] */
-    float noise_rms;       /* [A] */
-    float lsb;             /* resolution of the converter [A], above range / 2^30 */
-    float inv_lsb;         /* 1 / lsb [1/A] */
-    float range;           /* largest current the converter shows [A] */
+    float noise_rms;          /* [A] */
+    float lsb;                /* resolution of the converter [A], above range / 2^30 */
+    float inv_lsb;            /* 1 / lsb [1/A] */
+    float range;              /* largest current the converter shows [A] */
 } sensor_params_t;
 
 /* Mean stator voltage of a period [V]: duties with the common-mode voltage that uses the link best,
@@ -37,11 +37,13 @@ CORE_INLINE ab_t inverter_voltage(const sensor_params_t *p, ab_t u, float u_dc, 
     return y;
 }
 
-/* Rounded to the nearest step of the converter and limited to its range. */
+/* Rounded to the nearest step of the converter and limited to its range. Only a positive number is
+ * made an integer: gcc may turn the way there and back into a truncation, which keeps a sign of zero
+ * that an integer does not have. */
 CORE_INLINE float sensor_quantise(const sensor_params_t *p, float i) {
-    float limited = clamp_f(i, -p->range, p->range);
-    float n = limited * p->inv_lsb;
-    return p->lsb * (float)(int32_t)(n + (n < 0.0f ? -0.5f : 0.5f));
+    float n = clamp_f(i, -p->range, p->range) * p->inv_lsb;
+    float steps = p->lsb * (float)(int32_t)(abs_f(n) + 0.5f);
+    return n < 0.0f ? 0.0f - steps : steps;
 }
 
 /* Measured phase current of channel 0 (a) or 1 (b) at period k [A]. */

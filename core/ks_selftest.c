@@ -23,7 +23,10 @@ uint32_t ks_table_selftest(const ks_table_t *t, const void *values, const ks_vec
     uint32_t bad = 0;
     *first = n;
     for (uint32_t j = 0; j < n; j++) {
-        float y[SIGNAL_N] = {0.0f};
+        float y[SIGNAL_N];
+        for (int i = 0; i < SIGNAL_N; i++) {
+            y[i] = 0.0f;
+        }
         for (uint32_t a = 0; a < t->n_axes; a++) {
             y[t->axis[a].signal] = float_of(v[j].y[a]);
         }

@@ -32,11 +32,13 @@ uint32_t ks_header_crc(const ks_table_t *t) {
     crc = crc_u32(crc, t->value_format);
     crc = crc_u32(crc, t->n_axes);
     crc = crc_u32(crc, t->n_nodes);
+    crc = crc_u32(crc, t->kind);
     for (uint32_t a = 0; a < KS_TABLE_AXES; a++) {
         crc = crc_u32(crc, t->axis[a].signal);
         crc = crc_u32(crc, t->axis[a].n);
         crc = crc_u32(crc, bits_of(t->axis[a].x0));
         crc = crc_u32(crc, bits_of(t->axis[a].inv_step));
+        crc = crc_u32(crc, bits_of(t->axis[a].top));
     }
     crc = crc_u32(crc, bits_of(t->slew_per_s));
     crc = crc_u32(crc, bits_of(t->fallback));
@@ -64,7 +66,8 @@ uint32_t ks_values_crc(const ks_table_t *t, const void *values) {
 
 static int axes_ok(const ks_table_t *t) {
     uint32_t nodes = 1;
-    if (t->n_axes < 1 || t->n_axes > KS_TABLE_AXES) {
+    uint32_t q15 = t->value_format == KS_VALUES_Q15 ? (uint32_t)KS_KIND_Q15 : 0U;
+    if (t->n_axes < 1 || t->n_axes > KS_TABLE_AXES || t->kind != (t->n_axes | q15)) {
         return 0;
     }
     for (uint32_t a = 0; a < t->n_axes; a++) {
@@ -72,7 +75,8 @@ static int axes_ok(const ks_table_t *t) {
         if (x->signal >= SIGNAL_N || x->n < 2 || x->n > KS_TABLE_NODES) {
             return 0;
         }
-        if (!finite_f(x->x0) || !finite_f(x->inv_step) || x->inv_step <= 0.0f) {
+        if (!finite_f(x->x0) || !finite_f(x->inv_step) || x->inv_step <= 0.0f ||
+            x->top != (float)(int32_t)(x->n - 1)) {
             return 0;
         }
         nodes *= x->n;
@@ -123,57 +127,136 @@ int ks_table_check(const ks_table_t *t, const void *values, uint32_t motor_hash)
     return motor_hash == 0 || motor_hash == t->motor_hash ? KS_OK : KS_BAD_MOTOR;
 }
 
-/* Multilinear interpolation over n axes; n is a constant at each call, so the loops unroll. */
-CORE_INLINE float eval_n(const ks_table_t *t, const void *values, const float *y, uint32_t n) {
-    float frac[KS_TABLE_AXES];
-    uint32_t stride[KS_TABLE_AXES];
-    uint32_t offset = 0;
-    uint32_t size = 1;
-    int finite = 1;
-    for (uint32_t i = 1; i <= n; i++) { /* the last axis first: it is the fastest */
-        uint32_t a = n - i;
-        const ks_axis_t *x = &t->axis[a];
-        float v = y[x->signal];
-        float pos = clamp_f((v - x->x0) * x->inv_step, 0.0f, (float)(int32_t)(x->n - 1));
-        int32_t j = (int32_t)pos;
-        int32_t last = (int32_t)x->n - 2;
-        j = j < last ? j : last;
-        finite &= finite_f(v);
-        frac[a] = pos - (float)j;
-        stride[a] = size;
-        offset += (uint32_t)j * size;
-        size *= x->n;
+/* Left node *j and fraction *f of a signal v on an axis, clipped at both ends; *f is NaN if v is not
+ * finite. Bits of positive floats are in the order of the floats, and those of NaN and of negative
+ * ones are above them as unsigned numbers: one comparison finds what is inside. */
+CORE_INLINE void locate(const ks_axis_t *x, float v, uint32_t *j, float *f) {
+    float pos = (v - x->x0) * x->inv_step;
+    if (bits_of(pos) < bits_of(x->top)) {
+        int32_t left = (int32_t)pos;
+        *j = (uint32_t)left;
+        *f = pos - (float)left;
+    } else if (bits_of(pos) < 0x80000000UL) {
+        *j = x->n - 2;
+        *f = 1.0f + (v - v);
+    } else {
+        *j = 0;
+        *f = v - v;
     }
-    float corner[1U << KS_TABLE_AXES];
-    for (uint32_t c = 0; c < (1U << n); c++) {
-        uint32_t at = offset;
-        for (uint32_t a = 0; a < n; a++) {
-            at += ((c >> a) & 1U) != 0U ? stride[a] : 0U;
-        }
-        corner[c] = t->value_format == KS_VALUES_Q15
-                        ? (float)((const int16_t *)values)[at] * (1.0f / 32767.0f)
-                        : ((const float *)values)[at];
+}
+
+/* Node values from the j-th on. */
+CORE_INLINE const void *ahead(const void *v, uint32_t j, int q15) {
+    return q15 ? (const void *)((const int16_t *)v + j) : (const void *)((const float *)v + j);
+}
+
+CORE_INLINE float node(const void *v, uint32_t j, int q15) {
+    return q15 ? (float)((const int16_t *)v)[j] * (1.0f / 32767.0f) : ((const float *)v)[j];
+}
+
+CORE_INLINE float mix(float x, float y, float f) { return x + f * (y - x); }
+
+/* Interpolation over the last 1, 2, 3 and 4 axes from the first node of v on; f: fraction on each
+ * axis, step: nodes from one to the next. Nodes and fractions in [0, 1] keep every mix in [0, 1],
+ * also as rounded. */
+CORE_INLINE float mix_1(const void *v, const float *f, int q15) {
+    return mix(node(v, 0, q15), node(v, 1, q15), f[0]);
+}
+
+CORE_INLINE float mix_2(const void *v, const float *f, const uint32_t *step, int q15) {
+    return mix(mix_1(v, f + 1, q15), mix_1(ahead(v, step[0], q15), f + 1, q15), f[0]);
+}
+
+CORE_INLINE float mix_3(const void *v, const float *f, const uint32_t *step, int q15) {
+    return mix(mix_2(v, f + 1, step + 1, q15), mix_2(ahead(v, step[0], q15), f + 1, step + 1, q15),
+               f[0]);
+}
+
+CORE_INLINE float mix_4(const void *v, const float *f, const uint32_t *step, int q15) {
+    return mix(mix_3(v, f + 1, step + 1, q15), mix_3(ahead(v, step[0], q15), f + 1, step + 1, q15),
+               f[0]);
+}
+
+/* The fallback instead of NaN, which only a signal that is not finite leads to. */
+CORE_INLINE float number_or(float x, float fallback) { return CORE_LIKELY(x == x) ? x : fallback; }
+
+#define LOCATE(a)                                                                                  \
+    uint32_t j##a;                                                                                 \
+    locate(&t->axis[a], y[t->axis[a].signal], &j##a, &f[a]);
+
+CORE_INLINE float eval_1(const ks_table_t *t, const void *v, const float *y, int q15) {
+    float f[1];
+    LOCATE(0)
+    return number_or(mix_1(ahead(v, j0, q15), f, q15), t->fallback);
+}
+
+CORE_INLINE float eval_2(const ks_table_t *t, const void *v, const float *y, int q15) {
+    float f[2];
+    LOCATE(0)
+    LOCATE(1)
+    uint32_t step[1] = {t->axis[1].n};
+    uint32_t at = j0 * step[0] + j1;
+    return number_or(mix_2(ahead(v, at, q15), f, step, q15), t->fallback);
+}
+
+CORE_INLINE float eval_3(const ks_table_t *t, const void *v, const float *y, int q15) {
+    float f[3];
+    LOCATE(0)
+    LOCATE(1)
+    LOCATE(2)
+    uint32_t step[2] = {t->axis[1].n * t->axis[2].n, t->axis[2].n};
+    uint32_t at = j0 * step[0] + j1 * step[1] + j2;
+    return number_or(mix_3(ahead(v, at, q15), f, step, q15), t->fallback);
+}
+
+CORE_INLINE float eval_4(const ks_table_t *t, const void *v, const float *y, int q15) {
+    float f[4];
+    LOCATE(0)
+    LOCATE(1)
+    LOCATE(2)
+    LOCATE(3)
+    uint32_t n = t->axis[3].n;
+    uint32_t step[3] = {t->axis[1].n * t->axis[2].n * n, t->axis[2].n * n, n};
+    uint32_t at = j0 * step[0] + j1 * step[1] + j2 * step[2] + j3;
+    return number_or(mix_4(ahead(v, at, q15), f, step, q15), t->fallback);
+}
+
+/* Each a function of its own, so that none pays for the registers of another. */
+#define APART(name, eval, q15)                                                                     \
+    CORE_APART float name(const ks_table_t *t, const void *v, const float *y) {                    \
+        return eval(t, v, y, q15);                                                                 \
     }
-    for (uint32_t i = 1; i <= n; i++) {
-        uint32_t half = 1U << (n - i);
-        for (uint32_t c = 0; c < half; c++) {
-            corner[c] += frac[n - i] * (corner[c + half] - corner[c]);
-        }
+APART(eval_1_f32, eval_1, 0)
+APART(eval_2_f32, eval_2, 0)
+APART(eval_3_f32, eval_3, 0)
+APART(eval_4_f32, eval_4, 0)
+APART(eval_1_q15, eval_1, 1)
+APART(eval_2_q15, eval_2, 1)
+APART(eval_3_q15, eval_3, 1)
+APART(eval_4_q15, eval_4, 1)
+
+CORE_APART float eval_rare(const ks_table_t *t, const void *v, const float *y) {
+    switch (t->kind) {
+    case 1:
+        return eval_1_f32(t, v, y);
+    case 4:
+        return eval_4_f32(t, v, y);
+    case KS_KIND_Q15 | 1:
+        return eval_1_q15(t, v, y);
+    case KS_KIND_Q15 | 2:
+        return eval_2_q15(t, v, y);
+    case KS_KIND_Q15 | 3:
+        return eval_3_q15(t, v, y);
+    default:
+        return eval_4_q15(t, v, y);
     }
-    return finite ? clamp_f(corner[0], 0.0f, 1.0f) : t->fallback;
 }
 
 float ks_table_eval(const ks_table_t *t, const void *values, const float *y) {
-    switch (t->n_axes) {
-    case 1:
-        return eval_n(t, values, y, 1);
-    case 2:
-        return eval_n(t, values, y, 2);
-    case 3:
-        return eval_n(t, values, y, 3);
-    default:
-        return eval_n(t, values, y, 4);
+    if (t->kind == 2) {
+        return eval_2_f32(t, values, y);
     }
+    return t->kind == 3 ? eval_3_f32(t, values, y) : eval_rare(t, values, y);
 }
 
 void ks_table_eval_many(const ks_table_t *t, const void *values, const float *y, float *k_s,

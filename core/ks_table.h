@@ -18,8 +18,9 @@
 #define KS_TABLE_FORMAT 1UL
 
 enum {
-    KS_TABLE_AXES = 4,    /* most axes a table can have */
-    KS_TABLE_NODES = 1024 /* most nodes a table can have: 4 KiB */
+    KS_TABLE_AXES = 4,     /* most axes a table can have */
+    KS_TABLE_NODES = 1024, /* most nodes a table can have: 4 KiB */
+    KS_KIND_Q15 = 0x100    /* in ks_table_t.kind: 16-bit values */
 };
 
 /* Kind of the node values. */
@@ -42,6 +43,7 @@ typedef struct {
     uint32_t n;      /* nodes, at least 2 */
     float x0;        /* signal value of the first node */
     float inv_step;  /* nodes per unit of the signal */
+    float top;       /* n - 1 */
 } ks_axis_t;
 
 /* Header of a table; the node values are an array of their own, last axis fastest. */
@@ -51,6 +53,7 @@ typedef struct {
     uint32_t value_format;         /* KS_VALUES_* */
     uint32_t n_axes;               /* axes in use */
     uint32_t n_nodes;              /* product of the axes' n */
+    uint32_t kind;                 /* n_axes, plus KS_KIND_Q15 for Q15: one word that tells all */
     ks_axis_t axis[KS_TABLE_AXES]; /* unused axes are all zero */
     float slew_per_s;              /* largest change of k_s per second [1/s] */
     float fallback;                /* k_s for a signal that is not finite */

@@ -14,41 +14,42 @@
 
 typedef struct {
     flux_map_t map;
-    double R_s;      /* [ohm] */
-    double n_p;      /* pole pairs */
-    double inv_J;    /* 1 / inertia [1/(kg m^2)]; 0 holds the speed */
-    double B;        /* viscous friction [N m s/rad] */
-    double h;        /* sub-step: period / n_sub [s] */
-    int32_t n_sub;   /* sub-steps a period */
-    int32_t bridge;  /* 1 when the flux map has its bridge term */
+    double R_s;     /* [ohm] */
+    double n_p;     /* pole pairs */
+    double inv_J;   /* 1 / inertia [1/(kg m^2)]; 0 holds the speed */
+    double B;       /* viscous friction [N m s/rad] */
+    double h;       /* sub-step: period / n_sub [s] */
+    int32_t n_sub;  /* sub-steps a period */
+    int32_t bridge; /* 1 when the flux map has its bridge term */
 } plant_params_t;
 
 typedef struct {
-    double psi_d;    /* [Vs] */
+    double psi_d; /* [Vs] */
     double psi_q;
-    double omega_m;  /* mechanical speed [rad/s] */
-    double theta_e;  /* electrical angle in [-pi, pi] [rad] */
-    double cos_e;    /* of theta_e */
+    double omega_m; /* mechanical speed [rad/s] */
+    double theta_e; /* electrical angle in [-pi, pi] [rad] */
+    double cos_e;   /* of theta_e */
     double sin_e;
-    double i_d;      /* currents at the sampling instant [A] */
+    double i_d; /* currents at the sampling instant [A] */
     double i_q;
-    double tau;      /* torque at the sampling instant [N m] */
-    int32_t turns;   /* electrical turns beyond theta_e */
+    double tau;    /* torque at the sampling instant [N m] */
+    int32_t turns; /* electrical turns beyond theta_e */
     int32_t reserved;
 } plant_state_t;
 
 #define PI_D 3.14159265358979323846
 
-/* Cosine and sine of a small angle |x| < 0.5: Taylor series to x^11 and x^12, error below 1e-15. */
+/* Cosine and sine of a small angle |x| < 0.5: Taylor series to x^11 and x^12, error below 1e-15 up to 0.35
+ * and 2e-14 at 0.5. */
 CORE_INLINE void small_angle(double x, double *c, double *s) {
     double z = x * x;
-    double odd = -1.0 / 6.0 +
-                 z * (1.0 / 120.0 +
-                      z * (-1.0 / 5040.0 + z * (1.0 / 362880.0 + z * (-1.0 / 39916800.0))));
-    double even = -0.5 + z * (1.0 / 24.0 +
-                              z * (-1.0 / 720.0 +
-                                   z * (1.0 / 40320.0 +
-                                        z * (-1.0 / 3628800.0 + z * (1.0 / 479001600.0)))));
+    double odd =
+        -1.0 / 6.0 +
+        z * (1.0 / 120.0 + z * (-1.0 / 5040.0 + z * (1.0 / 362880.0 + z * (-1.0 / 39916800.0))));
+    double even =
+        -0.5 + z * (1.0 / 24.0 +
+                    z * (-1.0 / 720.0 +
+                         z * (1.0 / 40320.0 + z * (-1.0 / 3628800.0 + z * (1.0 / 479001600.0)))));
     *s = x + x * z * odd;
     *c = 1.0 + z * even;
 }

@@ -43,10 +43,10 @@ CORE_INLINE void profile_step(const profile_t *p, profile_state_t *x, int32_t k)
     x->segment = j;
     x->omega_ref = profile_move(x->omega_ref, pick_f(p->omega_ref, j, PROFILE_N),
                                 pick_f(p->omega_step, j, PROFILE_N));
-    x->tau_load = profile_move(x->tau_load, pick_f(p->tau, j, PROFILE_N),
-                               pick_f(p->tau_step, j, PROFILE_N));
-    x->u_dc = profile_move(x->u_dc, pick_f(p->u_dc, j, PROFILE_N),
-                           pick_f(p->u_dc_step, j, PROFILE_N));
+    x->tau_load =
+        profile_move(x->tau_load, pick_f(p->tau, j, PROFILE_N), pick_f(p->tau_step, j, PROFILE_N));
+    x->u_dc =
+        profile_move(x->u_dc, pick_f(p->u_dc, j, PROFILE_N), pick_f(p->u_dc_step, j, PROFILE_N));
 }
 
 #endif

@@ -10,42 +10,42 @@
 #include "frames.h"
 
 enum {
-    SIGNAL_SPEED = 0,       /* |omega_e_hat| / omega_rated */
-    SIGNAL_TORQUE_CURRENT,  /* i_q in the direction of motion / i_rated: > 0 motoring */
-    SIGNAL_DISAGREEMENT,    /* wrap(theta_hfi - theta_smo) in the direction of motion / 30 deg */
-    SIGNAL_ACCELERATION,    /* d|omega_e_hat|/dt / (omega_rated per second) */
-    SIGNAL_SPEED_ERROR,     /* (omega_ref - omega_e_hat) in the direction of motion / omega_rated */
-    SIGNAL_SPEED_REF,       /* omega_ref in the direction of motion / omega_rated */
-    SIGNAL_K_S,             /* the weight in force */
-    SIGNAL_EMF,             /* |e| / rated no-load EMF */
-    SIGNAL_HF_AMPLITUDE,    /* magnitude of the injected current's answer / its no-load value */
-    SIGNAL_HFI_RESIDUAL,    /* RMS of the injection error signal / 0.5 */
-    SIGNAL_SMO_RESIDUAL,    /* RMS of the EMF error signal / 0.5 */
-    SIGNAL_VOLTAGE,         /* wanted voltage / voltage limit */
+    SIGNAL_SPEED = 0,      /* |omega_e_hat| / omega_rated */
+    SIGNAL_TORQUE_CURRENT, /* i_q in the direction of motion / i_rated: > 0 motoring */
+    SIGNAL_DISAGREEMENT,   /* wrap(theta_hfi - theta_smo) in the direction of motion / 30 deg */
+    SIGNAL_ACCELERATION,   /* d|omega_e_hat|/dt / (omega_rated per second) */
+    SIGNAL_SPEED_ERROR,    /* (omega_ref - omega_e_hat) in the direction of motion / omega_rated */
+    SIGNAL_SPEED_REF,      /* omega_ref in the direction of motion / omega_rated */
+    SIGNAL_K_S,            /* the weight in force */
+    SIGNAL_EMF,            /* |e| / rated no-load EMF */
+    SIGNAL_HF_AMPLITUDE,   /* magnitude of the injected current's answer / its no-load value */
+    SIGNAL_HFI_RESIDUAL,   /* RMS of the injection error signal / 0.5 */
+    SIGNAL_SMO_RESIDUAL,   /* RMS of the EMF error signal / 0.5 */
+    SIGNAL_VOLTAGE,        /* wanted voltage / voltage limit */
     SIGNAL_N
 };
 
 typedef struct {
-    float alpha;         /* low-pass of every signal [rad/s] times T_s */
-    float alpha_per_s;   /* the same low-pass [rad/s], for the derivative */
-    float inv_omega;     /* 1 / rated electrical speed [s/rad] */
-    float inv_i;         /* 1 / rated current, peak [1/A] */
-    float inv_e;         /* 1 / (rated speed times magnet flux) [1/V] */
-    float inv_i_hf;      /* 1 / (u_inj T_s / (2 L_d)) [1/A] */
+    float alpha;       /* low-pass of every signal [rad/s] times T_s */
+    float alpha_per_s; /* the same low-pass [rad/s], for the derivative */
+    float inv_omega;   /* 1 / rated electrical speed [s/rad] */
+    float inv_i;       /* 1 / rated current, peak [1/A] */
+    float inv_e;       /* 1 / (rated speed times magnet flux) [1/V] */
+    float inv_i_hf;    /* 1 / (u_inj T_s / (2 L_d)) [1/A] */
 } signal_params_t;
 
 typedef struct {
-    float omega;      /* filtered speed estimate, electrical [rad/s] */
-    float omega_2;    /* filtered once more; the difference gives the acceleration [rad/s] */
-    float omega_ref;  /* reference of this period [rad/s] */
-    float i_q;        /* filtered torque current [A] */
-    float disagree;   /* filtered wrap(theta_hfi - theta_smo) [rad] */
-    float emf;        /* filtered |e| [V] */
-    float hf;         /* filtered magnitude of the high-frequency current [A] */
-    float hfi_var;    /* mean square of the injection error signal */
-    float smo_var;    /* mean square of the EMF error signal */
-    float voltage;    /* filtered ratio of wanted voltage to limit */
-    float k_s;        /* weight in force */
+    float omega;     /* filtered speed estimate, electrical [rad/s] */
+    float omega_2;   /* filtered once more; the difference gives the acceleration [rad/s] */
+    float omega_ref; /* reference of this period [rad/s] */
+    float i_q;       /* filtered torque current [A] */
+    float disagree;  /* filtered wrap(theta_hfi - theta_smo) [rad] */
+    float emf;       /* filtered |e| [V] */
+    float hf;        /* filtered magnitude of the high-frequency current [A] */
+    float hfi_var;   /* mean square of the injection error signal */
+    float smo_var;   /* mean square of the EMF error signal */
+    float voltage;   /* filtered ratio of wanted voltage to limit */
+    float k_s;       /* weight in force */
 } signal_state_t;
 
 /* Fills y[SIGNAL_N]. */

@@ -25,15 +25,13 @@ CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_re
 }
 
 /* The machine over [k, k+1] under the waiting command; the new command waits in its place. */
-CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_sub,
-                               int bridge) {
+CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_sub, int bridge) {
     ab_t i_ab = {
         (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
         (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
     };
     ab_t u = inverter_voltage(&s->sensor, c->u, s->now.u_dc, i_ab);
-    plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, (double)s->now.tau_load, n_sub,
-               bridge);
+    plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, (double)s->now.tau_load, n_sub, bridge);
     c->u = u_next;
 }
 
@@ -83,15 +81,14 @@ CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, flo
     s->err_count = abs_f(err) > s->err_limit ? s->err_count + 1 : 0;
     float trip = s->i_trip * s->i_trip;
     int finite = i_sq <= 1.0e12f && abs_f(omega_m) <= 1.0e6f && abs_f(err) <= 4.0f;
-    s->lost |= (s->err_count > s->err_periods ? LOST_ANGLE : 0) |
-               (i_sq > trip ? LOST_CURRENT : 0) | (finite ? 0 : LOST_NONFINITE) |
-               (i_sq_twin <= trip ? 0 : LOST_TWIN);
+    s->lost |= (s->err_count > s->err_periods ? LOST_ANGLE : 0) | (i_sq > trip ? LOST_CURRENT : 0) |
+               (finite ? 0 : LOST_NONFINITE) | (i_sq_twin <= trip ? 0 : LOST_TWIN);
 }
 
 /* One period. sensored, with_twin, n_sub, bridge: as in sim_t, passed so that they can be constants.
  * Returns what the drive's controller was given. */
-CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int with_twin,
-                                  int n_sub, int bridge) {
+CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int with_twin, int n_sub,
+                                  int bridge) {
     profile_step(&s->profile, &s->now, s->k);
     float theta_e = (float)s->drive.y.theta_e;
     float tau = (float)s->drive.y.tau;

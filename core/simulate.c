@@ -77,7 +77,8 @@ static void run_one(sim_t *s, int32_t periods, float k_s_ref) {
     }
 }
 
-void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t plain, const float *k_s_ref, float *obs) {
+void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t plain, const float *k_s_ref,
+             float *obs) {
     sums_t none = {0};
     for (int32_t i = 0; i < n; i++) {
         s[i].sums = none;
@@ -93,6 +94,14 @@ void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t plain, const float *k
     }
     for (int32_t i = 0; i < n; i++) {
         signals_read(&s[i].control.signal, &s[i].drive.x.signal, &obs[(long)i * SIGNAL_N]);
+    }
+}
+
+void sim_inputs(const sim_t *s, int32_t n, drive_in_t *in) {
+    for (int32_t i = 0; i < n; i++) {
+        sim_t now = s[i];
+        profile_step(&now.profile, &now.now, now.k);
+        in[i] = sim_sample(&now, &now.drive, 0.0f);
     }
 }
 
@@ -125,8 +134,8 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
         row[TRACE_U_A] = (double)s->drive.u.a;
         row[TRACE_U_B] = (double)s->drive.u.b;
         s->sums = none;
-        drive_in_t in = sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub,
-                   s->plant.bridge);
+        drive_in_t in =
+            sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub, s->plant.bridge);
         row[TRACE_I_A] = (double)in.i_a;
         row[TRACE_I_B] = (double)in.i_b;
         row[TRACE_THETA_E_ERR] = (double)s->sums.err;
@@ -147,8 +156,7 @@ void flux_map_currents(const flux_map_t *p, int32_t bridge, const double *psi, d
     }
 }
 
-void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, double *out,
-               int32_t n) {
+void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, double *out, int32_t n) {
     for (int32_t j = 0;; j++) {
         double *row = &out[7L * j];
         row[0] = x->i_d;

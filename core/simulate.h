@@ -20,8 +20,9 @@ enum {
 
 typedef struct {
     drive_state_t x;
+    int32_t reserved;
     plant_state_t y;
-    ab_t u;                /* command waiting to act over the next period [V] */
+    ab_t u; /* command waiting to act over the next period [V] */
 } chain_t;
 
 /* Sums over the periods of one decision; divide by n. */
@@ -43,57 +44,58 @@ typedef struct {
 
 /* Where a scenario begins. */
 typedef struct {
-    float omega_m;    /* shaft speed, mechanical [rad/s] */
-    float theta_e;    /* electrical angle [rad] */
-    float theta_err;  /* truth minus the estimators' first angle [rad] */
-    float k_s;        /* first weight */
+    float omega_m;   /* shaft speed, mechanical [rad/s] */
+    float theta_e;   /* electrical angle [rad] */
+    float theta_err; /* truth minus the estimators' first angle [rad] */
+    float k_s;       /* first weight */
 } start_t;
 
 typedef struct {
     start_t start;
     drive_params_t control;
     sensor_params_t sensor;
+    int32_t reserved_1;
     plant_params_t plant;
     profile_t profile;
-    chain_t drive;         /* the drive under test */
-    chain_t twin;          /* the same controller fed by the true angle, injection off */
+    chain_t drive; /* the drive under test */
+    chain_t twin;  /* the same controller fed by the true angle, injection off */
     profile_state_t now;
     sums_t sums;
-    float omega_scale;     /* electrical rad/s per mechanical rad/s: pole pairs */
-    float i_trip;          /* over-current limit, peak [A] */
-    float err_limit;       /* [rad] */
-    float tau_1, dev_1;    /* torque and deviation of the last period [N m] */
-    int32_t err_periods;   /* periods in a row the error may stay beyond its limit */
+    float omega_scale;   /* electrical rad/s per mechanical rad/s: pole pairs */
+    float i_trip;        /* over-current limit, peak [A] */
+    float err_limit;     /* [rad] */
+    float tau_1, dev_1;  /* torque and deviation of the last period [N m] */
+    int32_t err_periods; /* periods in a row the error may stay beyond its limit */
     int32_t err_count;
-    int32_t k;             /* period */
-    int32_t k_end;         /* the scenario's length in periods */
-    int32_t sensored;      /* 1: the drive under test is itself fed by the true angle */
-    int32_t with_twin;     /* 0: no twin, deviations read 0 */
-    int32_t lost;          /* LOST_* bits; a lost drive is not advanced any more */
-    uint32_t seed;         /* of the measurement noise */
+    int32_t k;         /* period */
+    int32_t k_end;     /* the scenario's length in periods */
+    int32_t sensored;  /* 1: the drive under test is itself fed by the true angle */
+    int32_t with_twin; /* 0: no twin, deviations read 0 */
+    int32_t lost;      /* LOST_* bits; a lost drive is not advanced any more */
+    uint32_t seed;     /* of the measurement noise */
     int32_t reserved;
 } sim_t;
 
 /* Signals of a trace row, one a period. */
 enum {
-    TRACE_T = 0,        /* [s] */
-    TRACE_OMEGA_M_REF,  /* [rad/s] mechanical */
+    TRACE_T = 0,       /* [s] */
+    TRACE_OMEGA_M_REF, /* [rad/s] mechanical */
     TRACE_OMEGA_M,
     TRACE_OMEGA_M_HAT,
     TRACE_OMEGA_M_TWIN,
-    TRACE_TAU,          /* [N m] */
+    TRACE_TAU, /* [N m] */
     TRACE_TAU_LOAD,
     TRACE_TAU_TWIN,
     TRACE_K_S,
-    TRACE_THETA_E,      /* [rad] */
-    TRACE_THETA_E_ERR,  /* truth minus estimate [rad] */
+    TRACE_THETA_E,     /* [rad] */
+    TRACE_THETA_E_ERR, /* truth minus estimate [rad] */
     TRACE_THETA_E_ERR_HFI,
     TRACE_THETA_E_ERR_SMO,
-    TRACE_I_D,          /* true currents in the true frame [A] */
+    TRACE_I_D, /* true currents in the true frame [A] */
     TRACE_I_Q,
-    TRACE_I_A,          /* measured by the drive's sensors at k [A] */
+    TRACE_I_A, /* measured by the drive's sensors at k [A] */
     TRACE_I_B,
-    TRACE_U_A,          /* commanded for the period [k, k+1], stator frame [V] */
+    TRACE_U_A, /* commanded for the period [k, k+1], stator frame [V] */
     TRACE_U_B,
     TRACE_U_DC,         /* [V] */
     TRACE_HF_AMPLITUDE, /* [A] */
@@ -107,6 +109,9 @@ void sim_start(sim_t *s, int32_t n);
  * reads the signals of drive i into obs[i * SIGNAL_N]. Drives that are lost or at their end stay.
  * plain: 1 keeps from running blocks of drives as vector code; the results are the same. */
 void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t plain, const float *k_s_ref, float *obs);
+
+/* What the controllers of n drives are about to be given in the coming period; k_s_ref is 0. */
+void sim_inputs(const sim_t *s, int32_t n, drive_in_t *in);
 
 /* One drive, one row of TRACE_N numbers a period into out; returns the periods advanced. */
 int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out);

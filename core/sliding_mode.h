@@ -15,26 +15,27 @@
 
 typedef struct {
     pll_params_t pll;
-    float R_s;           /* stator resistance of the model [ohm] */
-    float L_d;           /* [H] */
-    float k;             /* bound on the estimated EMF [V] */
-    float half_a;        /* half the sigmoid's slope [1/A]; gain at the origin g = k half_a [V/A] */
-    float use_sign;      /* 1: f = sign (for comparison), 0: sigmoid */
-    float lag_cure;      /* 1: EMF from the exact steady-state relation, 0: z as it is */
-    float alpha_omega;   /* low-pass on the speed inside the model [rad/s] times T_s, at most 1 */
-    float alpha_e;       /* low-pass on the EMF [rad/s] times T_s, at most 1; 1 switches it off */
-    float e_floor;       /* least EMF magnitude the error is divided by [V] */
-    float omega_floor;   /* below this speed the EMF is not trusted, electrical [rad/s] */
+    float R_s;         /* stator resistance of the model [ohm] */
+    float L_d;         /* [H] */
+    float k;           /* bound on the estimated EMF [V] */
+    float half_a;      /* half the sigmoid's slope [1/A]; gain at the origin g = k half_a [V/A] */
+    float i_reach;     /* largest current error the model keeps: beyond, it would run away [A] */
+    float use_sign;    /* 1: f = sign (for comparison), 0: sigmoid */
+    float lag_cure;    /* 1: EMF from the exact steady-state relation, 0: z as it is */
+    float alpha_omega; /* low-pass on the speed inside the model [rad/s] times T_s, at most 1 */
+    float alpha_e;     /* low-pass on the EMF [rad/s] times T_s, at most 1; 1 switches it off */
+    float e_floor;     /* least EMF magnitude the error is divided by [V] */
+    float omega_floor; /* below this speed the EMF is not trusted, electrical [rad/s] */
 } smo_params_t;
 
 typedef struct {
     pll_state_t pll;
-    ab_t i_hat;      /* model current [A] */
-    ab_t z;          /* last correction voltage [V] */
-    ab_t e;          /* estimated extended EMF [V] */
-    float omega_f;   /* filtered speed of the cross term, electrical [rad/s] */
-    float err;       /* last normalised angle error [rad near lock] */
-    float valid;     /* 1 when the EMF led the loop, 0 when it followed theta_idle */
+    ab_t i_hat;    /* model current [A] */
+    ab_t z;        /* last correction voltage [V] */
+    ab_t e;        /* estimated extended EMF [V] */
+    float omega_f; /* filtered speed of the cross term, electrical [rad/s] */
+    float err;     /* last normalised angle error [rad near lock] */
+    float valid;   /* 1 when the EMF led the loop, 0 when it followed theta_idle */
 } smo_state_t;
 
 /* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] [V]; L_q: [H];
@@ -48,11 +49,13 @@ CORE_INLINE void smo_observe(const smo_params_t *p, smo_state_t *x, ab_t i_ab, a
         x->i_hat.a + h * (u_ab.a - p->R_s * x->i_hat.a - w_l * x->i_hat.b - x->z.a),
         x->i_hat.b + h * (u_ab.b - p->R_s * x->i_hat.b + w_l * x->i_hat.a - x->z.b),
     };
-    ab_t d = {i_hat.a - i_ab.a, i_hat.b - i_ab.b};
+    ab_t d = {clamp_f(i_hat.a - i_ab.a, -p->i_reach, p->i_reach),
+              clamp_f(i_hat.b - i_ab.b, -p->i_reach, p->i_reach)};
     int hard = p->use_sign > 0.0f;
     x->z.a = p->k * (hard ? sign_f(d.a) : tanh_f(p->half_a * d.a));
     x->z.b = p->k * (hard ? sign_f(d.b) : tanh_f(p->half_a * d.b));
-    x->i_hat = i_hat;
+    x->i_hat.a = i_ab.a + d.a;
+    x->i_hat.b = i_ab.b + d.b;
     float r = p->lag_cure * p->R_s;
     float w_q = p->lag_cure * x->pll.omega * L_q;
     ab_t e = {x->z.a + r * d.a - w_q * d.b, x->z.b + r * d.b + w_q * d.a};

@@ -6,6 +6,8 @@
 #ifndef SENSORLESS_TRIG_H
 #define SENSORLESS_TRIG_H
 
+#include <stdint.h>
+
 #include "frames.h"
 
 /* Cosine and sine of x [rad], |x| <= 8; absolute error below 2e-7.
@@ -14,14 +16,15 @@
  * finite for finite x up to 1e9. */
 CORE_INLINE rot_t rot_of(float x) {
     float t = clamp_f(x * 0.636619772367581f, -1.0e9f, 1.0e9f);
-    int n = (int)(t + (t < 0.0f ? -0.5f : 0.5f));
+    int32_t n = (int32_t)(t + (t < 0.0f ? -0.5f : 0.5f));
     float k = (float)n;
     float r = (x - k * 1.5707963705062866f) + k * 4.371139000186241e-8f;
     float r2 = r * r;
     float s = r + r * r2 * ((-1.9515295891e-4f * r2 + 8.3321608736e-3f) * r2 - 1.6666654611e-1f);
-    float c = 1.0f - 0.5f * r2 +
-              r2 * r2 * ((2.443315711809948e-5f * r2 - 1.388731625493765e-3f) * r2 +
-                         4.166664568298827e-2f);
+    float c =
+        1.0f - 0.5f * r2 +
+        r2 * r2 *
+            ((2.443315711809948e-5f * r2 - 1.388731625493765e-3f) * r2 + 4.166664568298827e-2f);
     float sc = (n & 1) != 0 ? s : c;
     float ss = (n & 1) != 0 ? c : s;
     rot_t y = {((n + 1) & 2) != 0 ? -sc : sc, (n & 2) != 0 ? -ss : ss};
@@ -39,7 +42,8 @@ CORE_INLINE rot_t rot_turn(rot_t r, float x) {
 }
 
 /* tanh(x): continued fraction of order 7/6, limited to [-1, 1]; absolute error below 1e-4 (worst
- * near |x| = 5), below 1e-6 for |x| < 3. Odd, monotone, exactly +-1 for large |x|. */
+ * near |x| = 5), near 1e-6 for |x| < 3. Odd, exactly +-1 for large |x|, monotone
+ * within 3e-7. */
 CORE_INLINE float tanh_f(float x) {
     float y = clamp_f(x, -5.0f, 5.0f);
     float y2 = y * y;

@@ -69,6 +69,7 @@ def design_smo(
         "L_d": motor.L_d,
         "k": k,
         "half_a": gain / k,
+        "i_reach": 5.0 * k / gain,
         "use_sign": float(sign),
         "lag_cure": float(lag_cure),
         "alpha_omega": low_pass(cross_hz, motor.T_s),

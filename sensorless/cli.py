@@ -12,6 +12,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
+from sensorless.cli_identify import app as identify_app
+from sensorless.cli_reproduce import reproduce
 from sensorless.cli_train import train_command
 from sensorless.cli_tune import list_policies, tune_command
 from sensorless.errors import StaleCoreError, UserError
@@ -123,7 +125,7 @@ def simulate(
     if plot is not None:
         from sensorless.plots import save, waveforms
 
-        save(waveforms(run, f"{machine.name}, {rule.name}, {scenario or 'planned run'}"), plot)
+        save(waveforms({f"{machine.name}, {rule.name}, {scenario or 'planned run'}": run}), plot)
         console.print(f"wrote {plot}")
 
 
@@ -132,7 +134,7 @@ def evaluate(
     policy: PolicyOption,
     motor: MotorOption = "paper",
     suite: Annotated[
-        str, typer.Option(help="paper, nominal, handoff, stress or envelope.")
+        str, typer.Option(help="paper, nominal, handoff, stress, envelope or motors.")
     ] = "stress",
     seed: Annotated[int, typer.Option(min=0, help="Draws the scenarios.")] = 1,
     size: Annotated[int, typer.Option(min=1, help="Number of scenarios.")] = 200,
@@ -220,7 +222,7 @@ def demo(
     with policy_progress() as report:
         results = judge(out, f"./{run}" if not run.is_absolute() else str(run), size, seed, report)
     errors.print("[bold]3/4[/] drawing")
-    figures = draw(out, str(run), results, lambda path: None)
+    figures = draw(out, str(run), results)
     errors.print("[bold]4/4[/] exporting and checking the firmware")
     folder, said = hand_over(out, str(run))
     console.print(results.table())
@@ -231,6 +233,8 @@ def demo(
 
 app.command("train")(train_command)
 app.command("tune")(tune_command)
+app.add_typer(identify_app, name="identify")
+app.command("reproduce")(reproduce)
 
 
 @contextmanager

@@ -1,7 +1,6 @@
 """The whole road in one command: train, judge, look, export."""
 
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 from sensorless.baselines.registry import make_policy
@@ -51,25 +50,24 @@ def judge(folder: Path, run: str, size: int, seed: int, report: PolicyProgress) 
     return evaluate(motor, DriveDesign(), "stress", seed, size, policies, out=out, progress=report)
 
 
-def draw(folder: Path, run: str, results: Results, say: Callable[[str], None]) -> list[Path]:
+def draw(folder: Path, run: str, results: Results) -> list[Path]:
     """Figures: Fig. 9, the schedules, and the hand-over where Eq. 25 fared worst."""
     motor, design = Motor.load("paper"), DriveDesign()
     eq25, learned = make_policy("eq25", motor), make_policy(run, motor)
-    paths = [folder / "fig9.png", folder / "schedules.png"]
+    paths = [folder / name for name in ("fig9.png", "schedules.png", "hand-over.png")]
     speed, load, duration = FIG9
     plan = plan_from(speed, load, None, duration, motor, 0)
-    save(waveforms(trace(eq25, plan, motor, design), "Fig. 9 under Eq. 25, no load"), paths[0])
-    say(str(paths[0]))
+    run_9 = trace(eq25, plan, motor, design)
+    save(waveforms({"Fig. 9 under Eq. 25, no load": run_9}), paths[0])
     tables = {p.name: p.table for p in (eq25, learned) if isinstance(p, TablePolicy)}
     save(schedules(tables, motor), paths[1])
-    say(str(paths[1]))
     index = worst_of(results, eq25.name)
     case = suite("stress", motor, results.seed, index + 1)[index : index + 1]
-    for policy in (eq25, learned):
-        paths.append(folder / f"worst_of_eq25_{policy.name}.png")
-        title = f"stress:{results.seed}:{index} under {policy.name}"
-        save(waveforms(trace(policy, case, motor, design), title), paths[-1])
-        say(str(paths[-1]))
+    traces = {
+        f"stress:{results.seed}:{index} under {policy.name}": trace(policy, case, motor, design)
+        for policy in (eq25, learned)
+    }
+    save(waveforms(traces), paths[2])
     return paths
 
 

@@ -32,8 +32,8 @@ def table_source(table: KsTable, form: ValueFormat, motor_hash: int, vectors: Wo
     t = table.record(form, motor_hash=motor_hash)
     names = [f"SIGNAL_{axis.signal.upper()}" for axis in table.axes]
     axes = "\n".join(
-        f"        {{{name}, {row['n']}, {c_float(row['x0'])}, {c_float(row['inv_step'])}}},"
-        f" /* {axis.lo:g} to {axis.hi:g} */"
+        f"        {{{name}, {row['n']}, {c_float(row['x0'])}, {c_float(row['inv_step'])},"
+        f" {c_float(row['top'])}}}, /* {axis.lo:g} to {axis.hi:g} */"
         for name, axis, row in zip(names, table.axes, t["axis"], strict=False)
     )
     values = [c_float(x) if form == "f32" else str(x) for x in table.stored(form)]
@@ -46,6 +46,7 @@ const ks_table_t ks_table_{form} = {{
     .value_format = KS_VALUES_{form.upper()},
     .n_axes = {t["n_axes"]},
     .n_nodes = {t["n_nodes"]},
+    .kind = 0x{t["kind"]:X}UL,
     .axis = {{
 {axes}
     }},

@@ -112,9 +112,10 @@ class KsTable:
         header["magic"], header["format"] = _word("KSTB"), 1
         header["value_format"] = _word("F32 " if form == "f32" else "Q15 ")
         header["n_axes"], header["n_nodes"] = len(self.axes), self.values.size
+        header["kind"] = len(self.axes) | (lib.KS_KIND_Q15 if form == "q15" else 0)
         for row, axis in zip(header["axis"][0], self.axes, strict=False):
             row["signal"], row["n"] = SIGNAL_NAMES.index(axis.signal), axis.n
-            row["x0"], row["inv_step"] = axis.lo, axis.inv_step
+            row["x0"], row["inv_step"], row["top"] = axis.lo, axis.inv_step, axis.n - 1
         header["slew_per_s"], header["fallback"] = self.slew_per_s, self.fallback
         header["policy_hash"] = int(self.digest[:8], 16) if policy_hash is None else policy_hash
         header["motor_hash"] = motor_hash

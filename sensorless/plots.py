@@ -46,44 +46,69 @@ def save(figure: "Figure", path: Path) -> None:
     write_atomic(path, buffer.getvalue())
 
 
-def waveforms(t: Trace, title: str) -> "Figure":
-    """Speed, torque, angle errors and weight over time."""
-    figure, (speed, torque, angle, weight) = _figure(
-        figsize=(9.0, 9.5), nrows=4, sharex=True, height_ratios=(3, 2.4, 2.4, 1.2)
+def waveforms(traces: dict[str, Trace]) -> "Figure":
+    """Speed, torque, angle errors and weight over time, one column a run; keys are titles."""
+    figure, axes = _figure(
+        figsize=(7.0 * len(traces) + 1.5, 9.5),
+        nrows=4,
+        ncols=len(traces),
+        sharex=True,
+        sharey="row",
+        squeeze=False,
+        height_ratios=(3, 2.4, 2.4, 1.2),
     )
-    x = t["t"]
-    speed.plot(x, RPM * t["omega_m_ref"], color=COLOURS["ref"], label="reference")
-    speed.plot(x, RPM * t["omega_m_twin"], color=COLOURS["twin"], lw=2.5, label="sensored twin")
-    speed.plot(x, RPM * t["omega_m"], color=COLOURS["blend"], lw=1.0, label="sensorless")
-    speed.plot(x, RPM * t["omega_m_hat"], color=COLOURS["smo"], lw=0.6, label="estimate")
-    speed.set_ylabel("speed [r/min]")
-    torque.plot(x, t["tau"], color=COLOURS["smo"], lw=0.4, alpha=0.5, label="torque")
-    torque.plot(x, _pairs(t["tau"]), color=COLOURS["blend"], lw=0.8, label="without injection band")
-    torque.plot(x, t["tau_twin"], color=COLOURS["twin"], label="sensored twin")
-    torque.plot(x, t["tau_load"], color=COLOURS["ref"], label="load")
-    torque.set_ylabel("torque [N m]")
-    for key, name in (("_hfi", "hfi"), ("_smo", "smo"), ("", "blend")):
-        angle.plot(
-            x,
-            np.rad2deg(t[f"theta_e_err{key}"]),
-            color=COLOURS[name],
-            lw=0.7,
-            label={"hfi": "HFI", "smo": "SMO", "blend": "blend"}[name],
-        )
-    span = float(np.nanquantile(np.abs(np.rad2deg(t["theta_e_err"])), 0.999))
-    angle.set_ylim(-max(6.0, 1.6 * span), max(6.0, 1.6 * span))
-    angle.set_ylabel("angle error [° el.]\ntruth − estimate")
-    weight.plot(x, t["k_s"], color=COLOURS["blend"])
-    weight.set_ylim(-0.05, 1.05)
-    weight.set_ylabel("$k_s$\n1 = HFI, 0 = SMO")
-    weight.set_xlabel("time [s]")
-    for axes in (speed, torque, angle):
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=8, frameon=False)
-    for axes in (speed, torque, angle, weight):
-        axes.grid(alpha=0.3)
-    cause = lost_cause(t)
-    figure.suptitle(title + (f" — lost: {cause}" if cause else ""))
+    worst = max(_quantile(t["theta_e_err"]) for t in traces.values())
+    for column, (title, t) in zip(axes.T, traces.items(), strict=True):
+        _speeds(column[0], t)
+        _torques(column[1], t)
+        _angles(column[2], t)
+        column[2].set_ylim(-max(6.0, 1.6 * worst), max(6.0, 1.6 * worst))
+        column[3].plot(t["t"], t["k_s"], color=COLOURS["blend"])
+        column[3].set_ylim(-0.05, 1.05)
+        column[3].set_xlabel("time [s]")
+        cause = lost_cause(t)
+        column[0].set_title(title + (f" — lost: {cause}" if cause else ""), pad=24)
+        for ax in column:
+            ax.grid(alpha=0.3)
+        for ax in column[:3]:
+            place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
+            ax.legend(ncols=4, fontsize=8, **place)
+    labels = (
+        "speed [r/min]",
+        "torque [N m]",
+        "angle error [° el.]\ntruth − estimate",
+        "$k_s$\n1 = HFI, 0 = SMO",
+    )
+    for ax, label in zip(axes[:, 0], labels, strict=True):
+        ax.set_ylabel(label)
     return figure  # type: ignore[no-any-return]
+
+
+def _quantile(x: Any) -> float:
+    """Angle that 99.9 % of the errors stay within, at most 90 [deg]."""
+    return min(float(np.quantile(np.abs(np.rad2deg(x)), 0.999)), 90.0)
+
+
+def _speeds(ax: Any, t: Trace) -> None:
+    ax.plot(t["t"], RPM * t["omega_m_ref"], color=COLOURS["ref"], label="reference")
+    ax.plot(t["t"], RPM * t["omega_m_twin"], color=COLOURS["twin"], lw=2.5, label="sensored twin")
+    ax.plot(t["t"], RPM * t["omega_m"], color=COLOURS["blend"], lw=1.0, label="sensorless")
+    ax.plot(t["t"], RPM * t["omega_m_hat"], color=COLOURS["smo"], lw=0.6, label="estimate")
+
+
+def _torques(ax: Any, t: Trace) -> None:
+    band = _pairs(t["tau"])
+    ax.plot(t["t"], t["tau"], color=COLOURS["smo"], lw=0.4, alpha=0.5, label="torque")
+    ax.plot(t["t"], band, color=COLOURS["blend"], lw=0.8, label="without injection band")
+    ax.plot(t["t"], t["tau_twin"], color=COLOURS["twin"], label="sensored twin")
+    ax.plot(t["t"], t["tau_load"], color=COLOURS["ref"], label="load")
+
+
+def _angles(ax: Any, t: Trace) -> None:
+    for key, name in (("_hfi", "hfi"), ("_smo", "smo"), ("", "blend")):
+        error = np.rad2deg(t[f"theta_e_err{key}"])
+        label = {"hfi": "HFI", "smo": "SMO", "blend": "blend"}[name]
+        ax.plot(t["t"], error, color=COLOURS[name], lw=0.7, label=label)
 
 
 def _pairs(x: Any) -> Any:

@@ -138,7 +138,7 @@ def tampered(**changes: Any) -> tuple[Array, Array]:
     for name, value in changes.items():
         if name == "node":
             values[3] = value
-        elif name in ("signal", "n", "x0", "inv_step"):
+        elif name in ("signal", "n", "x0", "inv_step", "top"):
             header["axis"][0, 1][name] = value
         else:
             header[name] = value
@@ -160,6 +160,7 @@ def tampered(**changes: Any) -> tuple[Array, Array]:
         ({"x0": np.nan}, "AXES"),
         ({"inv_step": 0.0}, "AXES"),
         ({"inv_step": np.inf}, "AXES"),
+        ({"top": 9.0}, "AXES"),
         ({"node": np.nan}, "VALUE"),
         ({"node": 1.0001}, "VALUE"),
         ({"node": -1e-6}, "VALUE"),

@@ -16,10 +16,10 @@ LAYERS = (
     ("observers", "*_design"),
     ("drive",),
     ("envs",),
-    ("rollout", "*metrics", "suites"),
+    ("rollout", "*metrics", "suites", "steady"),
     ("baselines", "agents"),
     ("aggregate", "results", "evaluate", "report", "tuning*"),
-    ("export*", "plant_*", "trace*", "plots", "options"),
+    ("export*", "plant_*", "trace*", "plots", "options", "identify*", "reproduce*"),
     ("demo", "cli*", "__main__"),
 )
 

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from sensorless.baselines.registry import make_policy
 from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES, Array, lib, sim_run
 from sensorless.drive import DriveDesign
-from sensorless.envs.policy import Signals
+from sensorless.envs.policy import Signals, decision_periods
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.envs.stress import stress_scenarios
 from sensorless.motor import Motor
-from sensorless.rollout import CAUSES, Rollout, decision_periods, rollout, rollouts
+from sensorless.rollout import CAUSES, Rollout, rollout, rollouts
 
 MOTOR = Motor.load("paper")
 FACTORY = SimFactory(MOTOR, DriveDesign())

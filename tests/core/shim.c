@@ -55,7 +55,9 @@ void t_small_angle(const double *x, double *y, int n) {
     }
 }
 
-void t_pll(const pll_params_t *p, pll_state_t *x, float err, float T_s) { pll_step(p, x, err, T_s); }
+void t_pll(const pll_params_t *p, pll_state_t *x, float err, float T_s) {
+    pll_step(p, x, err, T_s);
+}
 
 void t_hfi_observe(const hfi_params_t *p, hfi_state_t *x, float i_a, float i_b, float theta_idle,
                    float omega_idle, float T_s) {

@@ -129,6 +129,19 @@ def test_largest_plausible_inputs(motor: Motor) -> None:
     assert np.all(np.isfinite(drive.numbers()))
 
 
+@pytest.mark.parametrize(
+    ("amplitude", "omega"), [(67.0, -700.0), (140.0, -948.0), (9e3, 950.0), (2e3, 1400.0)]
+)
+def test_model_current_does_not_run_away(motor: Motor, amplitude: float, omega: float) -> None:
+    """Currents beyond the reach of the sliding-mode correction do not let its model grow."""
+    drive = Drive(motor, omega)
+    for k in range(6000):
+        turn = omega * motor.T_s * k + math.pi * (k // 40 % 2)
+        a, b = (amplitude * math.cos(turn - lag) for lag in (0.0, 2.0 * math.pi / 3.0))
+        assert all(map(math.isfinite, drive.step(i_a=a, i_b=b, k_s_ref=0.0, omega_ref=omega)))
+        assert abs(float(drive.x["smo"]["i_hat"]["a"][0])) < 2.0 * amplitude + 50.0
+
+
 def test_recovers(motor: Motor) -> None:
     """After a burst of bad samples the angle of a standing drive is still an angle in range."""
     drive = Drive(motor, omega=0.0)
