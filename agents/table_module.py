@@ -24,85 +24,68 @@ class TableModule(nn.Module):
         Axes and start values.
     """
 
-    start: Tensor
     x0: Tensor
     inv_step: Tensor
     last: Tensor
 
     def __init__(self, table: KsTable) -> None:
         super().__init__()
-        record = table.record()
-        axes = record["axis"][: len(table.axes)]
+        axes = table.axes
         self._table = table
-        self.shape = tuple(axis.n for axis in table.axes)
-        self.columns = [SIGNAL_NAMES.index(axis.signal) for axis in table.axes]
-        self.strides = [int(np.prod(self.shape[a + 1 :])) for a in range(len(self.shape))]
-        self.values = nn.Parameter(torch.tensor(table.values.reshape(-1), dtype=torch.float32))
-        self.register_buffer("start", self.values.detach().clone())
-        self.register_buffer("x0", torch.tensor(axes["x0"]), persistent=False)
-        self.register_buffer("inv_step", torch.tensor(axes["inv_step"]), persistent=False)
-        last = torch.tensor(self.shape, dtype=torch.float32) - 1.0
-        self.register_buffer("last", last, persistent=False)
+        self.shape = tuple(axis.n for axis in axes)
+        self._columns = [SIGNAL_NAMES.index(axis.signal) for axis in axes]
+        self._strides = [int(np.prod(self.shape[a + 1 :])) for a in range(len(axes))]
+        self.values = nn.Parameter(torch.tensor(table.values.reshape(-1)))
+        for name, numbers in {
+            "x0": [axis.lo for axis in axes],
+            "inv_step": [float(axis.inv_step) for axis in axes],
+            "last": [axis.n - 1 for axis in axes],
+        }.items():
+            self.register_buffer(name, torch.tensor(numbers, dtype=torch.float32), persistent=False)
 
     def corners(self, obs: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Where observations fall: the cell's corner nodes, the place inside of it, and whether all
-        signals are finite.
+        """Cells that observations (n, at least SIGNAL_N) fall into.
 
         Returns
         -------
-        nodes (n, 2^axes) int64, frac (n, axes), finite (n,) bool
-            Bit a of a corner's number says whether it is the upper node of axis a.
+        nodes (n, 2^axes) int64
+            The cell's corners; bit a of a corner's number says whether it is the upper node of
+            axis a.
+        frac (n, axes)
+            Place inside of the cell, 0 to 1.
+        finite (n,) bool
+            Whether all signals of the axes are finite.
         """
-        y = obs[:, self.columns]
+        y = obs[:, self._columns]
         finite = torch.isfinite(y).all(dim=1)
-        y = torch.nan_to_num(y, nan=0.0)
-        pos = ((y - self.x0) * self.inv_step).clamp(min=0.0).minimum(self.last)
+        pos = ((torch.nan_to_num(y) - self.x0) * self.inv_step).clamp(min=0.0).minimum(self.last)
         low = pos.trunc().minimum(self.last - 1.0)
-        index = low.to(torch.int64)
-        nodes = (index * torch.tensor(self.strides)).sum(dim=1, keepdim=True)
-        for stride in self.strides:
+        nodes = (low.to(torch.int64) * torch.tensor(self._strides)).sum(dim=1, keepdim=True)
+        for stride in self._strides:
             nodes = torch.cat((nodes, nodes + stride), dim=1)
         return nodes, pos - low, finite
 
-    def interpolate(self, corner: Tensor, frac: Tensor) -> Tensor:
-        """Value (n,) from corner values (n, 2^axes), highest axis first."""
+    def at(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
+        """k_s (n,) where ``corners`` says; the table's fallback where a signal is not finite."""
+        value = self.values.take(nodes)
         for a in reversed(range(len(self.shape))):
             half = 1 << a
-            low = corner[:, :half]
-            corner = low + frac[:, a : a + 1] * (corner[:, half:] - low)
-        return corner[:, 0]
-
-    def at(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
-        """k_s (n,) where ``corners`` says."""
-        k_s = self.interpolate(self.values.take(nodes), frac).clamp(0.0, 1.0)
+            low = value[:, :half]
+            value = low + frac[:, a : a + 1] * (value[:, half:] - low)
+        k_s = value[:, 0].clamp(0.0, 1.0)
         return torch.where(finite, k_s, torch.full_like(k_s, self._table.fallback))
 
     def forward(self, obs: Tensor) -> Tensor:
-        """k_s (n,) at observations (n, at least SIGNAL_N); the fallback where one is not finite."""
+        """k_s (n,) at observations (n, at least SIGNAL_N)."""
         return self.at(*self.corners(obs))
 
-    def weights(self, frac: Tensor) -> Tensor:
-        """Weights (n, 2^axes) of the corner nodes; they add up to 1."""
+    @staticmethod
+    def weights(frac: Tensor) -> Tensor:
+        """Weights (n, 2^axes) of the corners in the interpolation; they add up to 1."""
         out = torch.ones_like(frac[:, :1])
-        for a in range(frac.shape[1]):
-            upper = frac[:, a : a + 1]
+        for upper in frac.split(1, dim=1):
             out = torch.cat((out * (1.0 - upper), out * upper), dim=1)
         return out
-
-    def roughness(self) -> Tensor:
-        """Half the squared second differences of the change since the start, along every axis."""
-        grid = (self.values - self.start).reshape(self.shape)
-        out = torch.zeros(())
-        for a, n in enumerate(self.shape):
-            if n > 2:
-                out = out + 0.5 * torch.diff(grid, n=2, dim=a).square().sum()
-        return out
-
-    def relax(self, share: float) -> None:
-        """One step down the roughness of the table's change since the start."""
-        grad = torch.autograd.grad(self.roughness(), self.values)[0]
-        with torch.no_grad():
-            self.values.sub_(share * grad)
 
     @torch.no_grad()
     def project(self) -> None:
@@ -111,5 +94,4 @@ class TableModule(nn.Module):
 
     def table(self) -> KsTable:
         """Return the table as it stands."""
-        values = self.values.detach().numpy().reshape(self.shape).copy()
-        return replace(self._table, values=values)
+        return replace(self._table, values=self.values.detach().numpy().reshape(self.shape).copy())

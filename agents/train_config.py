@@ -54,13 +54,13 @@ class TrainConfig:
     """bound on the probability ratio of an update"""
     noise: float = _number(0.1, 1e-3, 1.0)
     """standard deviation of the exploration in k_s; it persists over a rollout"""
-    smoothness: float = _number(1.0, 0.0, 10.0)
+    smoothness: float = _number(2.0, 0.0, 10.0)
     """distance over which neighbouring nodes explore and move together [nodes]"""
-    warm_up: int = _number(10, 0, 10**6)
+    warm_up: int = _number(5, 0, 10**6)
     """updates of the critic alone before the table moves"""
     decision_ms: float = _number(2.0, 0.1, 100.0)
     """time between two decisions in training [ms]"""
-    lost_penalty: float = _number(40.0, 0.0, 1e6)
+    lost_penalty: float = _number(150.0, 0.0, 1e6)
     """reward lost with lock; must exceed the running cost over the whole horizon"""
     validate_seconds: float = _number(20.0, 1.0, 1e6)
     """training time between two validations [s]"""

@@ -2,9 +2,35 @@
 
 import numpy as np
 
+from sensorless.baselines.rule import Parameter, Rule, Values
+from sensorless.envs.policy import TablePolicy
 from sensorless.ks_table import Axis, KsTable
+from sensorless.motor import Motor
 
 
 def constant_table(k_s: float) -> KsTable:
     """Table with the same weight ``k_s``, 0 to 1, at each of its nodes."""
     return KsTable((Axis("speed", 0.0, 1.0, 2),), np.full(2, k_s, dtype=np.float32))
+
+
+def _build(name: str, v: Values, motor: Motor) -> TablePolicy:
+    return TablePolicy(name, constant_table(v["k"]))
+
+
+RULE = Rule(
+    "constant",
+    "K at all times",
+    _build,
+    (Parameter("k", 0.5, 0.0, 1.0, "1", "weight of injection", most=1.0),),
+    needs_numbers=True,
+)
+HFI = Rule(
+    "hfi",
+    "injection alone: constant:1",
+    lambda name, v, motor: TablePolicy(name, constant_table(1.0)),
+)
+SMO = Rule(
+    "smo",
+    "sliding-mode observer alone: constant:0",
+    lambda name, v, motor: TablePolicy(name, constant_table(0.0)),
+)

@@ -10,8 +10,11 @@ The drive's slew limit on k_s still applies.
 import numpy as np
 from numpy.typing import NDArray
 
+from sensorless.baselines.linear import EQ25_BAND
+from sensorless.baselines.rule import Rule, Values, speed
 from sensorless.core_api import SIGNAL_NAMES
 from sensorless.envs.policy import Signals
+from sensorless.motor import Motor
 
 GAP = 0.05
 """Half width of the gap over its centre: VESC's +-5 %."""
@@ -22,19 +25,22 @@ SPEED = SIGNAL_NAMES.index("speed")
 class Hysteresis:
     """Switch with memory, one bit a drive.
 
-    A drive starts on injection, and returns to it when its speed signal is not a number.
+    A drive starts on injection, and returns to it when its signal is not a number.
 
     Parameters
     ----------
     name : str
     low, high : float
-        Gap over rated speed [-], low < high.
+        Gap in the signal's own unit, for the speed over rated speed [-]; low < high.
+    signal : str
+        Another signal than the speed to compare with the gap.
     """
 
     sensored = False
 
-    def __init__(self, name: str, low: float, high: float) -> None:
+    def __init__(self, name: str, low: float, high: float, signal: str = "speed") -> None:
         self.name = name
+        self.signal = SIGNAL_NAMES.index(signal)
         self.low, self.high = np.float32(low), np.float32(high)
         self._k_s = np.ones(0, dtype=np.float32)
 
@@ -44,7 +50,26 @@ class Hysteresis:
 
     def act(self, obs: Signals) -> NDArray[np.float32]:
         """Weights (n,), each 0 or 1."""
-        speed = obs[:, SPEED]
-        self._k_s[speed >= self.high] = 0.0
-        self._k_s[~(speed > self.low)] = 1.0
+        x = obs[:, self.signal]
+        self._k_s[x >= self.high] = 0.0
+        self._k_s[~(x > self.low)] = 1.0
         return self._k_s.copy()
+
+
+_CENTRE = 0.5 * (EQ25_BAND[0] + EQ25_BAND[1])
+
+
+def _build(name: str, v: Values, motor: Motor) -> Hysteresis:
+    return Hysteresis(name, v["lo"], v["hi"])
+
+
+RULE = Rule(
+    "hysteresis",
+    "hard switch, up at HI, down at LO; centre of the paper's band +-5 % by default",
+    _build,
+    (
+        speed("lo", (1.0 - GAP) * _CENTRE, 0.0, 0.9, "switches down to injection"),
+        speed("hi", (1.0 + GAP) * _CENTRE, 0.02, 1.2, "switches up to the sliding-mode observer"),
+    ),
+    rising=(("lo", "hi"),),
+)

@@ -10,7 +10,10 @@ speed gives k_s = 1) and the cases of equality.
 
 import numpy as np
 
+from sensorless.baselines.rule import Rule, Values, speed
+from sensorless.envs.policy import TablePolicy
 from sensorless.ks_table import Axis, KsTable
+from sensorless.motor import Motor
 
 EQ25_BAND = (300.0 / 1500.0, 400.0 / 1500.0)
 """The paper's band, 300 to 400 r/min, as shares of its motor's rated speed."""
@@ -25,3 +28,24 @@ def linear_table(low: float, high: float) -> KsTable:
         Band over rated speed [-], low < high.
     """
     return KsTable((Axis("speed", low, high, 2),), np.array([1.0, 0.0], dtype=np.float32))
+
+
+def _build(name: str, v: Values, motor: Motor) -> TablePolicy:
+    return TablePolicy(name, linear_table(v["lo"], v["hi"]))
+
+
+EQ25 = Rule(
+    "eq25",
+    "linear ramp of the paper, 20 to 26.7 % of rated speed (300 to 400 r/min there)",
+    lambda name, v, motor: TablePolicy(name, linear_table(*EQ25_BAND)),
+)
+RULE = Rule(
+    "linear",
+    "linear ramp of the speed from LO to HI; the paper's band by default",
+    _build,
+    (
+        speed("lo", EQ25_BAND[0], 0.0, 0.6, "below it injection alone"),
+        speed("hi", EQ25_BAND[1], 0.05, 1.5, "above it the sliding-mode observer alone"),
+    ),
+    rising=(("lo", "hi"),),
+)

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sensorless.baselines.rule import Rule
 from sensorless.envs.policy import Signals
 
 
@@ -18,3 +19,8 @@ class Sensored:
     def act(self, obs: Signals) -> NDArray[np.float32]:
         """Zeros (n,)."""
         return np.zeros(len(obs), dtype=np.float32)
+
+
+RULE = Rule(
+    "sensored", "bound: the true angle, no estimator at all", lambda name, v, motor: Sensored()
+)

@@ -1,13 +1,28 @@
 """What chooses the weight k_s at every decision."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sensorless.core_api import Array
 from sensorless.ks_table import KsTable
+from sensorless.motor import Motor
 
 Signals = NDArray[np.float32]
+
+DECISION = 0.001
+"""Time between two decisions [s], rounded to whole PWM periods."""
+
+
+def decision_periods(motor: Motor) -> int:
+    """PWM periods between two decisions."""
+    return max(1, round(DECISION / motor.T_s))
+
+
+def decision_time(motor: Motor) -> float:
+    """Time between two decisions [s]."""
+    return decision_periods(motor) * motor.T_s
 
 
 class Policy(Protocol):
@@ -22,6 +37,23 @@ class Policy(Protocol):
 
     def act(self, obs: Signals) -> NDArray[np.float32]:
         """Weights wanted (n,), 0 to 1, at the signals (n, SIGNAL_N) of ``core/signals.h``."""
+
+
+@runtime_checkable
+class PrivilegedPolicy(Policy, Protocol):
+    """A bound, no rule for a drive: it knows what no firmware can."""
+
+    privileged: bool
+
+    def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
+        """Weights wanted (n,) at the signals and the simulated drives themselves (SIM)."""
+
+
+def decide(policy: Policy, obs: Signals, sims: Array) -> NDArray[np.float32]:
+    """Weights wanted (n,); only a privileged policy gets to see the drives."""
+    if isinstance(policy, PrivilegedPolicy):
+        return policy.act_knowing(obs, sims)
+    return policy.act(obs)
 
 
 class TablePolicy:

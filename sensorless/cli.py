@@ -13,6 +13,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
 from sensorless.cli_identify import app as identify_app
+from sensorless.cli_pil import pil_command
 from sensorless.cli_reproduce import reproduce
 from sensorless.cli_train import train_command
 from sensorless.cli_tune import list_policies, tune_command
@@ -233,6 +234,7 @@ def demo(
 
 app.command("train")(train_command)
 app.command("tune")(tune_command)
+app.command("pil")(pil_command)
 app.add_typer(identify_app, name="identify")
 app.command("reproduce")(reproduce)
 

@@ -85,7 +85,7 @@ def evaluate(
         motor=motor.name,
         motor_digest=motor.digest,
         design=asdict(design),
-        versions=_versions(),
+        versions=versions(),
         policies={name: _entry(s, scenarios, seed) for name, s in scores.items()},
         paired=_paired(scores, seed),
     )
@@ -178,7 +178,7 @@ def _cause(bits: int) -> str | None:
     return "+".join(name for name, bit in CAUSES.items() if bits & bit) or None
 
 
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
     """What the numbers depend on besides the inputs."""
     try:
         own = version("sensorless")

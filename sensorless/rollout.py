@@ -8,12 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run
-from sensorless.envs.policy import Policy
+from sensorless.envs.policy import Policy, decide, decision_periods
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.motor import Motor
-
-DECISION = 0.001
-"""Time between two decisions [s], rounded to whole PWM periods."""
 
 CHUNK = 256
 """Scenarios at a time: with ``sums_t`` of 80 bytes, 2 s of them keep 41 MB."""
@@ -30,11 +27,6 @@ CAUSES: dict[str, int] = {
     "twin": lib.LOST_TWIN,
 }
 """Bits of ``Rollout.lost``, LOST_* of ``core/simulate.h``: why a drive stopped before its end."""
-
-
-def decision_periods(motor: Motor) -> int:
-    """PWM periods between two decisions."""
-    return max(1, round(DECISION / motor.T_s))
 
 
 @dataclass(frozen=True)
@@ -85,7 +77,7 @@ def rollout(
     policy.reset(n)
     sim_run(sims, 0, np.ones(n, dtype=np.float32), obs)
     for j in range(decisions):
-        k_s = np.ascontiguousarray(policy.act(obs.copy()), dtype=np.float32)
+        k_s = np.ascontiguousarray(decide(policy, obs.copy(), sims), dtype=np.float32)
         if k_s.shape != (n,):
             raise ValueError(f"policy {policy.name}: weights of shape {k_s.shape}, wanted ({n},)")
         sim_run(sims, periods, k_s, obs)

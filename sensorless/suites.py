@@ -1,5 +1,6 @@
 """Named sets of scenarios, each a function of name, seed and size alone."""
 
+import dataclasses
 from collections.abc import Callable
 from itertools import product
 
@@ -181,12 +182,28 @@ def envelope_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     return s
 
 
+def motors_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+    """``handoff`` (even rows) and ``stress`` (odd rows), for machines that training never saw.
+
+    All of a scenario is relative to the machine's own numbers: run it once for each of the shipped
+    machines but the one that was trained on.
+    """
+    s = stress_scenarios(motor, seeds)
+    crossings = handoff_scenarios(motor, seeds[::2])
+    for f in dataclasses.fields(s):
+        rows = np.array(getattr(s, f.name))
+        rows[::2] = getattr(crossings, f.name)
+        setattr(s, f.name, rows)
+    return s
+
+
 SUITES: dict[str, Callable[[Motor, Seeds], Scenarios]] = {
     "paper": paper_scenarios,
     "nominal": nominal_scenarios,
     "handoff": handoff_scenarios,
     "stress": stress_scenarios,
     "envelope": envelope_scenarios,
+    "motors": motors_scenarios,
 }
 
 

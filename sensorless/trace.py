@@ -1,17 +1,18 @@
 """One drive under a policy, every PWM period on record."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from sensorless.core_api import SIGNAL_N, TRACE_NAMES, Array, sim_run, sim_trace
 from sensorless.drive import DriveDesign
-from sensorless.envs.policy import Policy
+from sensorless.envs.policy import Policy, decide, decision_periods
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
 from sensorless.motor import Motor
-from sensorless.rollout import CAUSES, decision_periods
+from sensorless.rollout import CAUSES
 
 Trace = dict[str, Array]
 """Columns of ``TRACE_NAMES`` (``core/simulate.h``), each (periods,): SI units, rad, rad/s."""
@@ -19,8 +20,16 @@ Trace = dict[str, Array]
 MOST_PERIODS = 5_000_000
 
 
-def trace(policy: Policy, scenario: Scenarios, motor: Motor, design: DriveDesign) -> Trace:
+def trace(
+    policy: Policy,
+    scenario: Scenarios,
+    motor: Motor,
+    design: DriveDesign,
+    change: Callable[[Array], None] | None = None,
+) -> Trace:
     """Run one scenario beside its sensored twin.
+
+    ``change`` may write into the array of ``SIM`` before the start what no design can ask for.
 
     Raises
     ------
@@ -30,6 +39,8 @@ def trace(policy: Policy, scenario: Scenarios, motor: Motor, design: DriveDesign
     if len(scenario) != 1:
         raise UserError(f"scenario: {len(scenario)} rows; allowed: 1")
     sim = SimFactory(motor, design).build(scenario, sensored=policy.sensored)
+    if change is not None:
+        change(sim)
     if not 1 <= sim["k_end"][0] <= MOST_PERIODS:
         raise UserError(
             f"duration: {scenario.duration[0]:g} s; allowed: above 0 and at most "
@@ -40,7 +51,7 @@ def trace(policy: Policy, scenario: Scenarios, motor: Motor, design: DriveDesign
     policy.reset(1)
     rows = []
     while sim["lost"][0] == 0 and sim["k"][0] < sim["k_end"][0]:
-        k_s = policy.act(obs.copy())
+        k_s = decide(policy, obs.copy(), sim)
         rows.append(sim_trace(sim, decision_periods(motor), float(k_s[0])))
         sim_run(sim, 0, k_s, obs)
     table = np.concatenate(rows)

@@ -19,7 +19,7 @@ LAYERS = (
     ("rollout", "*metrics", "suites", "steady"),
     ("baselines", "agents"),
     ("aggregate", "results", "evaluate", "report", "tuning*"),
-    ("export*", "plant_*", "trace*", "plots", "options", "identify*", "reproduce*"),
+    ("export*", "pil*", "plant_*", "trace*", "plots", "options", "identify*", "reproduce*"),
     ("demo", "cli*", "__main__"),
 )
 

@@ -53,14 +53,19 @@ def test_saliency_holds_on_the_operating_line(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_each_estimator_holds_rated_torque(name: str) -> None:
-    """Injection at 10 % of rated speed, the observer at 30 %, in both directions of torque."""
+    """Injection at 10 % of rated speed, the observer at 30 %, in both directions of torque.
+
+    Slow speed loop: its design counts the magnet's torque alone, reluctance makes it faster.
+    """
+    design = DriveDesign(speed_hz=1.0)
     motor = Motor.load(name)
     tau = motor.tau_rated * np.array([-1.0, 0.0, 1.0])
-    low = steady(motor, DriveDesign(), 0.1 * motor.n_rated_rpm, tau, 1.0)
-    high = steady(motor, DriveDesign(), 0.3 * motor.n_rated_rpm, tau, 0.0)
+    low = steady(motor, design, 0.1 * motor.n_rated_rpm, tau, 1.0, settle=2.5)
+    high = steady(motor, design, 0.3 * motor.n_rated_rpm, tau, 0.0, settle=2.5)
     assert low.held.all() and high.held.all()
     assert np.all(np.abs(np.rad2deg(low.err)) < 1.5)
     assert np.all(np.abs(np.rad2deg(high.err)) < 15.0)
+    assert np.all(np.rad2deg([low.err_std, high.err_std]) < 2.0)
 
 
 def test_motors_suite_is_handoff_and_stress_in_turn() -> None:

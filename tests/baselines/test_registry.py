@@ -8,8 +8,9 @@ import pytest
 
 from sensorless.baselines.hysteresis import Hysteresis
 from sensorless.baselines.linear import linear_table
-from sensorless.baselines.registry import RUN, known, make_policy
-from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES
+from sensorless.baselines.registry import RULES, RUN, TUNED, known, make_policy
+from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES, SIM
+from sensorless.envs.policy import decide
 from sensorless.errors import UserError
 from sensorless.motor import Motor
 
@@ -29,7 +30,9 @@ def weights(spec: str, speeds_rpm: list[float], motor: Motor = PAPER) -> list[fl
     ("spec", "expected"),
     [
         ("eq25", [1.0, 0.75, 0.5, 0.0]),
+        ("linear", [1.0, 0.75, 0.5, 0.0]),
         ("linear:300,400", [1.0, 0.75, 0.5, 0.0]),
+        ("linear:hi=500", [1.0, 0.875, 0.75, 0.25]),
         ("linear:200,400", [0.75, 0.375, 0.25, 0.0]),
         ("linear:0,325", [0.2308, 0.0, 0.0, 0.0]),
         ("hysteresis", [1.0, 1.0, 1.0, 0.0]),
@@ -68,7 +71,6 @@ def test_sensored_asks_for_the_true_angle() -> None:
 @pytest.mark.parametrize(
     ("spec", "allowed"),
     [
-        ("linear", "LO < HI"),
         ("linear:", "LO < HI"),
         ("linear:400,300", "LO < HI"),
         ("linear:300,300", "LO < HI"),
@@ -89,6 +91,8 @@ def test_sensored_asks_for_the_true_angle() -> None:
         ("hfi:1", "without numbers"),
         ("smo:", "without numbers"),
         ("sensored:1", "without numbers"),
+        ("gated:1,2,3", "RELEASE"),
+        ("tuned:", "tuned:FILE.json"),
     ],
 )
 def test_bad_numbers_are_refused_with_what_is_allowed(spec: str, allowed: str) -> None:
@@ -101,18 +105,24 @@ def test_bad_numbers_are_refused_with_what_is_allowed(spec: str, allowed: str) -
 def test_an_unknown_name_lists_every_known_one() -> None:
     with pytest.raises(UserError) as caught:
         make_policy("fuzzzy", PAPER)
-    assert all(name in str(caught.value) for name in known())
+    assert all(name in str(caught.value) for name in (*RULES, TUNED, RUN))
 
 
-def test_every_known_name_can_be_made() -> None:
-    example = {
-        "linear:LO,HI": "linear:1,2",
-        "hysteresis:LO,HI": "hysteresis:1,2",
-        "constant:K": "constant:0.5",
-    }
-    for name in known():
-        if name != RUN:
-            make_policy(example.get(name, name), PAPER)
+def test_every_rule_can_be_made_and_runs() -> None:
+    obs = np.zeros((3, SIGNAL_N), dtype=np.float32)
+    sims = np.zeros(3, dtype=SIM)
+    for name in RULES:
+        policy = make_policy("constant:0.5" if name == "constant" else name, PAPER)
+        policy.reset(3)
+        k_s = decide(policy, obs, sims)
+        assert k_s.shape == (3,) and k_s.dtype == np.float32
+        assert ((k_s >= 0.0) & (k_s <= 1.0)).all()
+
+
+def test_the_list_has_a_line_for_everything() -> None:
+    words = known()
+    assert [word.split("[")[0].split(":")[0] for word in words] == [*RULES, "tuned", RUN]
+    assert all(doc and "\n" not in doc and len(doc) < 90 for doc in words.values())
 
 
 def test_a_folder_without_a_table_is_no_run(tmp_path: Path) -> None:

@@ -1,9 +1,10 @@
 """A table as a policy is the lookup of the firmware."""
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES
-from sensorless.envs.policy import Policy, TablePolicy
+from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES, SIM, Array
+from sensorless.envs.policy import Policy, Signals, TablePolicy, decide
 from sensorless.ks_table import Axis, KsTable
 
 
@@ -17,3 +18,16 @@ def test_bilinear_weights_clipped_at_the_edges() -> None:
     policy.reset(4)
     np.testing.assert_allclose(policy.act(obs), [1.0, 0.4375, 0.0625, 0.25], atol=1e-6)
     assert (policy.name, policy.sensored) == ("table", False)
+
+
+def test_only_a_privileged_policy_sees_the_drives() -> None:
+    class Knowing(TablePolicy):
+        privileged = True
+
+        def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
+            return np.asarray(sims["drive"]["y"]["omega_m"], dtype=np.float32)
+
+    table = KsTable((Axis("speed", 0.0, 1.0, 2),), np.array([0.25, 0.25], dtype=np.float32))
+    obs, sims = np.zeros((2, SIGNAL_N), dtype=np.float32), np.zeros(2, dtype=SIM)
+    assert decide(TablePolicy("table", table), obs, sims).tolist() == [0.25, 0.25]
+    assert decide(Knowing("knowing", table), obs, sims).tolist() == [0.0, 0.0]

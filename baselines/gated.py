@@ -1,0 +1,145 @@
+"""Gated state machine: hand over only while both estimators are at work and agree.
+
+    INJECTION  k_s = 1. To UP at speed >= high after ``hold`` decisions in a row in which both are
+               warm and |disagreement| <= gate; at speed >= force in any case.
+    UP         k_s falls at 1 / ramp. Back to DOWN when |disagreement| > release or speed <= low;
+               to OBSERVER at k_s = 0.
+    OBSERVER   k_s = 0, injection off. To WAKE at speed <= (low + high) / 2.
+    WAKE       k_s = WAKE_K_S: injection runs at full amplitude, the drive still on the observer.
+               To DOWN at speed <= low after ``hold`` decisions in a row of agreement within
+               release, or at half of low in any case; back to OBSERVER at speed >= high.
+    DOWN       k_s rises at 1 / ramp; to INJECTION at k_s = 1, to UP at speed >= force.
+
+Warm: the injected current answers with at least WARM_HF of its value without load, and the EMF
+estimated is at least WARM_EMF of what the magnets induce at the speed estimated. The drive's core
+aligns the idle estimator with the one in use. MathWorks' and ST's libraries hand over in this way.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.baselines.linear import EQ25_BAND
+from sensorless.baselines.rule import Parameter, Rule, Values, speed
+from sensorless.core_api import SIGNAL_NAMES
+from sensorless.envs.policy import Signals, decision_time
+from sensorless.motor import Motor
+
+INJECTION, UP, OBSERVER, WAKE, DOWN = range(5)
+WAKE_K_S = np.float32(5e-4)
+WARM_HF = 0.3
+WARM_EMF = 0.5
+DEG_30 = 30.0
+"""What the value 1 of the signal ``disagreement`` stands for [degrees]."""
+
+SPEED, DISAGREEMENT, EMF, HF = (
+    SIGNAL_NAMES.index(name) for name in ("speed", "disagreement", "emf", "hf_amplitude")
+)
+
+
+class Gated:
+    """The state machine above for n drives. A speed that is not a number means INJECTION.
+
+    Parameters
+    ----------
+    name : str
+    low, high, force : float
+        Over rated speed [-], low < high.
+    gate, release : float
+        Disagreement [30 degrees].
+    hold : int
+        Decisions, at least 1.
+    step : float
+        Change of k_s a decision.
+    """
+
+    sensored = False
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        low: float,
+        high: float,
+        force: float,
+        gate: float,
+        release: float,
+        hold: int,
+        step: float,
+    ) -> None:
+        self.name = name
+        self.low, self.high, self.force = low, high, force
+        self.gate, self.release, self.hold = gate, release, hold
+        self.step = np.float32(min(step, 1.0))
+        self.reset(0)
+
+    def reset(self, n: int) -> None:
+        """Put n drives on injection."""
+        self.state = np.full(n, INJECTION, dtype=np.int8)
+        self._agreed = np.zeros(n, dtype=np.int32)
+        self._k_s = np.ones(n, dtype=np.float32)
+
+    def act(self, obs: Signals) -> NDArray[np.float32]:
+        """Weights (n,)."""
+        v, gap = obs[:, SPEED], np.abs(obs[:, DISAGREEMENT])
+        was = self.state
+        warm = (obs[:, HF] >= WARM_HF) & (obs[:, EMF] >= WARM_EMF * v)
+        agreed = warm & (gap <= np.where(was == WAKE, self.release, self.gate))
+        self._agreed = np.where(agreed, self._agreed + 1, 0)
+        ready = self._agreed >= self.hold
+        slow, fast, forced = v <= self.low, v >= self.high, v >= self.force
+        near, below = v <= 0.5 * (self.low + self.high), v <= 0.5 * self.low
+        bad = ~forced & ((gap > self.release) | slow)
+        moves = (
+            (INJECTION, UP, (fast & ready) | forced),
+            (UP, OBSERVER, self._k_s <= 0.0),
+            (UP, DOWN, bad),
+            (OBSERVER, WAKE, near),
+            (WAKE, OBSERVER, fast),
+            (WAKE, DOWN, (slow & ready) | below),
+            (DOWN, INJECTION, self._k_s >= 1.0),
+            (DOWN, UP, forced),
+        )
+        state = was.copy()
+        for here, there, when in moves:
+            state[(was == here) & when] = there
+        state[~np.isfinite(v)] = INJECTION
+        self._agreed[state != was] = 0
+        self.state = state
+        self._k_s[state == INJECTION] = 1.0
+        self._k_s[state == UP] -= self.step
+        self._k_s[state == DOWN] += self.step
+        np.clip(self._k_s, 0.0, 1.0, out=self._k_s)
+        self._k_s[state == OBSERVER] = 0.0
+        self._k_s[state == WAKE] = WAKE_K_S
+        return self._k_s.copy()
+
+
+def _build(name: str, v: Values, motor: Motor) -> Gated:
+    dt = decision_time(motor)
+    return Gated(
+        name,
+        low=v["lo"],
+        high=v["hi"],
+        force=v["force"],
+        gate=v["gate"] / DEG_30,
+        release=v["release"] / DEG_30,
+        hold=max(1, round(1e-3 * v["hold"] / dt)),
+        step=dt / (1e-3 * v["ramp"]),
+    )
+
+
+RULE = Rule(
+    "gated",
+    "state machine: both estimators warm and agreed for HOLD ms, then a ramp of RAMP ms",
+    _build,
+    (
+        speed("lo", EQ25_BAND[0], 0.03, 0.6, "way back to injection"),
+        speed("hi", EQ25_BAND[1], 0.05, 0.9, "way up, if both agree"),
+        speed("force", 0.5, 0.2, 1.5, "way up in any case"),
+        Parameter("gate", 15.0, 3.0, 60.0, "deg", "agreement to begin with"),
+        Parameter("release", 30.0, 5.0, 90.0, "deg", "disagreement that ends a way up"),
+        Parameter("hold", 5.0, 1.0, 100.0, "ms", "agreement in a row"),
+        Parameter("ramp", 50.0, 20.0, 300.0, "ms", "from one end to the other", least=0.1),
+    ),
+    rising=(("lo", "hi"), ("lo", "force")),
+)

@@ -1,0 +1,63 @@
+"""Logistic schedule of speed, torque current and disagreement: seven numbers that make a table.
+
+    centre = speed + motoring max(i, 0) + regenerating max(-i, 0) + lead max(d, 0) + lag max(-d, 0)
+    z      = 4 (centre - s) / (width (1 + spread |i|))
+    k_s    = clip(1.04 / (1 + exp(-z)) - 0.02, 0, 1)
+
+s, i, d: signals speed, torque_current and disagreement. The table of AXES is the rule; between its
+nodes it is multilinear, not logistic. Its numbers come from tuning, not from a drive.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.baselines.linear import EQ25_BAND
+from sensorless.baselines.rule import RPM, Parameter, Rule, Values, speed
+from sensorless.envs.policy import TablePolicy
+from sensorless.ks_table import Axis, KsTable
+from sensorless.motor import Motor
+
+AXES = (
+    Axis("speed", 0.0, 1.2, 25),
+    Axis("torque_current", -1.5, 1.5, 7),
+    Axis("disagreement", -1.5, 1.5, 5),
+)
+
+
+def logistic_table(v: Values) -> KsTable:
+    """Table of the parameters of RULE."""
+    s, i, d = np.meshgrid(*(a.nodes.astype(np.float64) for a in AXES), indexing="ij")
+    centre = (
+        v["speed"]
+        + v["motoring"] * np.maximum(i, 0.0)
+        + v["regenerating"] * np.maximum(-i, 0.0)
+        + v["lead"] * np.maximum(d, 0.0)
+        + v["lag"] * np.maximum(-d, 0.0)
+    )
+    z = 4.0 * (centre - s) / (v["width"] * (1.0 + v["spread"] * np.abs(i)))
+    k_s: NDArray[np.float64] = 1.04 / (1.0 + np.exp(-np.clip(z, -50.0, 50.0))) - 0.02
+    return KsTable(AXES, np.clip(k_s, 0.0, 1.0).astype(np.float32))
+
+
+def _build(name: str, v: Values, motor: Motor) -> TablePolicy:
+    return TablePolicy(name, logistic_table(v))
+
+
+def _shift(name: str, doc: str) -> Parameter:
+    return Parameter(name, 0.0, -0.6, 0.6, "1", doc, -10.0, 10.0)
+
+
+RULE = Rule(
+    "logistic",
+    "logistic of speed, torque current and disagreement as a table; made for tuning",
+    _build,
+    (
+        speed("speed", 0.5 * sum(EQ25_BAND), 0.02, 0.9, "where k_s is one half, without load"),
+        Parameter("width", EQ25_BAND[1] - EQ25_BAND[0], 0.03, 1.5, RPM, "of the band", 0.001, 10.0),
+        _shift("motoring", "shift of the centre [rated speed] at rated current, motoring"),
+        _shift("regenerating", "the same when regenerating"),
+        _shift("lead", "shift at 30 degrees of disagreement, injection ahead"),
+        _shift("lag", "the same, injection behind"),
+        Parameter("spread", 0.0, 0.0, 2.0, "1", "widening at rated current", most=10.0),
+    ),
+)

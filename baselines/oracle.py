@@ -1,0 +1,80 @@
+"""Greedy oracle: the weight that would have made the last decision's angle error least. A bound.
+
+    apart = err_smo - err_hfi
+    k_s   = clip((apart err_smo + inertia^2 k_s') / (apart^2 + inertia^2), 0, 1)   with injection
+    k_s   = 0 if |err_smo| <= wake, else WAKE_K_S                                  without
+
+err_hfi, err_smo: true angle minus estimate, means over the last decision; k_s': weight before. This
+is the least of (err_smo - k_s apart)^2 + inertia^2 (k_s - k_s')^2: without inertia the weight
+would rattle between 0 and 1 wherever the estimators agree. It knows the true angle, so it is no
+rule for a drive: it shows what choosing by the angle error alone can reach, and no more than that,
+for what is best now need not be best over the next half second.
+
+Without injection the error of its estimator is not known; WAKE_K_S starts it.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.baselines.rule import Parameter, Rule, Values
+from sensorless.core_api import Array
+from sensorless.envs.policy import Signals
+from sensorless.motor import Motor
+
+WAKE_K_S = 0.01
+
+
+class Oracle:
+    """The rule above; ``privileged`` tells that it sees the truth.
+
+    Parameters
+    ----------
+    name : str
+    inertia : float
+        Distance of the estimators above which the weight goes its way at once [rad], above 0.
+    wake : float
+        Error of the observer that wakes the injection [rad].
+    """
+
+    sensored = False
+    privileged = True
+
+    def __init__(self, name: str, inertia: float, wake: float) -> None:
+        self.name = name
+        self.inertia, self.wake = inertia, wake
+        self._k_s = np.ones(0)
+
+    def reset(self, n: int) -> None:
+        """Put n drives on injection."""
+        self._k_s = np.ones(n)
+
+    def act(self, obs: Signals) -> NDArray[np.float32]:
+        """Not possible: signals do not tell the truth."""
+        raise ValueError(f"policy {self.name} needs the truth: call act_knowing")
+
+    def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
+        """Weights (n,)."""
+        sums = sims["sums"]
+        count = np.maximum(sums["n"], 1.0).astype(np.float64)
+        err_hfi, err_smo = sums["err_hfi"] / count, sums["err_smo"] / count
+        apart = err_smo - err_hfi
+        hold = self.inertia**2
+        self._k_s = ((apart * err_smo + hold * self._k_s) / (apart**2 + hold)).clip(0.0, 1.0)
+        idle = (sums["injecting"] == 0.0) & (sums["n"] > 0.0)
+        self._k_s[idle] = np.where(np.abs(err_smo[idle]) > self.wake, WAKE_K_S, 0.0)
+        return self._k_s.astype(np.float32)
+
+
+def _build(name: str, v: Values, motor: Motor) -> Oracle:
+    return Oracle(name, np.deg2rad(v["inertia"]), np.deg2rad(v["wake"]))
+
+
+RULE = Rule(
+    "oracle",
+    "bound: knows the true angle and takes the weight that makes its error least",
+    _build,
+    (
+        Parameter("inertia", 30.0, 1.0, 90.0, "deg", "distance that moves the weight", 0.001),
+        Parameter("wake", 5.0, 0.5, 45.0, "deg", "error of the observer that wakes the injection"),
+    ),
+)

@@ -1,0 +1,33 @@
+"""Hard switch at the speed whose back-EMF stands clear of what the drive does not know.
+
+    omega_1 = (share R_s i_max + u_dt) / psi_f,   u_dt = u_dc dead_time / T_s
+
+share = 0.2 is the usual uncertainty of the resistance; u_dt is the mean voltage that the dead time
+takes from a phase. The phobia firmware computes its threshold in this way.
+"""
+
+from sensorless.baselines.hysteresis import Hysteresis
+from sensorless.baselines.rule import Parameter, Rule, Values
+from sensorless.motor import Motor
+
+
+def physics_speed(share: float, motor: Motor) -> float:
+    """Threshold omega_1 over rated speed [-]."""
+    u_dt = motor.u_dc * motor.dead_time / motor.T_s
+    return (share * motor.R_s * motor.i_max + u_dt) / (motor.psi_f * motor.omega_rated)
+
+
+def _build(name: str, v: Values, motor: Motor) -> Hysteresis:
+    centre, gap = physics_speed(v["share"], motor), 0.01 * v["gap"]
+    return Hysteresis(name, (1.0 - gap) * centre, (1.0 + gap) * centre)
+
+
+RULE = Rule(
+    "physics",
+    "hard switch at the speed (SHARE R_s i_max + dead-time voltage) / psi_f, +-GAP %",
+    _build,
+    (
+        Parameter("share", 0.2, 0.0, 10.0, "1", "resistance that is not known over the known"),
+        Parameter("gap", 5.0, 1.0, 50.0, "%", "half the gap", least=0.1, most=90.0),
+    ),
+)

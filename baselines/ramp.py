@@ -1,0 +1,67 @@
+"""Time ramp after the crossing of a speed: k_s runs to its new end at a fixed rate.
+
+    target = hard switch of the speed with a gap (see ``hysteresis``)
+    k_s moves towards target by dt / ramp a decision of dt
+
+25 to 50 ms in the drives of NXP and ST. The drive's slew limit on k_s still applies.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.baselines.hysteresis import GAP, Hysteresis
+from sensorless.baselines.linear import EQ25_BAND
+from sensorless.baselines.rule import Parameter, Rule, Values, speed
+from sensorless.envs.policy import Signals, decision_time
+from sensorless.motor import Motor
+
+
+class TimeRamp:
+    """Switch with memory, and the weight that follows it.
+
+    Parameters
+    ----------
+    name : str
+    low, high : float
+        Gap over rated speed [-], low < high.
+    step : float
+        Largest change of k_s a decision, above 0.
+    """
+
+    sensored = False
+
+    def __init__(self, name: str, low: float, high: float, step: float) -> None:
+        self.name = name
+        self.step = np.float32(min(step, 1.0))
+        self._switch = Hysteresis(name, low, high)
+        self._k_s = np.ones(0, dtype=np.float32)
+
+    def reset(self, n: int) -> None:
+        """Put n drives on injection."""
+        self._switch.reset(n)
+        self._k_s = np.ones(n, dtype=np.float32)
+
+    def act(self, obs: Signals) -> NDArray[np.float32]:
+        """Weights (n,)."""
+        self._k_s += np.clip(self._switch.act(obs) - self._k_s, -self.step, self.step)
+        return self._k_s.copy()
+
+
+_CENTRE = 0.5 * (EQ25_BAND[0] + EQ25_BAND[1])
+
+
+def _build(name: str, v: Values, motor: Motor) -> TimeRamp:
+    return TimeRamp(name, v["lo"], v["hi"], decision_time(motor) / (1e-3 * v["ramp"]))
+
+
+RULE = Rule(
+    "ramp",
+    "runs to its new end within RAMP ms after the speed crossed HI upwards or LO downwards",
+    _build,
+    (
+        speed("lo", (1.0 - GAP) * _CENTRE, 0.0, 0.9, "starts down to injection"),
+        speed("hi", (1.0 + GAP) * _CENTRE, 0.02, 1.2, "starts up to the sliding-mode observer"),
+        Parameter("ramp", 40.0, 20.0, 400.0, "ms", "from one end to the other", least=0.1),
+    ),
+    rising=(("lo", "hi"),),
+)

@@ -1,0 +1,66 @@
+"""A rule with parameters that tuning found, as a file."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sensorless.baselines.rule import Values
+from sensorless.errors import UserError
+from sensorless.files import write_atomic
+
+FORMAT = "sensorless-tuned/1"
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """What the file holds."""
+
+    rule: str
+    parameters: Values
+    """As the rule gets them: free of any machine."""
+    provenance: Mapping[str, Any]
+    """JSON types."""
+
+    def save(self, path: Path) -> None:
+        """Write the file whole or not at all."""
+        data = {
+            "format": FORMAT,
+            "rule": self.rule,
+            "parameters": dict(self.parameters),
+            "provenance": dict(self.provenance),
+        }
+        write_atomic(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
+
+    @classmethod
+    def load(cls, path: Path) -> "Tuned":
+        """Read a file that ``save`` wrote; whether the rule exists and takes these is not checked.
+
+        Raises
+        ------
+        UserError
+            No such file, or not of this format.
+        """
+        try:
+            data = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError, RecursionError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise UserError(f"{path}: {reason}; allowed: a file of sensorless tune") from None
+        if not isinstance(data, dict) or data.get("format") != FORMAT:
+            found = data.get("format") if isinstance(data, dict) else type(data).__name__
+            raise UserError(f"{path}: format: {found!r}; allowed: {FORMAT!r}")
+        rule, parameters = data.get("rule"), data.get("parameters")
+        provenance = data.get("provenance", {})
+        if not isinstance(rule, str):
+            raise UserError(f"{path}: rule: {rule!r}; allowed: the name of a rule")
+        if not isinstance(parameters, dict) or not all(map(_is_number, parameters.values())):
+            raise UserError(f"{path}: parameters: {parameters!r}; allowed: numbers by name")
+        if not isinstance(provenance, dict):
+            raise UserError(f"{path}: provenance: {provenance!r}; allowed: an object")
+        return cls(rule, parameters, provenance)
+
+
+def _is_number(x: object) -> bool:
+    return isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
