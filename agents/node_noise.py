@@ -1,6 +1,5 @@
 """Exploration that persists: each environment follows its own perturbed table for a while."""
 
-from collections.abc import Sequence
 
 import torch
 from stable_baselines3.common.distributions import DiagGaussianDistribution

@@ -1,7 +1,6 @@
 """Actor and critic for PPO: the schedule table acts, a small network that sees the truth judges."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
 from typing import Any
 
 import torch

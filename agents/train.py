@@ -17,7 +17,7 @@ from sensorless.agents.run_folder import CONFIG, LATEST, create, reopen, save_ta
 from sensorless.agents.sb3_adapter import SB3VecEnv
 from sensorless.agents.table_policy import TableActorCritic
 from sensorless.agents.train_config import TrainConfig
-from sensorless.agents.validation import Validation, validate
+from sensorless.agents.validation import validate
 from sensorless.drive import DriveDesign
 from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import Seeds, combine
@@ -27,12 +27,13 @@ from sensorless.envs.stress import stress_scenarios
 from sensorless.errors import UserError
 from sensorless.ks_table import KsTable
 from sensorless.motor import Motor
+from sensorless.objective import Cost
 from sensorless.suites import ROLES
 
 VALUE_SCALE = 20.0
 """Size of a usual return, about half of the penalty for lost lock."""
 
-Progress = Callable[[float, int, Validation | None], None]
+Progress = Callable[[float, int, Cost | None], None]
 """Called with the share done, the decisions made, and a new validation if there is one."""
 
 
@@ -75,7 +76,7 @@ class Watch(BaseCallback):
         self._start = self._last = time.monotonic()
         self._updates = 0
         self._first_step = 0
-        self.best: tuple[Validation, KsTable] | None = None
+        self.best: tuple[Cost, KsTable] | None = None
 
     def _on_training_start(self) -> None:
         self._first_step = self.model.num_timesteps
@@ -130,7 +131,7 @@ def train(
     *,
     resume: bool = False,
     report: Progress | None = None,
-) -> Validation:
+) -> Cost:
     """Train into a run folder; returns what the best table reached in validation.
 
     A run that is resumed goes on counting its steps with the same settings but for ``minutes`` and

@@ -1,4 +1,4 @@
-"""Everything a training run is made with; the command line and ``config.json`` are this dataclass."""
+"""What a training run is made with; command line and ``config.json`` are this dataclass."""
 
 import dataclasses
 import math

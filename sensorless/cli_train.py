@@ -79,7 +79,7 @@ def _train(
 def run_training(config: TrainConfig, design: Any, folder: Path, *, resume: bool) -> None:
     """Train with progress on the terminal, and say where the result is."""
     from sensorless.agents.train import train
-    from sensorless.agents.validation import Validation
+    from sensorless.objective import Cost
 
     columns = [TextColumn("training"), BarColumn(), TextColumn("{task.percentage:.0f} %")]
     columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
@@ -87,7 +87,7 @@ def run_training(config: TrainConfig, design: Any, folder: Path, *, resume: bool
     bar = Progress(*columns, console=errors, disable=quiet)
     task = bar.add_task("", total=1.0)
 
-    def report(done: float, steps: int, found: Validation | None) -> None:
+    def report(done: float, steps: int, found: Cost | None) -> None:
         bar.update(task, completed=done, description=f"{steps / 1e6:.2f} M decisions")
         if found is not None:
             (errors if quiet else bar.console).print(

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 if TYPE_CHECKING:
-    from sensorless.tuning_batch import Cost
+    from sensorless.objective import Cost
 
 console = Console()
 errors = Console(stderr=True)

@@ -22,9 +22,10 @@ from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluate import versions
 from sensorless.motor import Motor
+from sensorless.objective import OBJECTIVE, Cost
 from sensorless.rollout import Floats
 from sensorless.suites import suite
-from sensorless.tuning_batch import OBJECTIVE, Cost, costs
+from sensorless.tuning_batch import costs
 
 SUITE, ROLE = "stress", "tune"
 CHECK = 3

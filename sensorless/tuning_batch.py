@@ -1,7 +1,6 @@
 """Several policies on the same scenarios at once, and what each of them costs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +9,8 @@ from sensorless.core_api import Array
 from sensorless.envs.policy import Policy, Signals, decide
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.metrics import torque_dev_rms, torque_ripple_rms
+from sensorless.objective import Cost
 from sensorless.rollout import Floats, rollout
-
-LOST_WEIGHT = 10.0
-OBJECTIVE = (
-    f"{LOST_WEIGHT:g} lost_rate + mean torque_dev_rms + mean torque_ripple_rms "
-    "(means over the scenarios survived, shares of rated torque)"
-)
-"""What tuning makes least. One more scenario lost in 1000 weighs as much as 1 % of rated torque."""
 
 DRIVES = 512
 """Drives at a time."""
@@ -50,22 +43,6 @@ class SideBySide:
         blocks = [slice(i * n, (i + 1) * n) for i in range(len(self.policies))]
         parts = (decide(p, obs[b], sims[b]) for p, b in zip(self.policies, blocks, strict=True))
         return np.concatenate(list(parts))
-
-
-@dataclass(frozen=True)
-class Cost:
-    """One policy on a set of scenarios."""
-
-    lost_rate: float
-    torque_dev: float
-    """Mean ``torque_dev_rms`` of the scenarios survived; 1 if there is none."""
-    torque_ripple: float
-    """Mean ``torque_ripple_rms`` of the same."""
-
-    @property
-    def objective(self) -> float:
-        """OBJECTIVE."""
-        return LOST_WEIGHT * self.lost_rate + self.torque_dev + self.torque_ripple
 
 
 def costs(

@@ -16,7 +16,7 @@ LAYERS = (
     ("observers", "*_design"),
     ("drive",),
     ("envs",),
-    ("rollout", "*metrics", "suites", "steady"),
+    ("rollout", "*metrics", "objective", "suites", "steady"),
     ("baselines", "agents"),
     ("aggregate", "results", "evaluate", "report", "tuning*"),
     ("export*", "pil*", "plant_*", "trace*", "plots", "options", "identify*", "reproduce*"),

@@ -13,8 +13,8 @@ from sensorless.envs.policy import Policy, TablePolicy
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.motor import Motor
+from sensorless.objective import Cost
 from sensorless.suites import suite
-from sensorless.tuning_batch import Cost
 
 PAPER = Motor.load("paper")
 DESIGN = DriveDesign()

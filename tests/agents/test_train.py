@@ -9,13 +9,13 @@ import pytest
 from sensorless.agents.loading import load_run
 from sensorless.agents.train import train
 from sensorless.agents.train_config import TrainConfig
-from sensorless.agents.validation import Validation
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.ks_table import KsTable
 from sensorless.motor import MOTORS, Motor
+from sensorless.objective import Cost
 
 SMALL = TrainConfig(
     n_envs=16, n_steps=16, batch_size=128, n_epochs=1, steps=1024, warm_up=1, validate_size=16
@@ -59,9 +59,9 @@ def test_a_run_can_be_used_and_gone_on_with(tmp_path: Path) -> None:
 
 
 def test_training_moves_the_table(tmp_path: Path) -> None:
-    last: list[Validation] = []
+    last: list[Cost] = []
 
-    def keep(share: float, steps: int, found: Validation | None) -> None:
+    def keep(share: float, steps: int, found: Cost | None) -> None:
         last.extend([found] if found else [])
 
     train(SMALL, DriveDesign(), tmp_path / "run", report=keep)
@@ -75,7 +75,7 @@ def test_training_moves_the_table(tmp_path: Path) -> None:
 
 
 def test_interrupt_keeps_a_checkpoint(tmp_path: Path) -> None:
-    def stop(share: float, steps: int, found: Validation | None) -> None:
+    def stop(share: float, steps: int, found: Cost | None) -> None:
         if steps >= 512:
             raise KeyboardInterrupt
 
