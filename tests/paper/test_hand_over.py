@@ -1,0 +1,45 @@
+"""Crossing the band: hard switch against blend, and Eq. 25 on the hand-over suite."""
+
+import numpy as np
+import pytest
+
+from sensorless.baselines.registry import make_policy
+from sensorless.drive import DriveDesign
+from sensorless.envs.scenario import SimFactory
+from sensorless.motor import Motor
+from sensorless.reproduce_dynamic import switching
+from sensorless.rollout import rollout
+from sensorless.steady import steady
+from sensorless.suites import suite
+
+
+@pytest.mark.parametrize(
+    ("k_s", "shares"), [(1.0, (0.0, 0.05, 0.1, 0.2)), (0.0, (0.2, 0.3, 0.6, 1.0))]
+)
+def test_each_estimator_holds_its_range(
+    motor: Motor, k_s: float, shares: tuple[float, ...]
+) -> None:
+    """Rated torque both ways: injection from standstill to 20 % speed, the observer from there."""
+    speed, torque = np.meshgrid(shares, [-1.0, 1.0])
+    rpm, tau = motor.n_rated_rpm * speed.ravel(), motor.tau_rated * torque.ravel()
+    run = steady(motor, DriveDesign(), rpm, tau, k_s, settle=2.0)
+    assert run.held.all()
+
+
+def test_blend_takes_the_step_out_of_the_torque(motor: Motor) -> None:
+    """Published estimators at 4 N m: peak to peak less by 40 % up and by 80 % down."""
+    rows = {row.quantity: row.published for row in switching(motor).rows}
+    up, down = rows["blend less by, up"], rows["blend less by, down"]
+    assert isinstance(up, float) and up > 40.0
+    assert isinstance(down, float) and down > 80.0
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_eq25_survives_the_hand_over_suite(motor: Motor, seed: int) -> None:
+    """Corrected estimators, nominal parameters, all 52 kinds of crossing."""
+    run = rollout(
+        make_policy("eq25", motor),
+        suite("handoff", motor, seed, 52),
+        SimFactory(motor, DriveDesign()),
+    )
+    assert np.flatnonzero(run.lost).tolist() == []

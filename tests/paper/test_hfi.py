@@ -1,0 +1,63 @@
+"""Cross-coupling of the injection estimator in the loop. Angles: estimate minus truth."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sensorless.drive import DriveDesign
+from sensorless.identify import CrossCoupling, fit_table, identify_cross_coupling, lookup
+from sensorless.magnetics import cross_angle
+from sensorless.motor import Motor
+from sensorless.steady import make_ideal, steady
+
+AT_ZERO = DriveDesign(mtpa=False, cross="none")
+RPM = [150.0, 150.0, -150.0, -150.0]
+TAU = [6.0, -6.0, 6.0, -6.0]
+
+
+@pytest.fixture(scope="module")
+def found(motor: Motor) -> CrossCoupling:
+    return identify_cross_coupling(motor, AT_ZERO)
+
+
+def test_raw_error_in_four_quadrants(motor: Motor) -> None:
+    """7.7 degrees at 150 r/min, 6 N m, id = 0, with the sign of the torque, not of the speed."""
+    run = steady(motor, AT_ZERO, RPM, TAU, 1.0, change=make_ideal)
+    assert run.held.all()
+    assert np.rad2deg(-run.err) == pytest.approx(7.7 * np.sign(TAU), abs=0.3)
+
+
+@pytest.mark.parametrize("mtpa", [False, True])
+def test_compensated_error(motor: Motor, mtpa: bool) -> None:
+    """Mean below half a degree in all quadrants, with real sensors."""
+    design = replace(AT_ZERO, cross="table", mtpa=mtpa)
+    run = steady(motor, design, RPM, TAU, 1.0, window=1.0)
+    assert run.held.all()
+    assert np.all(np.abs(np.rad2deg(run.err)) < 0.5)
+
+
+def test_sweep_meets_the_flux_map(motor: Motor, found: CrossCoupling) -> None:
+    """What an encoder sees is Eq. 16 at the currents that flow."""
+    np.testing.assert_allclose(
+        np.rad2deg(found.angle), np.rad2deg(cross_angle(motor, found.i)), atol=0.6
+    )
+    assert found.i[:, 1].min() < -0.8 * motor.i_rated
+    assert found.i[:, 1].max() > 0.8 * motor.i_rated
+
+
+def test_line_and_table(found: CrossCoupling) -> None:
+    """A line explains 99 % and leaves over a degree; the table leaves noise."""
+    assert np.rad2deg(found.slope) == pytest.approx(-3.4, abs=0.15)
+    assert 0.99 < found.line.r2 < 0.996
+    assert found.line.residual_max_deg > 1.0
+    assert found.table_fit.residual_max_deg < 0.6
+    assert np.all(np.abs(np.rad2deg(found.left)) < 0.6)
+
+
+def test_table_fit_is_exact_where_it_can_be() -> None:
+    """An odd, piecewise linear function is found back, and runs on straight beyond the data."""
+    nodes = np.linspace(0.0, 8.0, 9)
+    true = np.array([0.0, -1.0, -1.5, -3.0, -3.5, -4.0, -4.5, -5.0, -5.5])
+    i_q = np.linspace(-5.0, 5.0, 60)
+    np.testing.assert_allclose(fit_table(nodes, i_q, lookup(nodes, true, i_q)), true, atol=1e-12)
