@@ -9,7 +9,7 @@ CORE  := $(wildcard core/*.c core/*.h) core/binding.py
 C_WARNINGS := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra \
               -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror -fsyntax-only -Icore -Ibuild/generated
 
-.PHONY: help install demo test check core bench clean venv extension c-warnings force
+.PHONY: help install demo test check core bench clean venv extension c-warnings c-lint force
 
 help: ## List the commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
@@ -24,7 +24,7 @@ demo: $(READY) ## Train, evaluate and export on the paper's motor
 test: $(READY) ## Run the tests
 	$(VENV)/bin/pytest
 
-check: $(READY) c-warnings ## Lint, format, types, and C warnings as errors
+check: $(READY) c-warnings c-lint ## Lint, format, types, and C warnings as errors
 	$(VENV)/bin/ruff check
 	$(VENV)/bin/ruff format --check
 	$(VENV)/bin/mypy
@@ -82,3 +82,12 @@ c-warnings: $(READY)
 	  for file in core/*.h; do \
 	    echo "#include \"$${file#core/}\"" | $$cc $(C_WARNINGS) -x c - || failed=1; done; \
 	done; exit $$failed
+
+# Where they are installed; in CI (CI=true) they have to be.
+c-lint:
+	@echo "==> C format and lint"
+	@for tool in clang-format cppcheck; do command -v $$tool >/dev/null || { \
+	  echo "$$tool: not found"; [ "$$CI" != true ] || exit 1; }; done
+	@! command -v clang-format >/dev/null || clang-format --dry-run --Werror core/*.[ch] firmware/*.[ch]
+	@! command -v cppcheck >/dev/null || cppcheck --quiet --std=c99 --error-exitcode=1 \
+	  --enable=warning,portability,performance -Icore -Ibuild/generated core firmware

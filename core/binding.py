@@ -43,6 +43,7 @@ def _preprocessed() -> str:
             "-P",
             "-nostdinc",
             "-U__GNUC__",
+            "-DCORE_SQRTF=sqrtf",
             f"-I{CORE}",
             f"-I{CORE}/cdef",
             "-",

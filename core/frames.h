@@ -9,7 +9,7 @@
 #ifndef SENSORLESS_FRAMES_H
 #define SENSORLESS_FRAMES_H
 
-/* Compilers other than gcc and clang: sqrtf of their library, or define CORE_SQRTF to an intrinsic. */
+/* Compilers other than gcc and clang: define CORE_SQRTF to their square root of a float. */
 #if defined(__GNUC__)
 #define CORE_INLINE static inline __attribute__((always_inline))
 #define CORE_APART static __attribute__((noinline))
@@ -20,8 +20,7 @@
 #define CORE_APART static
 #define CORE_LIKELY(x) (x)
 #ifndef CORE_SQRTF
-#include <math.h>
-#define CORE_SQRTF sqrtf
+#error "define CORE_SQRTF: the square root of a float, correctly rounded"
 #endif
 #endif
 

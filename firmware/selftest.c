@@ -5,11 +5,10 @@
  */
 #include <float.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "../params.h"
 #include "drive_vectors.h"
+#include "faults.h"
 
 #if FLT_EVAL_METHOD != 0
 #error "float32 is not computed in float32; on 32-bit x86 compile with -msse2 -mfpmath=sse"
@@ -27,21 +26,8 @@ static void fail(const char *name, const char *what, unsigned long bad, unsigned
     failures++;
 }
 
-/* Flips every bit of an image of n bytes that `check` reads; returns the number not noticed. */
-static unsigned long flip(unsigned char *image, size_t n, const ks_table_t *t, const void *values) {
-    unsigned long missed = 0;
-    for (size_t j = 0; j < 8 * n; j++) {
-        unsigned char bit = (unsigned char)(1U << (j % 8));
-        image[j / 8] = (unsigned char)(image[j / 8] ^ bit);
-        missed += ks_table_check(t, values, MOTOR_HASH) == KS_OK ? 1U : 0U;
-        image[j / 8] = (unsigned char)(image[j / 8] ^ bit);
-    }
-    return missed;
-}
-
 static void test_table(const char *name, const ks_table_t *t, const void *values,
                        const ks_vector_t *vectors, uint32_t n) {
-    ks_table_t copy = *t;
     uint32_t first;
     int check = ks_table_check(t, values, MOTOR_HASH);
     if (check != KS_OK) {
@@ -53,80 +39,15 @@ static void test_table(const char *name, const ks_table_t *t, const void *values
     if (bad != 0) {
         fail(name, "lookups that differ from the golden vectors", bad, first);
     }
-    size_t bytes =
-        t->n_nodes * (t->value_format == KS_VALUES_Q15 ? sizeof(int16_t) : sizeof(float));
-    unsigned char *image = malloc(bytes);
-    if (image == NULL) {
-        fail(name, "bytes of memory not to be had", (unsigned long)bytes, 0);
-        return;
-    }
-    memcpy(image, values, bytes);
-    unsigned long missed =
-        flip((unsigned char *)&copy, sizeof copy, &copy, values) + flip(image, bytes, t, image);
-    free(image);
+    uint32_t missed = faults_flips(t, values, MOTOR_HASH);
     if (missed != 0) {
         fail(name, "flipped bits that the check did not notice", missed, 0);
     }
 }
 
-/* A refused table: the built-in rule decides and the fault is reported. */
-static void test_refused(const char *name, ks_table_t broken, const void *values, int expected) {
-    ks_schedule_params_t p = schedule_params;
-    ks_schedule_state_t x;
-    unsigned long bad = 0;
-    p.table = &broken;
-    p.values = values;
-    bad += ks_schedule_init(&p, &x) == expected ? 0U : 1U;
-    for (int j = 0; j < 50; j++) {
-        signal_state_t signals = {0};
-        signals.omega = (float)(j - 25) * 0.02f / drive_params.signal.inv_omega;
-        float speed = abs_f(signals.omega) * drive_params.signal.inv_omega;
-        x.wait = 0;
-        float k_s = ks_schedule_step(&p, &x, &drive_params.signal, &signals);
-        bad += k_s >= 0.0f && k_s <= 1.0f && k_s == ks_rule(&p.rule, speed) ? 0U : 1U;
-    }
-    bad += x.fault == KS_FAULT_TABLE ? 0U : 1U;
+static void test_faults(const char *name, const char *what, uint32_t bad) {
     if (bad != 0) {
-        fail(name, "wrong reactions to a refused table", bad, 0);
-    }
-}
-
-static void test_refusals(void) {
-    ks_table_t t = ks_table_f32;
-    t.format++;
-    test_refused("format number", t, ks_values_f32, KS_BAD_FORMAT);
-    t = ks_table_f32;
-    t.crc_values ^= 1U;
-    t.crc_header = ks_header_crc(&t);
-    test_refused("CRC of the values", t, ks_values_f32, KS_BAD_CRC);
-    t = ks_table_f32;
-    t.motor_hash ^= 1U;
-    t.crc_header = ks_header_crc(&t);
-    test_refused("motor", t, ks_values_f32, KS_BAD_MOTOR);
-    test_refused("no values", ks_table_f32, 0, KS_BAD_MAGIC);
-}
-
-/* Every input in turn, a few periods of each bad value: outputs stay numbers, the fault is set. */
-static void test_inputs(void) {
-    static const uint32_t words[] = {0x7FC00000U, 0xFFC00000U, 0x7F800000U, 0xFF800000U,
-                                     0x7F7FFFFFU, 0xFF7FFFFFU, 0x7F800001U};
-    unsigned long bad = 0;
-    for (unsigned j = 0; j < 5 * sizeof words / sizeof words[0]; j++) {
-        drive_state_t x;
-        float in[5] = {0.1f, -0.2f, 540.0f, 10.0f, 0.5f};
-        drive_init(&drive_params, &x, 3.1f, 100.0f, 0.5f);
-        memcpy(&in[j % 5], &words[j / 5], sizeof in[0]);
-        for (int k = 0; k < 20; k++) {
-            drive_in_t raw = {in[0], in[1], in[2], in[3], in[4]};
-            ab_t u = drive_step(&drive_params, &x, &raw);
-            bad += finite_f(u.a) && finite_f(u.b) && finite_f(x.est.theta) &&
-                           finite_f(x.est.omega) && x.k_s >= 0.0f && x.k_s <= 1.0f && x.fault != 0
-                       ? 0U
-                       : 1U;
-        }
-    }
-    if (bad != 0) {
-        fail("drive_step", "bad inputs that did harm or went unnoticed", bad, 0);
+        fail(name, what, bad, 0);
     }
 }
 
@@ -139,8 +60,15 @@ int main(void) {
     if (bad != 0) {
         fail("control core", "periods that differ from the golden vectors", bad, first);
     }
-    test_refusals();
-    test_inputs();
+    const signal_params_t *signal = &drive_params.signal;
+    test_faults("schedule", "wrong reactions to a refused table",
+                faults_refusals(&schedule_params, signal));
+    test_faults("schedule", "wrong reactions to bad signals",
+                faults_signals(&schedule_params, signal));
+    test_faults("drive_step", "bad inputs that did harm or went unnoticed",
+                faults_inputs(&drive_params));
+    test_faults("drive_step", "wrong outputs at the seam", faults_angles(&drive_params));
+    test_faults("drive_step", "weights out of range", faults_weights(&drive_params));
     if (failures != 0) {
         return 1;
     }

@@ -10,9 +10,9 @@ SOURCES  := $(wildcard core/*.c) ks_table_data.c ks_table_q15.c
 selftest: build/selftest
 	@build/selftest
 
-build/selftest: test/selftest.c $(SOURCES) $(wildcard *.h core/*.h test/*.h) Makefile
+build/selftest: $(wildcard test/*.c) $(SOURCES) $(wildcard *.h core/*.h test/*.h) Makefile
 	@mkdir -p build
-	$(CC) $(FLAGS) $(CFLAGS) $(WARNINGS) -o $@ test/selftest.c $(SOURCES)
+	$(CC) $(FLAGS) $(CFLAGS) $(WARNINGS) -o $@ $(wildcard test/*.c) $(SOURCES)
 
 clean:
 	rm -rf build

@@ -122,7 +122,10 @@ def _contents(
     return {
         **{name: content.encode() for name, content in text.items()},
         "Makefile": (FIRMWARE / "selftest.mk").read_bytes(),
-        "test/selftest.c": (FIRMWARE / "selftest.c").read_bytes(),
+        **{
+            f"test/{name}": (FIRMWARE / name).read_bytes()
+            for name in ("selftest.c", "faults.c", "faults.h")
+        },
         **{f"core/{name}": content for name, content in core_files().items()},
     }
 

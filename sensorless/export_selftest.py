@@ -47,7 +47,7 @@ def run_selftest(folder: Path) -> SelfTest:
             f"run 'make selftest' in {folder} where there is one",
         )
     sources = [
-        folder / "test/selftest.c",
+        *sorted((folder / "test").glob("*.c")),
         *sorted(folder.glob("*.c")),
         *sorted((folder / "core").glob("*.c")),
     ]

@@ -72,7 +72,7 @@ def other_word(word: str) -> str:
         ("test/drive_vectors.h", r"^    \{(0x\w+), ", 4400, "control core: periods .*: 100, first"),
         ("params.h", r"\.k_p_speed = (0\.\d+)f", 0, "control core: periods .* golden"),
         ("params.h", r"MOTOR_HASH (0x\w+)UL", 0, "float table: check: made for another motor"),
-        ("core/ks_table.c", r"frac\[a\] = (pos) - ", 0, "float table: lookups"),
+        ("core/ks_table.c", r"\*f = (pos) - ", 0, "float table: lookups"),
         ("core/frames.h", r"#define TWO_PI_F (6\.\d+)f", 0, "control core: periods"),
     ],
 )

@@ -1,0 +1,48 @@
+/* Where the instructions go: each part of the control step alone, on copies of the states. */
+#include "pil.h"
+#include "port.h"
+
+#define APART static __attribute__((noinline))
+
+APART void hfi_part(hfi_state_t *x, ab_t i_ab, const estimate_t *est) {
+    hfi_observe(&drive_params.hfi, x, i_ab, est->theta, est->omega, drive_params.T_s);
+}
+
+APART void smo_part(smo_state_t *x, ab_t i_ab, const drive_state_t *d) {
+    smo_observe(&drive_params.smo, x, i_ab, d->u_2, drive_params.L_q.y[0], d->est.omega,
+                d->est.theta, drive_params.T_s);
+}
+
+APART ab_t control_part(drive_state_t *x, const drive_in_t *in, ab_t i_ab) {
+    return drive_actuate(&drive_params, x, in, i_ab, x->est, x->hfi.sign_1);
+}
+
+APART void signals_part(drive_state_t *x, float omega_ref) {
+    drive_signals(&drive_params.signal, x, omega_ref);
+}
+
+stages_t pil_stages(const drive_state_t *x, const ks_schedule_state_t *schedule,
+                    const drive_in_t *in) {
+    stages_t y;
+    drive_state_t d = *x;
+    ks_schedule_state_t s = *schedule;
+    ab_t i_ab = phases_to_ab(in->i_a, in->i_b);
+    s.wait = 0;
+
+    uint32_t t = port_ticks();
+    hfi_part(&d.hfi, i_ab, &d.est);
+    y.hfi = pil_since(t);
+    t = port_ticks();
+    smo_part(&d.smo, i_ab, &d);
+    y.smo = pil_since(t);
+    t = port_ticks();
+    control_part(&d, in, i_ab);
+    y.control = pil_since(t);
+    t = port_ticks();
+    signals_part(&d, in->omega_ref);
+    y.signals = pil_since(t);
+    t = port_ticks();
+    ks_schedule_step(&schedule_params, &s, &drive_params.signal, &d.signal);
+    y.decide = pil_since(t);
+    return y;
+}

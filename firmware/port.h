@@ -1,0 +1,22 @@
+/* What the emulated target and a program on the host give the processor-in-the-loop program. */
+#ifndef SENSORLESS_PORT_H
+#define SENSORLESS_PORT_H
+
+#include <stdint.h>
+
+/* Connects to the other side. Returns 0 if there is none. */
+int port_open(void);
+
+/* Exactly n 32-bit words. Return 0 when the other side has gone. */
+int port_read(void *words, uint32_t n);
+int port_write(const void *words, uint32_t n);
+
+/* Running count, 24 bits of it; a fixed number of ticks an instruction, or always 0. */
+uint32_t port_ticks(void);
+
+/* A thousand instructions and those of calling it, to find the ticks of one. */
+void port_thousand(void);
+
+__attribute__((noreturn)) void port_exit(int status);
+
+#endif

@@ -1,0 +1,54 @@
+"""The command ``sensorless pil``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from sensorless.errors import UserError
+
+console = Console()
+
+
+def pil_command(
+    run: Annotated[
+        str,
+        typer.Argument(
+            help="Folder of a training run, or a rule with a table: eq25, linear:LO,HI, constant:K."
+        ),
+    ],
+    out: Annotated[Path | None, typer.Option(help="Report as JSON.")] = None,
+    motor: Annotated[str, typer.Option(help="Shipped motor by name, or a TOML file.")] = "paper",
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="Drive design; repeatable."),
+    ] = None,
+) -> None:
+    """Run the exported control core on an emulated Cortex-M4F, in the loop with the machine.
+
+    Every word of every period is compared with the host; status 2 if one differs. Reports the
+    instructions of a control period and of a lookup, flash and RAM. Needs arm-none-eabi-gcc and
+    qemu-system-arm.
+    """
+    from sensorless.baselines.registry import make_policy
+    from sensorless.envs.policy import TablePolicy
+    from sensorless.motor import Motor
+    from sensorless.options import check_output, design_from
+    from sensorless.pil import passed, pil
+    from sensorless.pil_report import table, write_report
+
+    check_output(out)
+    machine = Motor.load(motor)
+    policy = make_policy(run, machine)
+    if not isinstance(policy, TablePolicy):
+        raise UserError(
+            f"run: {run!r} has no table; allowed: a training run, eq25, linear, constant"
+        )
+    report = pil(policy.table, machine, design_from(settings), policy=policy.name)
+    console.print(table(report))
+    if out is not None:
+        write_report(report, out)
+        console.print(f"wrote {out}")
+    if not passed(report):
+        raise UserError("pil: host and target differ; allowed: no difference")

@@ -1,0 +1,56 @@
+"""A processor-in-the-loop report as a table on the screen and as a file."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from sensorless.files import write_atomic
+
+NAMES = {
+    "period": "period with schedule",
+    "drive_step": "  control step alone",
+    "lookup_f32": "  lookup, float table",
+    "lookup_q15": "  lookup, Q15 table",
+    "part_hfi": "  injection estimator",
+    "part_smo": "  sliding-mode observer",
+    "part_control": "  speed and current control",
+    "part_signals": "  signals of the schedule",
+    "part_decide": "  a decision of the schedule",
+}
+
+
+def table(report: dict[str, Any]) -> Table:
+    """What was compared, instructions and memory."""
+    out = Table(title=f"{report['policy']}, {report['motor']}: host against Cortex-M4F (QEMU)")
+    out.add_column("")
+    for name in ("min", "mean", "max"):
+        out.add_column(name, justify="right")
+    lost = [f"{s['name']} ({s['lost']})" for s in report["scenarios"] if s["lost"]]
+    out.add_row("control periods compared", "", "", f"{report['periods']:,}")
+    out.add_row("  words that differ", "", "", f"{report['mismatches']:,}")
+    out.add_row("lookups compared", "", "", f"{report['lookups']:,}")
+    out.add_row("  words that differ", "", "", f"{report['lookup_mismatches']:,}")
+    out.add_row("failed tests on the target", "", "", f"{sum(report['target_tests'].values()):,}")
+    out.add_row("fused multiply-adds in the image", "", "", f"{report['fused_instructions']:,}")
+    out.add_row(f"scenarios, lost: {', '.join(lost) or 'none'}", "", "",
+                f"{len(report['scenarios'])}", end_section=True)  # fmt: skip
+    out.add_row("[bold]instructions")
+    for name, spread in report["instructions"].items():
+        out.add_row(NAMES[name], *(f"{spread[key]:,.0f}" for key in ("min", "mean", "max")))
+    out.add_section()
+    out.add_row("[bold]bytes")
+    out.add_row("flash: control core, parameters, table", "", "", f"{report['flash_core']:,}")
+    out.add_row("  table and its check", "", "", f"{report['flash_table_and_check']:,}")
+    for name, part in report["memory"].items():
+        sizes = ", ".join(f"{section} {n:,}" for section, n in part.items() if n)
+        out.add_row(f"  {name}: {sizes}")
+    out.add_row("RAM: state of a drive", "", "", f"{report['ram_state']:,}")
+    out.add_row("  stack of a period", "", "", f"{report['stack']:,}")
+    return out
+
+
+def write_report(report: dict[str, Any], path: Path) -> None:
+    """Write it as JSON, whole or not at all."""
+    write_atomic(path, json.dumps(report, indent=2) + "\n")
