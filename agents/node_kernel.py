@@ -8,9 +8,7 @@ from torch import Tensor
 
 
 class NodeKernel:
-    """Correlation between nodes i and j of a grid, the product over its axes of
-
-        exp(-(i - j)^2 / (2 length^2))
+    """Correlation between nodes of a grid: exp(-(i - j)^2 / (2 length^2)) along every axis.
 
     Parameters
     ----------
@@ -23,7 +21,9 @@ class NodeKernel:
     def __init__(self, shape: Sequence[int], length: float) -> None:
         self.shape = tuple(shape)
         self._matrices = [self._matrix(n, length) for n in shape]
-        self._factors = [torch.linalg.cholesky(c + 1e-4 * torch.eye(len(c))) for c in self._matrices]
+        self._factors = [
+            torch.linalg.cholesky(c + 1e-4 * torch.eye(len(c))) for c in self._matrices
+        ]
         self._neighbours = math.exp(-0.5 / length**2) if length > 0.0 else 0.0
 
     @staticmethod
@@ -35,7 +35,8 @@ class NodeKernel:
 
     def spread(self, frac: Tensor) -> Tensor:
         """Standard deviation (n, 1) of an interpolation at ``frac`` between unit-variance nodes."""
-        variance = frac.square() + (1.0 - frac).square() + 2.0 * self._neighbours * frac * (1.0 - frac)
+        rest = 1.0 - frac
+        variance = frac.square() + rest.square() + 2.0 * self._neighbours * frac * rest
         return variance.prod(dim=1, keepdim=True).sqrt()
 
     def sample(self, n: int) -> Tensor:

@@ -1,6 +1,5 @@
 """Exploration that persists: each environment follows its own perturbed table for a while."""
 
-
 import torch
 from stable_baselines3.common.distributions import DiagGaussianDistribution
 from torch import Tensor
@@ -30,7 +29,9 @@ class NodeNoise(DiagGaussianDistribution):
         """Draw new noise for every environment and node."""
         self._z = self._kernel.sample(n_envs)
 
-    def at(self, mean: Tensor, std: Tensor, nodes: Tensor, frac: Tensor, weights: Tensor) -> "NodeNoise":
+    def at(
+        self, mean: Tensor, std: Tensor, nodes: Tensor, frac: Tensor, weights: Tensor
+    ) -> "NodeNoise":
         """Set the distribution at n observations from means (n, 1), corner nodes and weights."""
         self.distribution = Normal(mean, std.expand_as(mean))
         if len(self._z) == len(mean):

@@ -51,12 +51,17 @@ class TableActorCritic(ActorCriticPolicy):
         hidden: int,
         use_sde: bool = True,
     ) -> None:
-        self._settings = {
-            "table": table, "lr_nodes": lr_nodes, "noise": noise,
-            "smoothness": smoothness, "value_scale": value_scale, "hidden": hidden,
+        self._settings: dict[str, Any] = {
+            "table": table,
+            "lr_nodes": lr_nodes,
+            "noise": noise,
+            "smoothness": smoothness,
+            "value_scale": value_scale,
+            "hidden": hidden,
         }
         self.learn_nodes = True
-        super().__init__(observation_space, action_space, lr_schedule, net_arch={"pi": [], "vf": []})
+        nets: dict[str, list[int]] = {"pi": [], "vf": []}
+        super().__init__(observation_space, action_space, lr_schedule, net_arch=nets)
         self.use_sde = use_sde
 
     def _get_constructor_parameters(self) -> dict[str, Any]:
@@ -68,14 +73,17 @@ class TableActorCritic(ActorCriticPolicy):
         s = self._settings
         self._build_mlp_extractor()
         self.actor = TableModule(s["table"])
-        self.value_net = nn.Sequential(
-            nn.Linear(self.features_dim, s["hidden"]), nn.Tanh(),
-            nn.Linear(s["hidden"], s["hidden"]), nn.Tanh(),
+        self.value_net = nn.Sequential(  # type: ignore[assignment]
+            nn.Linear(self.features_dim, s["hidden"]),
+            nn.Tanh(),
+            nn.Linear(s["hidden"], s["hidden"]),
+            nn.Tanh(),
             Scaled(s["hidden"], s["value_scale"]),
         )
         self.std = torch.tensor(2.0 * s["noise"])
         self.kernel = NodeKernel(self.actor.shape, s["smoothness"])
-        self.action_dist = NodeNoise(self.kernel)
+        self.exploration = NodeNoise(self.kernel)
+        self.action_dist = self.exploration
         self.optimizer = torch.optim.Adam(
             [
                 {"params": list(self.actor.parameters()), "lr": s["lr_nodes"]},
@@ -96,12 +104,12 @@ class TableActorCritic(ActorCriticPolicy):
 
     def reset_noise(self, n_envs: int = 1) -> None:
         """Draw the noise of the next rollout."""
-        self.action_dist.draw(n_envs)
+        self.exploration.draw(n_envs)
 
     def _get_action_dist_from_latent(self, latent_pi: Tensor) -> Distribution:
         nodes, frac, finite = self.actor.corners(latent_pi)
         mean = 2.0 * self.actor.at(nodes, frac, finite)[:, None] - 1.0
-        return self.action_dist.at(mean, self.std, nodes, frac, self.actor.weights(frac))
+        return self.exploration.at(mean, self.std, nodes, frac, self.actor.weights(frac))
 
 
 class Scaled(nn.Linear):
