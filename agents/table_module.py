@@ -10,13 +10,20 @@ from sensorless.core_api import SIGNAL_NAMES
 from sensorless.ks_table import KsTable
 
 
+MARGIN = 0.05
+"""How far node values may lie outside of [0, 1]."""
+
+
 class TableModule(nn.Module):
     """Multilinear interpolation over evenly spaced, clipped axes, as ``core/ks_table.c`` does it.
 
-    The same float32 operations in the same order: ``forward`` equals ``KsTable.evaluate`` to the
-    bit. ``values`` holds k_s at the nodes themselves (no squashing), so that a start is exact and
-    the trained table is the exported one; ``project`` takes them back to [0, 1] after a step of the
-    optimiser (projected gradient), which leaves the gradient alive at the bounds.
+    The same float32 operations in the same order: ``forward`` equals ``KsTable.evaluate`` of
+    ``table()`` to the bit, and the start is exact.
+
+    ``values`` are the node values without squashing, clipped to [0, 1] where they are read, with the
+    gradient of no clipping. ``project`` keeps them within ``MARGIN`` of that range after a step of
+    the optimiser, so no gradient dies; a node at a bound starts ``MARGIN`` beyond it, so that the
+    jitter of training does not lift it off. That matters at 0: any k_s above turns the injection on.
 
     Parameters
     ----------
@@ -35,7 +42,9 @@ class TableModule(nn.Module):
         self.shape = tuple(axis.n for axis in axes)
         self._columns = [SIGNAL_NAMES.index(axis.signal) for axis in axes]
         self._strides = [int(np.prod(self.shape[a + 1 :])) for a in range(len(axes))]
-        self.values = nn.Parameter(torch.tensor(table.values.reshape(-1)))
+        k_s = torch.tensor(table.values.reshape(-1))
+        beyond = MARGIN * ((k_s >= 1.0).float() - (k_s <= 0.0).float())
+        self.values = nn.Parameter(k_s + beyond)
         for name, numbers in {
             "x0": [axis.lo for axis in axes],
             "inv_step": [float(axis.inv_step) for axis in axes],
@@ -67,7 +76,8 @@ class TableModule(nn.Module):
 
     def at(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
         """k_s (n,) where ``corners`` says; the table's fallback where a signal is not finite."""
-        value = self.values.take(nodes)
+        nodes_k_s = self.values.detach().clamp(0.0, 1.0) + (self.values - self.values.detach())
+        value = nodes_k_s.take(nodes)
         for a in reversed(range(len(self.shape))):
             half = 1 << a
             low = value[:, :half]
@@ -89,9 +99,10 @@ class TableModule(nn.Module):
 
     @torch.no_grad()
     def project(self) -> None:
-        """Node values back into [0, 1]."""
-        self.values.clamp_(0.0, 1.0)
+        """Node values back to where they are allowed."""
+        self.values.clamp_(-MARGIN, 1.0 + MARGIN)
 
-    def table(self) -> KsTable:
-        """Return the table as it stands."""
-        return replace(self._table, values=self.values.detach().numpy().reshape(self.shape).copy())
+    def table(self, values: Tensor | None = None) -> KsTable:
+        """Return the table as it stands, or with other ``values``."""
+        nodes = (self.values.detach() if values is None else values).clamp(0.0, 1.0)
+        return replace(self._table, values=nodes.numpy().reshape(self.shape).copy())

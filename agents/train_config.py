@@ -36,17 +36,17 @@ class TrainConfig:
     """schedule to start from: eq25 or linear:LO,HI [r/min], LO and HI on nodes"""
     n_envs: int = _number(256, 1, 65536)
     """environments side by side"""
-    n_steps: int = _number(64, 2, 65536)
+    n_steps: int = _number(32, 2, 65536)
     """decisions of each between two updates"""
     batch_size: int = _number(4096, 2, 10**7)
     """samples of a gradient step"""
     n_epochs: int = _number(4, 1, 100)
     """passes over the samples an update"""
-    gamma: float = _number(0.997, 0.0, 1.0)
+    gamma: float = _number(0.993, 0.0, 1.0)
     """discount a decision; the horizon must see the 50 to 200 ms that losing lock takes"""
     gae_lambda: float = _number(0.95, 0.0, 1.0)
     """trade of bias and variance in the advantages"""
-    lr_nodes: float = _number(2e-3, 1e-6, 1.0)
+    lr_nodes: float = _number(5e-3, 1e-6, 1.0)
     """step of Adam on the table's nodes"""
     lr_critic: float = _number(1e-3, 1e-6, 1.0)
     """step of Adam on the critic"""
@@ -58,7 +58,7 @@ class TrainConfig:
     """distance over which neighbouring nodes explore and move together [nodes]"""
     warm_up: int = _number(5, 0, 10**6)
     """updates of the critic alone before the table moves"""
-    decision_ms: float = _number(2.0, 0.1, 100.0)
+    decision_ms: float = _number(5.0, 0.1, 100.0)
     """time between two decisions in training [ms]"""
     lost_penalty: float = _number(150.0, 0.0, 1e6)
     """reward lost with lock; must exceed the running cost over the whole horizon"""

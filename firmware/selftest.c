@@ -9,6 +9,9 @@
 #include "../params.h"
 #include "drive_vectors.h"
 #include "faults.h"
+#if KS_TABLE_CMSIS
+#include "cmsis.h"
+#endif
 
 #if FLT_EVAL_METHOD != 0
 #error "float32 is not computed in float32; on 32-bit x86 compile with -msse2 -mfpmath=sse"
@@ -60,6 +63,10 @@ int main(void) {
     if (bad != 0) {
         fail("control core", "periods that differ from the golden vectors", bad, first);
     }
+#if KS_TABLE_CMSIS
+    test_faults("CMSIS table", "lookups that differ from the core's",
+                cmsis_differences(&ks_table_f32, ks_values_f32));
+#endif
     const signal_params_t *signal = &drive_params.signal;
     test_faults("schedule", "wrong reactions to a refused table",
                 faults_refusals(&schedule_params, signal));

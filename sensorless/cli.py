@@ -173,31 +173,32 @@ def export(
     run: Annotated[
         str,
         typer.Argument(
-            help="Folder of a training run, or a rule with a table: eq25, linear:LO,HI, constant:K."
+            help="Folder of a training run, file of sensorless tune, or a rule with a table: eq25, "
+            "linear:LO,HI, smoothstep, fuzzy, constant:K, ..."
         ),
     ],
     out: Annotated[Path, typer.Option(help="Folder to write: new, or an earlier export.")],
     motor: MotorOption = "paper",
     settings: SetOption = None,
+    fit: Annotated[
+        bool, typer.Option("--fit/--no-fit", help="Also fit two speed thresholds to the table.")
+    ] = True,
 ) -> None:
     """Write a schedule and the control core around it as C99, and check the copy.
 
-    The folder holds the table in float32 and Q15, the core, params.h, golden vectors and a
-    Makefile; its self test is compiled and run here if there is a C compiler.
+    The folder holds the table in float32, Q15 and CMSIS-DSP's layout, the core, params.h, golden
+    vectors and a Makefile; its self test is compiled and run here if there is a C compiler.
     """
     from sensorless.baselines.registry import make_policy
-    from sensorless.envs.policy import TablePolicy
     from sensorless.export import export as write
+    from sensorless.export import table_of
     from sensorless.motor import Motor
     from sensorless.options import design_from
 
     machine = Motor.load(motor)
     policy = make_policy(run, machine)
-    if not isinstance(policy, TablePolicy):
-        raise UserError(
-            f"run: {run!r} has no table; allowed: a training run, eq25, linear, constant"
-        )
-    done = write(policy.table, machine, design_from(settings), out, policy=policy.name)
+    table, design = table_of(policy, run), design_from(settings)
+    done = write(table, machine, design, out, policy=policy.name, fit=fit)
     console.print(f"wrote {len(done.files)} files to {done.folder}\n{done.self_test.message}")
 
 

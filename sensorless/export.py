@@ -11,9 +11,14 @@ from typing import Any
 import numpy as np
 
 from sensorless.drive import DriveDesign, control_record
+from sensorless.envs.policy import Policy, TablePolicy
 from sensorless.errors import UserError
+from sensorless.export_cmsis import cmsis_files
+from sensorless.export_cmsis import readme as cmsis_readme
 from sensorless.export_code import params_header
 from sensorless.export_core import FIRMWARE, core_files
+from sensorless.export_fit import readme as rule_readme
+from sensorless.export_fit import two_threshold
 from sensorless.export_folder import (
     TABLE_JSON,
     check_replaceable,
@@ -47,6 +52,7 @@ def export(
     policy: str = "table",
     provenance: Mapping[str, Any] | None = None,
     decision_time: float = 0.001,
+    fit: bool = False,
 ) -> Exported:
     """Write the folder, whole or not at all, after its self test has passed on this host.
 
@@ -61,6 +67,8 @@ def export(
         JSON types, over the table's own: training command, seed, versions, ...
     decision_time : float
         Time from one decision of the schedule to the next [s].
+    fit : bool
+        Also find the closest two thresholds of the speed and their loss of performance; seconds.
 
     Raises
     ------
@@ -74,7 +82,10 @@ def export(
     check_replaceable(target)
     ensure_writable(target.parent)
     periods = max(1, round(decision_time / motor.T_s))
-    files = _contents(table, motor, design, policy, periods)
+    if fit:
+        origin["two_threshold"] = two_threshold(table, motor, design)
+    rule = rule_readme(origin.get("two_threshold"))
+    files = _contents(table, motor, design, policy, periods, rule)
     files[TABLE_JSON] = table_json(table, motor, design, origin, files).encode()
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
@@ -87,6 +98,22 @@ def export(
     finally:
         shutil.rmtree(part, ignore_errors=True)
     return Exported(target, tuple(sorted(files)), self_test)
+
+
+def table_of(policy: Policy, word: str) -> KsTable:
+    """Return the table of a policy.
+
+    Raises
+    ------
+    UserError
+        It has none; ``word`` is what the user called it.
+    """
+    if not isinstance(policy, TablePolicy):
+        raise UserError(
+            f"run: {word!r} has no table (memory, or more than the signals); allowed: a training "
+            "run, or a rule that is a table, such as eq25, linear, smoothstep, fuzzy, constant:K"
+        )
+    return policy.table
 
 
 def _check_origin(
@@ -105,16 +132,20 @@ def _check_origin(
 
 
 def _contents(
-    table: KsTable, motor: Motor, design: DriveDesign, policy: str, periods: int
+    table: KsTable, motor: Motor, design: DriveDesign, policy: str, periods: int, rule: str
 ) -> dict[str, bytes]:
     """Every file of the folder but ``ks_table.json``."""
     lookups_f32, lookups_q15 = table_vectors(table, "f32"), table_vectors(table, "q15")
     run = drive_vectors(table, motor, design, periods)
     tag = motor_hash(motor)
+    cmsis = cmsis_files(table)
+    tests = ["selftest.c", "faults.c", "faults.h", *(("cmsis.c", "cmsis.h") if cmsis else ())]
+    readme = _readme(table, motor, policy, periods, len(lookups_f32), len(run.words), rule)
     text = {
-        "README.md": _readme(table, motor, policy, periods, len(lookups_f32), len(run.words)),
+        "README.md": readme,
+        **cmsis,
         "params.h": params_header(control_record(motor, design), table.rule, tag, periods),
-        "ks_table_data.h": table_header(len(lookups_f32)),
+        "ks_table_data.h": table_header(len(lookups_f32), bool(cmsis)),
         "ks_table_data.c": table_source(table, "f32", tag, lookups_f32),
         "ks_table_q15.c": table_source(table, "q15", tag, lookups_q15),
         "test/drive_vectors.h": drive_vectors_header(run),
@@ -122,16 +153,13 @@ def _contents(
     return {
         **{name: content.encode() for name, content in text.items()},
         "Makefile": (FIRMWARE / "selftest.mk").read_bytes(),
-        **{
-            f"test/{name}": (FIRMWARE / name).read_bytes()
-            for name in ("selftest.c", "faults.c", "faults.h")
-        },
+        **{f"test/{name}": (FIRMWARE / name).read_bytes() for name in tests},
         **{f"core/{name}": content for name, content in core_files().items()},
     }
 
 
 def _readme(
-    table: KsTable, motor: Motor, policy: str, periods: int, lookups: int, drive: int
+    table: KsTable, motor: Motor, policy: str, periods: int, lookups: int, drive: int, rule: str
 ) -> str:
     axes = "\n".join(
         f"| {j} | {a.signal} | {a.lo:g} | {a.hi:g} | {a.n} |" for j, a in enumerate(table.axes)
@@ -147,4 +175,6 @@ def _readme(
         x_min=f"{table.rule[0]:.3g}",
         x_max=f"{table.rule[1]:.3g}",
         fallback=f"{table.fallback:g}",
+        cmsis=cmsis_readme(table),
+        two_threshold=rule,
     )

@@ -49,6 +49,7 @@ def run_selftest(folder: Path) -> SelfTest:
     sources = [
         *sorted((folder / "test").glob("*.c")),
         *sorted(folder.glob("*.c")),
+        *sorted((folder / "cmsis").glob("*.c")),
         *sorted((folder / "core").glob("*.c")),
     ]
     with tempfile.TemporaryDirectory() as build:

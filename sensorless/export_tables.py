@@ -7,8 +7,8 @@ from sensorless.ks_table import KsTable, ValueFormat
 _C_TYPE: dict[ValueFormat, str] = {"f32": "float", "q15": "int16_t"}
 
 
-def table_header(vectors: int) -> str:
-    """``ks_table_data.h``; ``vectors`` golden lookups of each table."""
+def table_header(vectors: int, cmsis: bool) -> str:
+    """``ks_table_data.h``; ``vectors`` golden lookups of each table, ``cmsis``: see there."""
     tables = "".join(
         f"""
 extern const ks_table_t ks_table_{form};
@@ -22,6 +22,8 @@ extern const ks_vector_t ks_vectors_{form}[KS_VECTORS_{form.upper()}];
 #define KS_TABLE_DATA_H
 
 #include "core/ks_selftest.h"
+
+#define KS_TABLE_CMSIS {int(cmsis)} /* 1: cmsis/ holds the table once more */
 {tables}
 #endif
 """

@@ -1,0 +1,11 @@
+/* Comparison of the CMSIS-DSP layout of a table with the core's lookup. */
+#ifndef CMSIS_H
+#define CMSIS_H
+
+#include "../core/ks_table.h"
+
+/* Places of a grid over, at and beyond the edges of a table with two axes where the two differ by
+ * more than rounding. */
+uint32_t cmsis_differences(const ks_table_t *t, const float *values);
+
+#endif
