@@ -9,7 +9,6 @@ from torch import Tensor, nn
 from sensorless.core_api import SIGNAL_NAMES
 from sensorless.ks_table import KsTable
 
-
 MARGIN = 0.05
 """How far node values may lie outside of [0, 1]."""
 
@@ -20,10 +19,11 @@ class TableModule(nn.Module):
     The same float32 operations in the same order: ``forward`` equals ``KsTable.evaluate`` of
     ``table()`` to the bit, and the start is exact.
 
-    ``values`` are the node values without squashing, clipped to [0, 1] where they are read, with the
-    gradient of no clipping. ``project`` keeps them within ``MARGIN`` of that range after a step of
-    the optimiser, so no gradient dies; a node at a bound starts ``MARGIN`` beyond it, so that the
-    jitter of training does not lift it off. That matters at 0: any k_s above turns the injection on.
+    ``values`` are the node values without squashing, clipped to [0, 1] where they are read, with
+    the gradient of no clipping. ``project`` keeps them within ``MARGIN`` of that range after a step
+    of the optimiser, so no gradient dies; a node at a bound starts ``MARGIN`` beyond it, so that
+    the jitter of training does not lift it off. That matters at 0: any k_s above turns the
+    injection on.
 
     Parameters
     ----------

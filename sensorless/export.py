@@ -82,10 +82,10 @@ def export(
     check_replaceable(target)
     ensure_writable(target.parent)
     periods = max(1, round(decision_time / motor.T_s))
-    if fit:
-        origin["two_threshold"] = two_threshold(table, motor, design)
-    rule = rule_readme(origin.get("two_threshold"))
-    files = _contents(table, motor, design, policy, periods, rule)
+    rule = two_threshold(table, motor, design) if fit else None
+    if rule is not None:
+        origin["two_threshold"] = rule
+    files = _contents(table, motor, design, policy, periods, rule_readme(rule))
     files[TABLE_JSON] = table_json(table, motor, design, origin, files).encode()
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:

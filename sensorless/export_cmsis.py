@@ -24,10 +24,11 @@ README = """`cmsis/` holds the float32 table once more for `arm_bilinear_interp_
 The trap: that function returns 0 outside of its data *and at the last row and column*, which is the
 sliding-mode observer alone, by accident and at once. So `ks_cmsis_data` repeats the last row and
 column, and `ks_cmsis_x`, `ks_cmsis_y` turn a signal into an index and clip it to the table. The
-result is that of the core within rounding, not to the bit; `make selftest` compares the two. Three
-things stay with you: a NaN reads the first node instead of the fallback, nothing checks the data
-(the core's CRC does not cover them), and CMSIS 4 and earlier are not usable (they count from 1 and
-compare X with the rows; there `pData` is not const either)."""
+result is that of the core within rounding, not to the bit; `make selftest` compares the two.
+
+What stays with you: a NaN reads the first node instead of the fallback; the core's CRC does not
+cover these data; older CMSIS releases, whose `pData` is not const and which read at `xIndex - 1`,
+are not usable (they count from 1 and compare X with the number of rows)."""
 
 LEFT_OUT = """There is no `cmsis/` with this schedule: `arm_bilinear_interp_f32` of CMSIS-DSP takes
 exactly two axes, this table has $n. `ks_table_eval` of the core takes one to four."""

@@ -1,6 +1,7 @@
 """Two thresholds of the speed instead of a table, for firmware that has only these settings."""
 
 from dataclasses import asdict, dataclass
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from sensorless.baselines.hysteresis import GAP, Hysteresis
 from sensorless.baselines.linear import linear_table
 from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.drive import DriveDesign
-from sensorless.envs.policy import TablePolicy
+from sensorless.envs.policy import Policy, TablePolicy
 from sensorless.envs.scenario import SimFactory
 from sensorless.ks_table import Axis, KsTable
 from sensorless.motor import Motor
@@ -30,10 +31,10 @@ DIGITS = 1
 """Of thresholds [r/min]."""
 
 METHOD = (
-    "least squares over the speed; other axes at their nodes, weight exp(-(x / a)^2) with a half of "
-    "the axis' largest magnitude (low torque current counts most). Ramp: k_s from 1 at the first to "
-    "0 at the second speed. Hysteresis: mean of its two branches (1, 0.5, 0), gap at least "
-    f"+-{100 * GAP:g} %"
+    "least squares over the speed, the other axes at their nodes with weights exp(-(x / a)^2), a: "
+    "half of the axis' largest magnitude (low torque current counts most). Ramp: k_s from 1 at the "
+    "first speed to 0 at the second. Hysteresis: mean of its two branches (1, 0.5, 0), gap at "
+    f"least +-{100 * GAP:g} %"
 )
 
 
@@ -124,7 +125,7 @@ def loss(table: KsTable, rule: TwoThreshold, motor: Motor, design: DriveDesign) 
     """Table, ramp and hysteresis on the same scenarios: lost rate, torque deviation and ripple."""
     low, high = (n / motor.n_rated_rpm for n in rule.ramp)
     down, up = (n / motor.n_rated_rpm for n in rule.hysteresis)
-    policies = (
+    policies: tuple[Policy, ...] = (
         TablePolicy("table", table),
         TablePolicy("ramp", linear_table(low, high)),
         Hysteresis("hysteresis", down, up),
@@ -171,12 +172,15 @@ def readme(entry: dict[str, Any] | None) -> str:
         f"| {100 * c['torque_ripple']:.2f} % |"
         for name, c in entry["performance"].items()
     )
-    return f"""For firmware that has only a speed setting, the closest two thresholds of the estimated
-speed (`two_threshold` in `ks_table.json`), and what they cost on {SIZE} random stress scenarios
-that training does not see (means over what each survives, RMS, shares of rated torque):
+    fitted = fill(f"Fit: {entry['fit']}.", 100)
+    return f"""For firmware that has only a speed setting: the closest two thresholds of the
+estimated speed (`two_threshold` in `ks_table.json`), and what they cost on {SIZE} random stress
+scenarios, neither those of training nor those of `sensorless evaluate`. Torque: RMS over rated
+torque, mean over the drives that each rule does not lose.
 
 | rule | what it does | drives lost | torque deviation | torque ripple |
 | --- | --- | --- | --- | --- |
 {rows}
 
-The fit is {entry["fit"]}. RMS of the ramp's `k_s` minus the table's: {entry["ramp_k_s_rms"]:.3f}."""
+{fitted}
+The ramp's `k_s` minus the table's is {entry["ramp_k_s_rms"]:.3f} RMS, with the same weights."""

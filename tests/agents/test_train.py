@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from sensorless.agents.loading import load_run
+from sensorless.agents.table_module import TableModule
 from sensorless.agents.train import train
 from sensorless.agents.train_config import TrainConfig
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.drive import DriveDesign
 from sensorless.errors import UserError
-from sensorless.ks_table import KsTable
 from sensorless.motor import MOTORS, Motor
 from sensorless.objective import Cost
 
@@ -68,9 +68,9 @@ def test_training_moves_the_table(tmp_path: Path) -> None:
     from stable_baselines3 import PPO
 
     model = PPO.load(tmp_path / "run" / "checkpoints" / "latest.zip", device="cpu")
-    table: KsTable = model.policy.actor.table()  # type: ignore[operator, union-attr]
-    start = SMALL.start_table(MOTOR, 50.0)
-    assert not np.array_equal(table.values, start.values)
+    moved = model.policy.actor.values.detach()  # type: ignore[operator, union-attr]
+    start = TableModule(SMALL.start_table(MOTOR, 50.0)).values.detach()
+    assert not np.array_equal(moved.numpy(), start.numpy())
     assert min(v.objective for v in last) <= last[0].objective
 
 

@@ -72,6 +72,8 @@ def other_word(word: str) -> str:
         ("test/drive_vectors.h", r"^    \{(0x\w+), ", 4400, "control core: periods .*: 100, first"),
         ("params.h", r"\.k_p_speed = (0\.\d+)f", 0, "control core: periods .* golden"),
         ("params.h", r"MOTOR_HASH (0x\w+)UL", 0, "float table: check: made for another motor"),
+        ("cmsis/ks_table_cmsis.c", r"^    .*?(0\.\d+)f, ", 0, "CMSIS table: lookups"),
+        ("cmsis/ks_table_cmsis.h", r"\? low : (last);", 0, "CMSIS table: lookups"),
         ("core/ks_table.c", r"\*f = (pos) - ", 0, "float table: lookups"),
         ("core/frames.h", r"#define TWO_PI_F (6\.\d+)f", 0, "control core: periods"),
     ],

@@ -1,0 +1,44 @@
+"""Any rule that is a table gives the same folder; the others are refused in one line."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+from sensorless.baselines.registry import make_policy
+from sensorless.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.export import export, table_of
+from sensorless.ks_table import KsTable
+from sensorless.motor import Motor
+
+FUZZY = pytest.mark.skipif(importlib.util.find_spec("simpful") is None, reason="needs simpful")
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        "eq25",
+        "linear:200,500",
+        "smoothstep",
+        pytest.param("fuzzy", marks=FUZZY),
+        "constant:0.5",
+        "hfi",
+        "smo",
+    ],
+)
+def test_a_rule_with_a_table_is_exported(
+    spec: str, tmp_path: Path, motor: Motor, design: DriveDesign
+) -> None:
+    policy = make_policy(spec, motor)
+    table = table_of(policy, spec)
+    done = export(table, motor, design, tmp_path / "out", policy=policy.name)
+    read = KsTable.load(done.folder / "ks_table.json")
+    assert read.digest == table.digest and read.provenance["policy"] == policy.name
+    assert "passed" in done.self_test.message or not done.self_test.ran
+
+
+@pytest.mark.parametrize("spec", ["hysteresis", "ramp", "gated", "sensored", "oracle"])
+def test_a_rule_without_a_table_is_refused(spec: str, motor: Motor) -> None:
+    with pytest.raises(UserError, match=f"^run: '{spec}' has no table .*; allowed: a training run"):
+        table_of(make_policy(spec, motor), spec)
