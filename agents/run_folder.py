@@ -15,7 +15,8 @@ from sensorless.files import ensure_writable, write_atomic
 from sensorless.ks_table import KsTable
 from sensorless.motor import Motor
 
-CONFIG, TABLE, LATEST = "config.json", "table.json", "checkpoints/latest.zip"
+CONFIG, TABLE, PROGRESS = "config.json", "table.json", "progress.csv"
+LATEST = "checkpoints/latest.zip"
 
 
 def versions() -> dict[str, str]:

@@ -56,6 +56,8 @@ class TrainConfig:
     """standard deviation of the exploration in k_s; it persists over a rollout"""
     smoothness: float = _number(2.0, 0.0, 10.0)
     """distance over which neighbouring nodes explore and move together [nodes]"""
+    average: int = _number(20, 1, 10**6)
+    """updates whose mean table is validated and kept"""
     warm_up: int = _number(5, 0, 10**6)
     """updates of the critic alone before the table moves"""
     decision_ms: float = _number(5.0, 0.1, 100.0)

@@ -49,7 +49,7 @@ static void block_period(block_t *restrict block, const float *restrict k_s_ref)
         SIM_PARAM_FIELDS(LOAD)
         SIM_STATE_FIELDS(LOAD)
         int go = s.lost == 0 && s.k < s.k_end;
-        sim_period(&s, k_s_ref[l], 0, 1, 2, 0);
+        sim_period(&s, k_s_ref[l], 0, 1, 1, 0);
         SIM_STATE_FIELDS(KEEP)
     }
 }
@@ -58,7 +58,7 @@ int batch_fits(const sim_t *sims) {
     int fits = __builtin_cpu_supports("avx2");
     for (int l = 0; l < LANES; l++) {
         const sim_t *s = &sims[l];
-        fits = fits && s->sensored == 0 && s->with_twin != 0 && s->plant.n_sub == 2 &&
+        fits = fits && s->sensored == 0 && s->with_twin != 0 && s->plant.n_sub == 1 &&
                s->plant.bridge == 0;
     }
     return fits;

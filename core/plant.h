@@ -116,8 +116,7 @@ CORE_INLINE void plant_step(const plant_params_t *p, plant_state_t *x, double u_
                             double tau_load, int n_sub, int bridge) {
     dq64_t u0 = {x->cos_e * u_a + x->sin_e * u_b, x->cos_e * u_b - x->sin_e * u_a};
     plant_rate_t y = {x->psi_d, x->psi_q, x->omega_m, 0.0};
-    if (n_sub == 2) { /* the usual case, written out so that loops over drives vectorise */
-        y = plant_substep(p, u0, tau_load, y, bridge);
+    if (n_sub == 1) { /* the usual case, without a loop so that loops over drives vectorise */
         y = plant_substep(p, u0, tau_load, y, bridge);
     } else {
         for (int j = 0; j < n_sub; j++) {

@@ -15,7 +15,7 @@ from sensorless.motor import Motor
 from sensorless.observers.hfi_design import design_hfi, hf_current
 from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
 
-SUB_STEPS = 2
+SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
 
 

@@ -45,7 +45,7 @@ def test_a_run_can_be_used_and_gone_on_with(tmp_path: Path) -> None:
     config = json.loads((folder / "config.json").read_text())
     assert config["motor_digest"] == MOTOR.digest
     assert config["train"]["seed"] == SMALL.seed
-    assert (folder / "tb" / "progress.csv").is_file()
+    assert (folder / "progress.csv").is_file()
     again: list[int] = []
     train(
         SMALL,

@@ -1,0 +1,56 @@
+"""Environments to train in: stress scenarios of the role ``train``, out of step with each other."""
+
+import numpy as np
+
+from sensorless.agents.sb3_adapter import SB3VecEnv
+from sensorless.agents.train_config import TrainConfig
+from sensorless.drive import DriveDesign
+from sensorless.envs.blend_vector_env import BlendVectorEnv
+from sensorless.envs.counter_random import Seeds, combine
+from sensorless.envs.reward import RewardWeights
+from sensorless.envs.scenario import Scenarios
+from sensorless.envs.stress import stress_scenarios
+from sensorless.motor import Motor
+from sensorless.suites import ROLES
+
+
+class TrainingScenarios:
+    """Stress scenarios; the first of each environment is cut short.
+
+    Cutting puts the environments out of step with each other, so that every rollout sees starts,
+    middles and ends.
+    """
+
+    def __init__(self) -> None:
+        self._first = True
+
+    def __call__(self, motor: Motor, seeds: Seeds) -> Scenarios:
+        """Scenarios of these seeds."""
+        s = stress_scenarios(motor, combine(ROLES["train"], seeds))
+        if self._first:
+            self._first = False
+            share = combine(seeds, 0).astype(np.float64) * 2.0**-64
+            s.duration = s.duration * (0.05 + 0.95 * share)
+        return s
+
+
+def training_env(config: TrainConfig, design: DriveDesign, motor: Motor) -> SB3VecEnv:
+    """All environments of a run, with the truth appended for the critic."""
+    env = BlendVectorEnv(
+        config.n_envs,
+        autoreset_mode="SameStep",
+        motor=motor,
+        design=design,
+        decision_period=1e-3 * config.decision_ms,
+        scenarios=TrainingScenarios(),
+        weights=RewardWeights(lost=config.lost_penalty),
+    )
+    return SB3VecEnv(env, privileged=True)
+
+
+def stream(seed: int, step: int) -> int:
+    """Seed of the scenario streams of a run that begins or goes on at a step.
+
+    The streams of environment i follow from this plus i; hashing keeps those of two runs apart.
+    """
+    return int(combine(seed, step)[0] >> np.uint64(2))

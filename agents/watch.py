@@ -1,0 +1,127 @@
+"""What happens beside the updates of PPO: validation, the best table, checkpoints, the end."""
+
+import csv
+import dataclasses
+import json
+import time
+from collections.abc import Callable
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from stable_baselines3.common.callbacks import BaseCallback
+from torch import Tensor
+
+from sensorless.agents.run_folder import CONFIG, LATEST, PROGRESS, TABLE, save_table
+from sensorless.agents.train_config import TrainConfig
+from sensorless.agents.validation import validate
+from sensorless.envs.scenario import SimFactory
+from sensorless.files import write_atomic
+from sensorless.ks_table import KsTable
+from sensorless.objective import Cost
+
+Progress = Callable[[float, int, Cost | None], None]
+"""Called with the share done, the decisions made, and a new validation if there is one."""
+
+COLUMNS = ("steps", "seconds", "lost_rate", "torque_dev", "torque_ripple", "objective", "best")
+
+
+class Watch(BaseCallback):
+    """Ends the training in time, validates, and keeps checkpoint and best table on disk.
+
+    What is validated, and kept if it is the best so far, is the mean of the nodes over the last
+    ``config.average`` updates: the step of the optimiser has a size of its own even where the
+    gradient is nothing but noise, and the mean takes most of that out.
+    """
+
+    def __init__(
+        self, folder: Path, config: TrainConfig, factory: SimFactory, report: Progress | None
+    ) -> None:
+        super().__init__()
+        self._folder, self._config, self._factory, self._report = folder, config, factory, report
+        self._facts: dict[str, Any] = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
+        self._start = self._last = time.monotonic()
+        self._updates = 0
+        self._first_step = 0
+        self._mean: Tensor | None = None
+        self._rows = _rows(folder / PROGRESS)
+        self._before = float(self._rows[-1]["seconds"]) if self._rows else 0.0
+        self.best = _kept(folder)
+
+    def _on_training_start(self) -> None:
+        self._first_step = self.model.num_timesteps
+        self.judge()
+
+    def _on_step(self) -> bool:
+        return self.share < 1.0
+
+    @property
+    def share(self) -> float:
+        """Part of the budget that is used up."""
+        done = self.model.num_timesteps - self._first_step
+        seconds = time.monotonic() - self._start
+        return max(seconds / max(60.0 * self._config.minutes, 1e-9), done / self._config.steps)
+
+    def _on_rollout_start(self) -> None:
+        policy: Any = self.model.policy
+        policy.learn_nodes = self._updates >= self._config.warm_up
+        self._updates += 1
+        nodes = policy.actor.values.detach()
+        window = min(self._updates, self._config.average)
+        mean = nodes.clone() if self._mean is None else self._mean
+        self._mean = mean + (nodes - mean) / window
+        if time.monotonic() - self._last >= self._config.validate_seconds:
+            self.judge()
+        elif self._report is not None:
+            self._report(min(self.share, 1.0), self.model.num_timesteps, None)
+
+    def judge(self) -> None:
+        """Validate the mean table, keep it if it is the best, and save a checkpoint."""
+        policy: Any = self.model.policy
+        table: KsTable = policy.actor.table(self._mean)
+        found = validate(table, self._factory, self._config.validate_size)
+        better = self.best is None or found.objective < self.best.objective
+        if better:
+            self.best = found
+            facts = {"steps": self.model.num_timesteps, "validation": dataclasses.asdict(found)}
+            save_table(self._folder, table, self._facts, **facts)
+        self._log(found, better)
+        self.checkpoint()
+        if self._report is not None:
+            self._report(min(self.share, 1.0), self.model.num_timesteps, found)
+        self._last = time.monotonic()
+
+    def _log(self, found: Cost, better: bool) -> None:
+        """Add a row to the learning curve: TensorBoard, and a file that a resumed run keeps."""
+        values = {**dataclasses.asdict(found), "objective": found.objective}
+        for name, value in values.items():
+            self.logger.record(f"validation/{name}", value)
+        seconds = self._before + time.monotonic() - self._start
+        row = {"steps": self.model.num_timesteps, "seconds": f"{seconds:.1f}"}
+        self._rows.append({**row, **values, "best": int(better)})
+        text = StringIO()
+        writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(self._rows)
+        write_atomic(self._folder / PROGRESS, text.getvalue())
+
+    def checkpoint(self) -> None:
+        """Save model and optimiser, whole or not at all."""
+        part = self._folder / "checkpoints" / "part.zip"
+        self.model.save(part)
+        part.replace(self._folder / LATEST)
+
+
+def _rows(path: Path) -> list[dict[str, Any]]:
+    """Learning curve of the run so far."""
+    if not path.is_file():
+        return []
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def _kept(folder: Path) -> Cost | None:
+    """Validation of the best table so far."""
+    if not (folder / TABLE).is_file():
+        return None
+    return Cost(**KsTable.load(folder / TABLE).provenance["validation"])
