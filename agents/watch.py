@@ -41,7 +41,7 @@ class Watch(BaseCallback):
         self._folder, self._config, self._factory, self._report = folder, config, factory, report
         self._facts: dict[str, Any] = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
         self._start = self._last = time.monotonic()
-        self._updates = 0
+        self._updates, self._judged = 0, -1
         self._first_step = 0
         self._mean: Tensor | None = None
         self._rows = _rows(folder / PROGRESS)
@@ -76,7 +76,10 @@ class Watch(BaseCallback):
             self._report(min(self.share, 1.0), self.model.num_timesteps, None)
 
     def judge(self) -> None:
-        """Validate the mean table, keep it if it is the best, and save a checkpoint."""
+        """Validate the mean table, unless it just was, keep the best, and save a checkpoint."""
+        if self._judged == self._updates:
+            return
+        self._judged = self._updates
         policy: Any = self.model.policy
         table: KsTable = policy.actor.table(self._mean)
         found = validate(table, self._factory, self._config.validate_size)
