@@ -10,28 +10,35 @@ int ks_schedule_init(const ks_schedule_params_t *p, ks_schedule_state_t *x) {
     return x->check;
 }
 
-/* All signals that the decision reads are finite. */
-static int signals_finite(const ks_table_t *t, const float *y) {
-    int finite = 1;
+/* Fills those of y[SIGNAL_N] that the table reads. Returns whether all of them are finite: x - x is
+ * 0 for those, and NaN for others. */
+static int read_axes(const ks_table_t *t, const signal_params_t *p, const signal_state_t *x,
+                     float *y) {
+    float dir = signals_direction(x);
+    float zero = 0.0f;
     for (uint32_t a = 0; a < t->n_axes; a++) {
-        finite &= finite_f(y[t->axis[a].signal]);
+        uint32_t which = t->axis[a].signal;
+        float v = signal_at(p, x, dir, which);
+        y[which] = v;
+        zero += v - v;
     }
-    return finite;
+    return zero == 0.0f;
 }
 
-static float decide(const ks_schedule_params_t *p, ks_schedule_state_t *x, const float *y) {
+static float decide(const ks_schedule_params_t *p, ks_schedule_state_t *x,
+                    const signal_params_t *signal_params, const signal_state_t *signals) {
     int use_table = x->check == KS_OK;
-    int finite = use_table ? signals_finite(p->table, y) : finite_f(y[SIGNAL_SPEED]);
+    float y[SIGNAL_N];
+    float speed = signal_at(signal_params, signals, 1.0f, SIGNAL_SPEED);
+    int finite = use_table ? read_axes(p->table, signal_params, signals, y) : finite_f(speed);
     x->fault |= finite ? 0 : KS_FAULT_INPUT;
-    return use_table ? ks_table_eval(p->table, p->values, y) : ks_rule(&p->rule, y[SIGNAL_SPEED]);
+    return use_table ? ks_table_eval(p->table, p->values, y) : ks_rule(&p->rule, speed);
 }
 
 float ks_schedule_step(const ks_schedule_params_t *p, ks_schedule_state_t *x,
                        const signal_params_t *signal_params, const signal_state_t *signals) {
     if (x->wait <= 0) {
-        float y[SIGNAL_N];
-        signals_read(signal_params, signals, y);
-        x->k_s_ref = decide(p, x, y);
+        x->k_s_ref = decide(p, x, signal_params, signals);
         x->wait = p->periods;
     }
     x->wait -= 1;

@@ -127,16 +127,19 @@ int ks_table_check(const ks_table_t *t, const void *values, uint32_t motor_hash)
     return motor_hash == 0 || motor_hash == t->motor_hash ? KS_OK : KS_BAD_MOTOR;
 }
 
-/* Left node *j and fraction *f of a signal v on an axis, clipped at both ends; *f is NaN if v is not
- * finite. Bits of positive floats are in the order of the floats, and those of NaN and of negative
- * ones are above them as unsigned numbers: one comparison finds what is inside. */
-CORE_INLINE void locate(const ks_axis_t *x, float v, uint32_t *j, float *f) {
-    float pos = (v - x->x0) * x->inv_step;
+/* Left node *j and fraction *f of a signal v at position pos (in nodes) of an axis, clipped at both
+ * ends; *f is NaN if v is not finite. Bits of positive floats are in the order of the floats, and those of infinity, NaN and
+ * negative ones are above them as unsigned numbers: one comparison finds what is inside, one more
+ * what is beyond the last node. */
+CORE_INLINE void place(const ks_axis_t *x, float v, float pos, uint32_t *j, float *f) {
     if (bits_of(pos) < bits_of(x->top)) {
         int32_t left = (int32_t)pos;
         *j = (uint32_t)left;
         *f = pos - (float)left;
-    } else if (bits_of(pos) < 0x80000000UL) {
+    } else if (bits_of(pos) < 0x7F800000UL) {
+        *j = x->n - 2;
+        *f = 1.0f;
+    } else if (bits_of(pos) == 0x7F800000UL) {
         *j = x->n - 2;
         *f = 1.0f + (v - v);
     } else {
@@ -150,8 +153,9 @@ CORE_INLINE const void *ahead(const void *v, uint32_t j, int q15) {
     return q15 ? (const void *)((const int16_t *)v + j) : (const void *)((const float *)v + j);
 }
 
+/* Value of a node; of 16-bit ones 32767 times it. */
 CORE_INLINE float node(const void *v, uint32_t j, int q15) {
-    return q15 ? (float)((const int16_t *)v)[j] * (1.0f / 32767.0f) : ((const float *)v)[j];
+    return q15 ? (float)((const int16_t *)v)[j] : ((const float *)v)[j];
 }
 
 CORE_INLINE float mix(float x, float y, float f) { return x + f * (y - x); }
@@ -177,48 +181,66 @@ CORE_INLINE float mix_4(const void *v, const float *f, const uint32_t *step, int
                f[0]);
 }
 
-/* The fallback instead of NaN, which only a signal that is not finite leads to. */
-CORE_INLINE float number_or(float x, float fallback) { return CORE_LIKELY(x == x) ? x : fallback; }
+/* The weight from interpolated nodes; the fallback instead of NaN, which only a signal that is not
+ * finite leads to. */
+CORE_INLINE float weight(const ks_table_t *t, float x, int q15) {
+    float k_s = q15 ? x * (1.0f / 32767.0f) : x;
+    return CORE_LIKELY(x == x) ? k_s : t->fallback;
+}
 
-#define LOCATE(a)                                                                                  \
+/* First where every signal lies, then the nodes: in this order fewer registers are alive. */
+#define POSITION(a)                                                                                \
+    float y##a = y[t->axis[a].signal];                                                             \
+    float pos##a = (y##a - t->axis[a].x0) * t->axis[a].inv_step;
+#define PLACE(a)                                                                                   \
     uint32_t j##a;                                                                                 \
-    locate(&t->axis[a], y[t->axis[a].signal], &j##a, &f[a]);
+    place(&t->axis[a], y##a, pos##a, &j##a, &f[a]);
 
 CORE_INLINE float eval_1(const ks_table_t *t, const void *v, const float *y, int q15) {
     float f[1];
-    LOCATE(0)
-    return number_or(mix_1(ahead(v, j0, q15), f, q15), t->fallback);
+    POSITION(0)
+    PLACE(0)
+    return weight(t, mix_1(ahead(v, j0, q15), f, q15), q15);
 }
 
 CORE_INLINE float eval_2(const ks_table_t *t, const void *v, const float *y, int q15) {
     float f[2];
-    LOCATE(0)
-    LOCATE(1)
+    POSITION(0)
+    POSITION(1)
+    PLACE(0)
+    PLACE(1)
     uint32_t step[1] = {t->axis[1].n};
     uint32_t at = j0 * step[0] + j1;
-    return number_or(mix_2(ahead(v, at, q15), f, step, q15), t->fallback);
+    return weight(t, mix_2(ahead(v, at, q15), f, step, q15), q15);
 }
 
 CORE_INLINE float eval_3(const ks_table_t *t, const void *v, const float *y, int q15) {
     float f[3];
-    LOCATE(0)
-    LOCATE(1)
-    LOCATE(2)
+    POSITION(0)
+    POSITION(1)
+    POSITION(2)
+    PLACE(0)
+    PLACE(1)
+    PLACE(2)
     uint32_t step[2] = {t->axis[1].n * t->axis[2].n, t->axis[2].n};
     uint32_t at = j0 * step[0] + j1 * step[1] + j2;
-    return number_or(mix_3(ahead(v, at, q15), f, step, q15), t->fallback);
+    return weight(t, mix_3(ahead(v, at, q15), f, step, q15), q15);
 }
 
 CORE_INLINE float eval_4(const ks_table_t *t, const void *v, const float *y, int q15) {
     float f[4];
-    LOCATE(0)
-    LOCATE(1)
-    LOCATE(2)
-    LOCATE(3)
+    POSITION(0)
+    POSITION(1)
+    POSITION(2)
+    POSITION(3)
+    PLACE(0)
+    PLACE(1)
+    PLACE(2)
+    PLACE(3)
     uint32_t n = t->axis[3].n;
     uint32_t step[3] = {t->axis[1].n * t->axis[2].n * n, t->axis[2].n * n, n};
     uint32_t at = j0 * step[0] + j1 * step[1] + j2 * step[2] + j3;
-    return number_or(mix_4(ahead(v, at, q15), f, step, q15), t->fallback);
+    return weight(t, mix_4(ahead(v, at, q15), f, step, q15), q15);
 }
 
 /* Each a function of its own, so that none pays for the registers of another. */
@@ -243,20 +265,23 @@ CORE_APART float eval_rare(const ks_table_t *t, const void *v, const float *y) {
         return eval_4_f32(t, v, y);
     case KS_KIND_Q15 | 1:
         return eval_1_q15(t, v, y);
-    case KS_KIND_Q15 | 2:
-        return eval_2_q15(t, v, y);
-    case KS_KIND_Q15 | 3:
-        return eval_3_q15(t, v, y);
     default:
         return eval_4_q15(t, v, y);
     }
 }
 
 float ks_table_eval(const ks_table_t *t, const void *values, const float *y) {
-    if (t->kind == 2) {
+    uint32_t kind = t->kind;
+    if (kind == 2) {
         return eval_2_f32(t, values, y);
     }
-    return t->kind == 3 ? eval_3_f32(t, values, y) : eval_rare(t, values, y);
+    if (kind == 3) {
+        return eval_3_f32(t, values, y);
+    }
+    if (kind == (KS_KIND_Q15 | 2)) {
+        return eval_2_q15(t, values, y);
+    }
+    return kind == (KS_KIND_Q15 | 3) ? eval_3_q15(t, values, y) : eval_rare(t, values, y);
 }
 
 void ks_table_eval_many(const ks_table_t *t, const void *values, const float *y, float *k_s,

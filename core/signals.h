@@ -7,6 +7,8 @@
 #ifndef SENSORLESS_SIGNALS_H
 #define SENSORLESS_SIGNALS_H
 
+#include <stdint.h>
+
 #include "frames.h"
 
 enum {
@@ -48,21 +50,46 @@ typedef struct {
     float k_s;       /* weight in force */
 } signal_state_t;
 
+/* Direction of motion: 1 or -1. */
+CORE_INLINE float signals_direction(const signal_state_t *x) { return sign_f(x->omega); }
+
+/* One signal, SIGNAL_* in `which`; dir: signals_direction. */
+CORE_INLINE float signal_at(const signal_params_t *p, const signal_state_t *x, float dir,
+                            uint32_t which) {
+    switch (which) {
+    case SIGNAL_SPEED:
+        return abs_f(x->omega) * p->inv_omega;
+    case SIGNAL_TORQUE_CURRENT:
+        return dir * x->i_q * p->inv_i;
+    case SIGNAL_DISAGREEMENT:
+        return dir * x->disagree * (6.0f / PI_F);
+    case SIGNAL_ACCELERATION:
+        return dir * p->alpha_per_s * (x->omega - x->omega_2) * p->inv_omega;
+    case SIGNAL_SPEED_ERROR:
+        return dir * (x->omega_ref - x->omega) * p->inv_omega;
+    case SIGNAL_SPEED_REF:
+        return dir * x->omega_ref * p->inv_omega;
+    case SIGNAL_K_S:
+        return x->k_s;
+    case SIGNAL_EMF:
+        return x->emf * p->inv_e;
+    case SIGNAL_HF_AMPLITUDE:
+        return x->hf * p->inv_i_hf;
+    case SIGNAL_HFI_RESIDUAL:
+        return 2.0f * sqrt_f(x->hfi_var);
+    case SIGNAL_SMO_RESIDUAL:
+        return 2.0f * sqrt_f(x->smo_var);
+    default: /* SIGNAL_VOLTAGE */
+        return x->voltage;
+    }
+}
+
 /* Fills y[SIGNAL_N]. */
 CORE_INLINE void signals_read(const signal_params_t *p, const signal_state_t *x, float *y) {
-    float dir = sign_f(x->omega);
-    y[SIGNAL_SPEED] = abs_f(x->omega) * p->inv_omega;
-    y[SIGNAL_TORQUE_CURRENT] = dir * x->i_q * p->inv_i;
-    y[SIGNAL_DISAGREEMENT] = dir * x->disagree * (6.0f / PI_F);
-    y[SIGNAL_ACCELERATION] = dir * p->alpha_per_s * (x->omega - x->omega_2) * p->inv_omega;
-    y[SIGNAL_SPEED_ERROR] = dir * (x->omega_ref - x->omega) * p->inv_omega;
-    y[SIGNAL_SPEED_REF] = dir * x->omega_ref * p->inv_omega;
-    y[SIGNAL_K_S] = x->k_s;
-    y[SIGNAL_EMF] = x->emf * p->inv_e;
-    y[SIGNAL_HF_AMPLITUDE] = x->hf * p->inv_i_hf;
-    y[SIGNAL_HFI_RESIDUAL] = 2.0f * sqrt_f(x->hfi_var);
-    y[SIGNAL_SMO_RESIDUAL] = 2.0f * sqrt_f(x->smo_var);
-    y[SIGNAL_VOLTAGE] = x->voltage;
+    float dir = signals_direction(x);
+    for (uint32_t which = 0; which < SIGNAL_N; which++) {
+        y[which] = signal_at(p, x, dir, which);
+    }
 }
 
 #endif

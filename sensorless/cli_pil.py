@@ -5,10 +5,12 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from sensorless.errors import UserError
 
 console = Console()
+errors = Console(stderr=True)
 
 
 def pil_command(
@@ -32,7 +34,7 @@ def pil_command(
     qemu-system-arm.
     """
     from sensorless.baselines.registry import make_policy
-    from sensorless.envs.policy import TablePolicy
+    from sensorless.export import table_of
     from sensorless.motor import Motor
     from sensorless.options import check_output, design_from
     from sensorless.pil import passed, pil
@@ -41,11 +43,17 @@ def pil_command(
     check_output(out)
     machine = Motor.load(motor)
     policy = make_policy(run, machine)
-    if not isinstance(policy, TablePolicy):
-        raise UserError(
-            f"run: {run!r} has no table; allowed: a training run, eq25, linear, constant"
+    schedule, design = table_of(policy, run), design_from(settings)
+    columns = (TextColumn("closed loop on the target"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=errors, disable=not errors.is_terminal) as bar:
+        task = bar.add_task("", total=1.0)
+        report = pil(
+            schedule,
+            machine,
+            design,
+            policy=policy.name,
+            progress=lambda done: bar.update(task, completed=done),
         )
-    report = pil(policy.table, machine, design_from(settings), policy=policy.name)
     console.print(table(report))
     if out is not None:
         write_report(report, out)

@@ -8,7 +8,7 @@ from sensorless.drive import DriveDesign
 from sensorless.envs.policy import TablePolicy
 from sensorless.errors import UserError
 from sensorless.evaluate import PolicyProgress, evaluate
-from sensorless.export import export
+from sensorless.export import export, table_of
 from sensorless.motor import Motor
 from sensorless.options import plan_from
 from sensorless.plots import save, schedules, waveforms
@@ -83,7 +83,6 @@ def hand_over(folder: Path, run: str) -> tuple[Path, str]:
     """Export the trained table; returns the folder and what its self test said."""
     motor, design = Motor.load("paper"), DriveDesign()
     policy = make_policy(run, motor)
-    if not isinstance(policy, TablePolicy):
-        raise UserError(f"run: {run!r} has no table")
-    done = export(policy.table, motor, design, folder / "firmware", policy=policy.name)
+    table = table_of(policy, run)
+    done = export(table, motor, design, folder / "firmware", policy=policy.name)
     return done.folder, done.self_test.message

@@ -1,0 +1,35 @@
+"""From training to the target: `sensorless pil` on the folder of a trained run."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from sensorless.agents.train import train
+from sensorless.agents.train_config import TrainConfig
+from sensorless.baselines.registry import make_policy
+from sensorless.cli import app
+from sensorless.drive import DriveDesign
+from sensorless.export import table_of
+from sensorless.motor import Motor
+
+SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, validate_size=16)
+
+
+@pytest.mark.usefixtures("target")
+def test_a_trained_table_runs_on_the_target(tmp_path: Path) -> None:
+    run, out = tmp_path / "run", tmp_path / "pil.json"
+    train(replace(SMALL, lr_nodes=0.05), DriveDesign(), run)
+    answer = CliRunner().invoke(app, ["pil", str(run), "--out", str(out)])
+    assert answer.exit_code == 0, answer.output
+    report = json.loads(out.read_text())
+    motor = Motor.load("paper")
+    learned, start = (table_of(make_policy(name, motor), name) for name in (str(run), "eq25"))
+    assert report["table_digest"] == learned.digest, "the run's own table was on the target"
+    assert learned.values.shape != start.values.shape or np.any(learned.values != start.values)
+    assert report["mismatches"] == report["lookup_mismatches"] == 0
+    assert report["periods"] > 100_000
+    assert report["seconds"] < 120.0
