@@ -133,7 +133,8 @@ class SimFactory:
         plant, control, sensor = sims["plant"], sims["control"], sims["sensor"]
         plant["R_s"] *= s.R_s
         plant["inv_J"] /= s.J
-        plant["map"]["i_f"] *= s.psi_f
+        for magnet in ("i_f", "psi_n"):  # the machine has its magnet in either of them
+            plant["map"][magnet] *= s.psi_f
         control["L_q"]["y"] *= s.L_q_hat[:, None]
         control["theta_cross"]["y"] *= s.cross_hat[:, None]
         sensor["dead_time_share"] = s.dead_time / motor.T_s

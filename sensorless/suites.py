@@ -1,4 +1,7 @@
-"""Named sets of scenarios, each a function of name, seed and size alone."""
+"""Named sets of scenarios, each a function of name, seed and size alone.
+
+A scenario is a function of these and of its own index, so any part of a set can be drawn anywhere.
+"""
 
 import dataclasses
 from collections.abc import Callable

@@ -1,0 +1,169 @@
+"""The drive's own gains by CMA-ES, so that Eq. 25 is as good as it can be before learning.
+
+Usage: python benchmarks/gains_study.py [--generations N] [--out results/studies/gains.json]
+
+Bandwidths, slopes, the current limit and the biases of the observers are searched on scenarios of
+`stress` and `nominal` from the tuning seeds; a generation meets scenarios of its own, the same for
+all candidates. Start, best and every PROBE-th centre are judged on a set of their own. The file is
+written after every generation, and a second call goes on from it.
+"""
+
+import argparse
+import dataclasses
+import json
+import math
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import cma
+import numpy as np
+
+from sensorless.baselines.registry import make_policy
+from sensorless.drive import DriveDesign
+from sensorless.envs.counter_random import combine
+from sensorless.envs.scenario import SimFactory
+from sensorless.evaluate import versions
+from sensorless.files import write_atomic
+from sensorless.metrics import torque_dev_rms, torque_ripple_rms
+from sensorless.motor import Motor
+from sensorless.objective import OBJECTIVE, Cost
+from sensorless.rollout import rollouts
+from sensorless.step_metrics import reference
+from sensorless.suites import suite
+
+RULE = "eq25"
+SEED = 1
+SIGMA = 0.15
+POPULATION = 12
+PROBE = 5
+SIZES = {"stress": 192, "nominal": 64}
+JUDGED = {"stress": 768, "nominal": 256}
+GAINS: dict[str, tuple[float, float, bool]] = {
+    "hfi_pll_hz": (6.0, 50.0, True),
+    "smo_pll_hz": (6.0, 60.0, True),
+    "smo_gain": (0.2, 1.6, False),
+    "smo_cross_hz": (3.0, 300.0, True),
+    "L_q_bias": (0.5, 1.1, False),
+    "speed_hz": (1.0, 6.0, True),
+    "current_hz": (50.0, 300.0, True),
+    "i_q_slew": (30.0, 1500.0, True),
+    "k_s_slew": (5.0, 500.0, True),
+    "dead_time_share": (0.3, 1.0, False),
+    "i_max": (0.8, 1.5, False),
+}
+"""Lowest and highest value, and whether the scale is logarithmic; i_max over the motor's own."""
+
+Values = dict[str, float]
+Record = dict[str, Any]
+
+
+def cost(values: Values, motor: Motor, seed: int, sizes: dict[str, int]) -> dict[str, float]:
+    """What Eq. 25 costs on a drive with these gains: OBJECTIVE, plus the distance to the reference.
+
+    The last term, RMS of (speed reference - speed) / rated speed, keeps a slow speed loop from
+    looking good because its sensored twin is as slow.
+    """
+    gains = dict(values)
+    machine = dataclasses.replace(motor, i_max=motor.i_max * gains.pop("i_max"))
+    factory = SimFactory(machine, dataclasses.replace(DriveDesign(), **gains))  # type: ignore[arg-type]
+    policy = make_policy(RULE, machine)
+    found: dict[str, float] = {}
+    total = 0.0
+    for name, size in sizes.items():
+        alive, dev, ripple, off = [], [], [], []
+        for r in rollouts(policy, suite(name, motor, seed, size, "tune"), factory):
+            alive.append(r.lost == 0)
+            dev.append(torque_dev_rms(r))
+            ripple.append(torque_ripple_rms(r))
+            speed = (reference(r) - r.mean("omega_m")) * motor.n_p / motor.omega_rated
+            off.append(np.sqrt(np.nanmean(speed**2, axis=0)))
+        kept = np.concatenate(alive)
+        means = [float(np.concatenate(x)[kept].mean()) if kept.any() else 1.0
+                 for x in (dev, ripple, off)]  # fmt: skip
+        one = Cost(float(np.mean(~kept)), means[0], means[1])
+        found |= {f"{name}_{k}": v for k, v in dataclasses.asdict(one).items()}
+        found[f"{name}_speed_off"] = means[2]
+        total += one.objective + means[2]
+    return {**found, "objective": total}
+
+
+def decode(x: Any) -> Values:
+    """Gains of a point of the unit cube."""
+    values = {}
+    for u, (name, (low, high, log)) in zip(np.clip(x, 0.0, 1.0), GAINS.items(), strict=True):
+        y = low * (high / low) ** u if log else low + u * (high - low)
+        values[name] = float(f"{y:.4g}")
+    return values
+
+
+def encode(values: Values) -> list[float]:
+    """Point of the unit cube of these gains."""
+    return [
+        math.log(values[n] / lo) / math.log(hi / lo) if log else (values[n] - lo) / (hi - lo)
+        for n, (lo, hi, log) in GAINS.items()
+    ]
+
+
+def main() -> None:
+    """Search and record."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--generations", type=int, default=30)
+    parser.add_argument("--out", type=Path, default=Path("results/studies/gains.json"))
+    options = parser.parse_args()
+    motor = Motor.load("paper")
+    default = dataclasses.asdict(DriveDesign())
+    start = {n: 1.0 if n == "i_max" else float(default[n]) for n in GAINS}
+    rng = np.random.default_rng(SEED)
+    es = cma.CMAEvolutionStrategy(
+        encode(start), SIGMA,
+        {"bounds": [0.0, 1.0], "popsize": POPULATION, "verbose": -9, "verb_log": 0, "seed": np.nan,
+         "randn": lambda rows, columns: rng.standard_normal((rows, columns))},
+    )  # fmt: skip
+    known = json.loads(options.out.read_text()) if options.out.exists() else {}
+    if known and known["start"] != start:
+        sys.exit(f"{options.out}: made from other defaults; allowed: another --out")
+    record: Record = {
+        "command": "python benchmarks/gains_study.py", "rule": RULE, "motor": motor.name,
+        "objective": f"sum over suites of {OBJECTIVE} + RMS of the speed's distance to its "
+                     "reference over rated speed",
+        "sizes": SIZES, "judged_on": JUDGED, "role": "tune", "seed": SEED, "start": start,
+        "ranges": GAINS, "versions": versions(),
+        "generations": known.get("generations", []), "judged": known.get("judged", []),
+    }  # fmt: skip
+    done = len(record["generations"])
+
+    def judge(generation: int, values: Values) -> None:
+        if any(j["generation"] == generation for j in record["judged"]):
+            return
+        at: Record = {"generation": generation, "gains": values,
+              "cost": cost(values, motor, int(combine(SEED, 0)[0]) >> 1, JUDGED)}  # fmt: skip
+        record["judged"].append(at)
+        print(f"judged after {generation}: {at['cost']['objective']:.4f} {values}", flush=True)
+
+    judge(0, start)
+    for g in range(1, options.generations + 1):
+        points = es.ask()
+        began = time.monotonic()
+        if g <= done:
+            costs = record["generations"][g - 1]["objectives"]
+        else:
+            draw = int(combine(SEED, g)[0]) >> 1
+            costs = [cost(decode(x), motor, draw, SIZES)["objective"] for x in points]
+            record["generations"].append({"objectives": costs})
+        es.tell(points, costs)
+        if g % PROBE == 0 or g == options.generations:
+            judge(g, decode(es.result.xfavorite))
+        record["best"] = min(record["judged"], key=lambda j: j["cost"]["objective"])
+        if g > done:
+            options.out.parent.mkdir(parents=True, exist_ok=True)
+            write_atomic(options.out, json.dumps(record, indent=1) + "\n")
+            print(f"generation {g}: best of it {min(costs):.4f}, median "
+                  f"{float(np.median(costs)):.4f}, {time.monotonic() - began:.0f} s",
+                  flush=True)  # fmt: skip
+    print(f"wrote {options.out}")
+
+
+if __name__ == "__main__":
+    main()
