@@ -8,15 +8,23 @@ from typing import Any
 import numpy as np
 
 from sensorless.control_design import design_control, design_curves, operating_line
-from sensorless.core_api import CONTROL, PLANT, SENSOR, Array
+from sensorless.core_api import CONTROL, PLANT, SENSOR, Array, lib
 from sensorless.errors import UserError
 from sensorless.magnetics import flux_map_record
 from sensorless.motor import Motor
-from sensorless.observers.hfi_design import design_hfi, hf_current
+from sensorless.observers.flux_design import design_flux
+from sensorless.observers.hfi_design import SCHEMES, design_hfi, hf_current
 from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
 
 SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
+
+ESTIMATORS = {
+    "angles": lib.ESTIMATE_ANGLES,
+    "unwrapped": lib.ESTIMATE_UNWRAPPED,
+    "errors": lib.ESTIMATE_ERRORS,
+    "flux": lib.ESTIMATE_FLUX,
+}
 
 
 def _setting(default: float, doc: str, low: float, high: float) -> Any:
@@ -31,9 +39,15 @@ class DriveDesign:
     smo_pll_hz: float = _setting(20.0, "natural frequency of the EMF PLL [Hz]", 1, 200)
     smo_gain: float = _setting(1.0, "SMO gain over the deadbeat gain L_d / T_s", 0.05, 1.95)
     smo_cross_hz: float = _setting(20.0, "low-pass on the cross term's speed [Hz]", 0.5, math.inf)
+    smo_k: float = _setting(2.5, "bound on the SMO's EMF over the rated no-load EMF", 0.05, 100)
     smo_emf_hz: float = _setting(math.inf, "low-pass on the EMF [Hz]", 1, math.inf)
     L_q_bias: float = _setting(0.8, "observer's q inductance over the apparent one", 0.3, 1.5)
-    smo_floor_rpm: float = _setting(40.0, "speed below which the EMF is not used [r/min]", 0, 1e4)
+    smo_floor_rpm: float = _setting(
+        40.0, "speed below which the EMF is not used [r/min]; 0: no warm start", 0, 1e4
+    )
+    flux_pll_hz: float = _setting(8.0, "speed estimation of the flux observer [Hz]", 0.5, 200)
+    flux_gain: float = _setting(0.2, "rise of the flux correction with speed", 0, 5)
+    speed_bound: float = _setting(2.5, "bound on estimated speeds over rated", 0.5, math.inf)
     speed_hz: float = _setting(2.5, "natural frequency of the speed loop [Hz]", 0.1, 50)
     speed_weight: float = _setting(0.0, "reference weight of the speed loop", 0, 1)
     current_hz: float = _setting(120.0, "bandwidth of the current loop [Hz]", 10, 1000)
@@ -42,6 +56,16 @@ class DriveDesign:
     injection_hold: float = _setting(0.02, "injection after the weight reached zero [s]", 0, 10)
     signal_hz: float = _setting(30.0, "low-pass of the signals a schedule sees [Hz]", 1, 1000)
     dead_time_share: float = _setting(0.75, "share of the dead time compensated", 0, 1)
+    hfi_scheme: str = "rotating"
+    """Alternating current: second difference in the rotating frame, or as published (Eq. 9) the
+    first one in the stationary frame."""
+    hfi_delay_cure: bool = True
+    """Injected voltage turned by the 1.5 periods of its delay."""
+    hfi_normalised: bool = True
+    """Error signal over the magnitude of the current's answer (Eq. 7) instead of as it is (Eq. 15)."""
+    estimator: str = "angles"
+    """How two sources become one estimate: weighted angles; the same as printed (unwrapped,
+    Eq. 26); weighted errors in one loop; weighted angles with a flux observer for the SMO."""
     smo_sign: bool = False
     """Signum instead of the sigmoid."""
     lag_cure: bool = True
@@ -68,13 +92,18 @@ class DriveDesign:
                     f"{f.name}: {value!r}; allowed: {f.metadata['low']:g} to "
                     f"{f.metadata['high']:g}, {f.metadata['doc']}"
                 )
-        if self.cross not in ("none", "line", "table"):
-            raise UserError(f"cross: {self.cross!r}; allowed: none, line, table")
+        for name, allowed in (
+            ("cross", ("none", "line", "table")),
+            ("hfi_scheme", tuple(SCHEMES)),
+            ("estimator", tuple(ESTIMATORS)),
+        ):
+            if getattr(self, name) not in allowed:
+                raise UserError(f"{name}: {getattr(self, name)!r}; allowed: {', '.join(allowed)}")
 
 
 def control_record(motor: Motor, design: DriveDesign) -> Array:
     """``drive_params_t`` of a motor under a design, shape ()."""
-    omega_max = 2.5 * motor.omega_rated
+    omega_max = min(design.speed_bound * motor.omega_rated, float(np.finfo(np.float32).max))
     record = np.zeros((), dtype=CONTROL)
     line = operating_line(motor, design.mtpa)
     i_d, L_q, cross = design_curves(motor, line, L_q_table=design.L_q_table, cross=design.cross)
@@ -90,12 +119,28 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
         motor,
         pll_hz=design.smo_pll_hz,
         gain=design.smo_gain * deadbeat_gain(motor),
-        k=2.5 * motor.omega_rated * motor.psi_f,
+        k=design.smo_k * motor.omega_rated * motor.psi_f,
         cross_hz=design.smo_cross_hz,
         emf_hz=design.smo_emf_hz,
         floor_rpm=design.smo_floor_rpm,
         sign=design.smo_sign,
         lag_cure=design.lag_cure,
+        omega_max=omega_max,
+    )
+    hfi = design_hfi(
+        motor,
+        pll_hz=design.hfi_pll_hz,
+        hold=design.injection_hold,
+        omega_max=omega_max,
+        scheme=design.hfi_scheme,
+        delay_cure=design.hfi_delay_cure,
+        normalised=design.hfi_normalised,
+    )
+    flux = design_flux(
+        motor,
+        pll_hz=design.flux_pll_hz,
+        gain=design.flux_gain,
+        floor_rpm=design.smo_floor_rpm,
         omega_max=omega_max,
     )
     alpha = 2.0 * math.pi * design.signal_hz
@@ -104,8 +149,10 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
         {
             "T_s": motor.T_s,
             "k_s_step": design.k_s_slew * motor.T_s,
-            "hfi": design_hfi(motor, design.hfi_pll_hz, design.injection_hold, omega_max),
+            "estimator": ESTIMATORS[design.estimator],
+            "hfi": hfi,
             "smo": smo,
+            "flux": flux,
             "control": {**control, "i_d_mtpa": {"y": i_d}},
             "signal": {
                 "alpha": low_pass(design.signal_hz, motor.T_s),

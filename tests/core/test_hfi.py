@@ -19,6 +19,7 @@ Call = Callable[..., None]
 Angle = Callable[[DriveDesign, float, float, float], float]
 
 STATE = struct_dtype("hfi_state_t")
+L_D, L_Q = 0.063, 0.286
 DESIGN = DriveDesign(hfi_pll_hz=20.0, speed_hz=2.0, speed_weight=0.0, i_q_slew=150.0)
 
 
@@ -36,10 +37,10 @@ class Bench:
         theta_err: float,
         *,
         closed: bool,
-        mid_interval: bool = True,
+        design: DriveDesign = DESIGN,
         sign: float = 1.0,
     ) -> None:
-        self.c, self.T_s, self.mid, self.sign = c, motor.T_s, mid_interval, sign
+        self.c, self.T_s, self.sign = c, motor.T_s, sign
         self.omega = motor.rpm_to_electrical(rpm)
         saturation = Saturation.linear(motor.L_d, motor.L_q, motor.psi_f)
         case = PlantCase(
@@ -56,7 +57,7 @@ class Bench:
         )
         self.plant, self.state = plant_arrays(case)
         self.emf = self.omega * motor.psi_f
-        self.p = np.array(control_record(motor, DESIGN)["hfi"]).reshape(1)
+        self.p = np.array(control_record(motor, design)["hfi"]).reshape(1)
         if not closed:
             self.p["pll"]["k_p"] = self.p["pll"]["k_i"] = 0.0
         self.x = np.zeros(1, dtype=STATE)
@@ -67,13 +68,10 @@ class Bench:
 
     def _injection(self) -> complex:
         """Sign times direction for the period after next."""
-        ahead = 0.5 * self.T_s * float(self.x["pll"]["omega"][0]) if self.mid else 0.0
-        before = float(self.x["pll"]["theta"][0])
-        sign = np.empty(1, dtype=np.float32)
+        at, sign = np.empty(2, dtype=np.float32), np.empty(1, dtype=np.float32)
+        self.c("hfi_direction", self.p, self.x, self.T_s, at)
         self.c("hfi_inject", self.p, self.x, 1, sign)
-        if not self.mid:
-            before -= self.T_s * float(self.x["pll"]["omega"][0])
-        return float(sign[0]) * cmath.exp(1j * (before + ahead))
+        return float(sign[0]) * complex(at[0], at[1])
 
     def step(self) -> None:
         """One period; ``x`` then holds what was demodulated at its start."""
@@ -133,15 +131,41 @@ def test_lock_has_no_offset(c: Call, motor: Motor, rpm: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("rpm", "offset"), [(150.0, 0.15), (350.0, 0.36), (600.0, 0.61), (1500.0, 1.54)]
+    ("scheme", "delay_cure", "shift"),
+    [
+        ("rotating", True, 0.0),
+        ("rotating", False, 1.5 * L_D / (L_Q - L_D)),
+        ("stationary", True, 0.5 * L_Q / (L_Q - L_D)),
+        ("stationary", False, (0.5 * L_Q + 1.5 * L_D) / (L_Q - L_D)),
+    ],
 )
-def test_injection_without_delay_compensation_is_seen(
-    c: Call, motor: Motor, rpm: float, offset: float
+@pytest.mark.parametrize("rpm", [150.0, 350.0, 600.0, 1500.0])
+def test_lock_offset_of_the_schemes(
+    c: Call, motor: Motor, rpm: float, scheme: str, delay_cure: bool, shift: float
 ) -> None:
-    """An injection axis 1.5 periods late shifts the lock by the tabulated angle."""
-    bench = Bench(c, motor, rpm, 0.1, closed=True, mid_interval=False)
-    _, _, angle = bench.run(1500, 200)
-    assert angle == pytest.approx(offset, abs=0.02)
+    """Late axes turn the lock by (L_q e_d - L_d e_v) / (L_q - L_d), of w T_s each.
+
+    Demodulation as published looks half a period ahead of the interval it measures (e_d), and an
+    injection without compensation acts 1.5 periods late (e_v): 0, 0.42, 0.64 and 1.07 w T_s.
+    """
+    design = replace(DESIGN, hfi_scheme=scheme, hfi_delay_cure=delay_cure)
+    _, _, angle = Bench(c, motor, rpm, 0.1, closed=True, design=design).run(1500, 200)
+    step = math.degrees(motor.rpm_to_electrical(rpm) * motor.T_s)
+    assert angle == pytest.approx(shift * step, abs=0.05)
+
+
+def test_unnormalised_error(c: Call, motor: Motor) -> None:
+    """Without the division (Eq. 15) the loop is the same at no load; its gain follows the voltage."""
+    design = replace(DESIGN, hfi_normalised=False)
+    bench = Bench(c, motor, 150.0, 0.2, closed=True, design=design)
+    assert abs(bench.run(1500, 200)[2]) < 0.02
+    bench = Bench(c, motor, 0.0, 0.02, closed=False, design=design)
+    full, _, _ = bench.run(60, 20)
+    bench.p["u_inj"] *= 0.5
+    half, _, _ = bench.run(60, 20)
+    assert half == pytest.approx(0.5 * full, rel=0.01)
+    plain = Bench(c, motor, 0.0, 0.02, closed=False)
+    assert full > 0.0 and plain.run(60, 20)[0] == pytest.approx(10.0 * full, rel=0.01)
 
 
 @pytest.mark.parametrize("start", [20.0, -50.0])
