@@ -45,7 +45,8 @@ class DriveDesign:
     smo_floor_rpm: float = _setting(
         40.0, "speed below which the EMF is not used [r/min]; 0: no warm start", 0, 1e4
     )
-    flux_pll_hz: float = _setting(8.0, "speed estimation of the flux observer [Hz]", 0.5, 200)
+    error_pll_hz: float = _setting(25.0, "the one PLL of estimator=errors [Hz]", 1, 200)
+    flux_pll_hz: float = _setting(60.0, "speed estimation of the flux observer [Hz]", 0.5, 200)
     flux_gain: float = _setting(0.2, "rise of the flux correction with speed", 0, 5)
     speed_bound: float = _setting(2.5, "bound on estimated speeds over rated", 0.5, math.inf)
     speed_hz: float = _setting(2.5, "natural frequency of the speed loop [Hz]", 0.1, 50)
@@ -62,7 +63,7 @@ class DriveDesign:
     hfi_delay_cure: bool = True
     """Injected voltage turned by the 1.5 periods of its delay."""
     hfi_normalised: bool = True
-    """Error signal over the magnitude of the current's answer (Eq. 7) instead of as it is (Eq. 15)."""
+    """Error signal over the magnitude of the current's answer (Eq. 7), not as it is (Eq. 15)."""
     estimator: str = "angles"
     """How two sources become one estimate: weighted angles; the same as printed (unwrapped,
     Eq. 26); weighted errors in one loop; weighted angles with a flux observer for the SMO."""
@@ -104,6 +105,7 @@ class DriveDesign:
 def control_record(motor: Motor, design: DriveDesign) -> Array:
     """``drive_params_t`` of a motor under a design, shape ()."""
     omega_max = min(design.speed_bound * motor.omega_rated, float(np.finfo(np.float32).max))
+    one_loop = design.error_pll_hz if design.estimator == "errors" else None
     record = np.zeros((), dtype=CONTROL)
     line = operating_line(motor, design.mtpa)
     i_d, L_q, cross = design_curves(motor, line, L_q_table=design.L_q_table, cross=design.cross)
@@ -117,7 +119,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
     )
     smo = design_smo(
         motor,
-        pll_hz=design.smo_pll_hz,
+        pll_hz=one_loop or design.smo_pll_hz,
         gain=design.smo_gain * deadbeat_gain(motor),
         k=design.smo_k * motor.omega_rated * motor.psi_f,
         cross_hz=design.smo_cross_hz,
@@ -129,7 +131,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
     )
     hfi = design_hfi(
         motor,
-        pll_hz=design.hfi_pll_hz,
+        pll_hz=one_loop or design.hfi_pll_hz,
         hold=design.injection_hold,
         omega_max=omega_max,
         scheme=design.hfi_scheme,

@@ -155,7 +155,7 @@ def test_lock_offset_of_the_schemes(
 
 
 def test_unnormalised_error(c: Call, motor: Motor) -> None:
-    """Without the division (Eq. 15) the loop is the same at no load; its gain follows the voltage."""
+    """Without the division (Eq. 15): the same loop at no load, but its gain follows the voltage."""
     design = replace(DESIGN, hfi_normalised=False)
     bench = Bench(c, motor, 150.0, 0.2, closed=True, design=design)
     assert abs(bench.run(1500, 200)[2]) < 0.02
