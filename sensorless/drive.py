@@ -9,6 +9,7 @@ import numpy as np
 
 from sensorless.control_design import design_control, design_curves, operating_line
 from sensorless.core_api import CONTROL, PLANT, SENSOR, Array, lib
+from sensorless.cross_design import KINDS, is_known
 from sensorless.errors import UserError
 from sensorless.magnetics import flux_map_record
 from sensorless.motor import Motor
@@ -67,6 +68,9 @@ class DriveDesign:
     estimator: str = "angles"
     """How two sources become one estimate: weighted angles; the same as printed (unwrapped,
     Eq. 26); weighted errors in one loop; weighted angles with a flux observer for the SMO."""
+    cross_line_torque: float = _setting(
+        0.5, "torque that the line of cross=line is fitted up to, over rated", 0.05, 2
+    )
     smo_sign: bool = False
     """Signum instead of the sigmoid."""
     lag_cure: bool = True
@@ -74,7 +78,7 @@ class DriveDesign:
     L_q_table: bool = True
     """Observer inductance over the torque current instead of the data-sheet constant."""
     cross: str = "table"
-    """Cross-coupling compensation: none, line or table."""
+    """Cross-coupling compensation: none, line, table, or a file of identify cross-coupling."""
     mtpa: bool = True
     """d current of maximum torque per ampere instead of zero."""
 
@@ -94,12 +98,13 @@ class DriveDesign:
                     f"{f.metadata['high']:g}, {f.metadata['doc']}"
                 )
         for name, allowed in (
-            ("cross", ("none", "line", "table")),
             ("hfi_scheme", tuple(SCHEMES)),
             ("estimator", tuple(ESTIMATORS)),
         ):
             if getattr(self, name) not in allowed:
                 raise UserError(f"{name}: {getattr(self, name)!r}; allowed: {', '.join(allowed)}")
+        if not is_known(self.cross):
+            raise UserError(f"cross: {self.cross!r}; allowed: {', '.join(KINDS)}, FILE.json")
 
 
 def control_record(motor: Motor, design: DriveDesign) -> Array:
@@ -108,7 +113,13 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
     one_loop = design.error_pll_hz if design.estimator == "errors" else None
     record = np.zeros((), dtype=CONTROL)
     line = operating_line(motor, design.mtpa)
-    i_d, L_q, cross = design_curves(motor, line, L_q_table=design.L_q_table, cross=design.cross)
+    i_d, L_q, cross = design_curves(
+        motor,
+        line,
+        L_q_table=design.L_q_table,
+        cross=design.cross,
+        cross_torque=design.cross_line_torque,
+    )
     control = design_control(
         motor,
         speed_hz=design.speed_hz,

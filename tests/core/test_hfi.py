@@ -11,6 +11,7 @@ import pytest
 
 from sensorless.core_api import plant_run, struct_dtype
 from sensorless.drive import DriveDesign, control_record
+from sensorless.magnetics import cross_angle, flux, inverse_inductance
 from sensorless.motor import Motor, Saturation
 from sensorless.plant_case import PlantCase
 from sensorless.plant_io import plant_arrays
@@ -39,10 +40,15 @@ class Bench:
         closed: bool,
         design: DriveDesign = DESIGN,
         sign: float = 1.0,
+        current: complex | None = None,
     ) -> None:
+        """current: [A] held on the saturated machine at standstill; none: a linear machine at 0."""
         self.c, self.T_s, self.sign = c, motor.T_s, sign
+        assert current is None or rpm == 0.0
         self.omega = motor.rpm_to_electrical(rpm)
         saturation = Saturation.linear(motor.L_d, motor.L_q, motor.psi_f)
+        saturation = saturation if current is None else motor.saturation
+        self.hold = 0.0 if current is None else motor.R_s * current * cmath.exp(0.5j)
         case = PlantCase(
             T_s=motor.T_s,
             n_p=motor.n_p,
@@ -50,8 +56,8 @@ class Bench:
             saturation=saturation,
             J=math.inf,
             B=0.0,
-            i_d=0.0,
-            i_q=0.0,
+            i_d=0.0 if current is None else current.real,
+            i_q=0.0 if current is None else current.imag,
             theta_m=0.5,
             w_M=self.omega / motor.n_p,
         )
@@ -80,7 +86,7 @@ class Bench:
         self.c("hfi_observe", self.p, self.x, i.real, i.imag, own, self.omega, self.T_s)
         u_inj = float(self.p["u_inj"][0]) * self.sign
         mid = self.theta + 0.5 * self.omega * self.T_s
-        u = 1j * self.emf * cmath.exp(1j * mid) + u_inj * self.wait
+        u = 1j * self.emf * cmath.exp(1j * mid) + u_inj * self.wait + self.hold
         self.wait = self._injection()
         plant_run(self.plant, self.state, np.array([[u.real, u.imag, 0.0]]))
         self.theta += self.omega * self.T_s
@@ -113,6 +119,29 @@ def test_slope(c: Call, motor: Motor) -> None:
     """1 - L_d / L_q = 0.780 per radian at lock, positive when the rotor leads."""
     plus, minus = (Bench(c, motor, 0.0, e, closed=False).run(60, 20)[0] for e in (0.02, -0.02))
     assert (plus - minus) / 0.04 == pytest.approx(0.780, abs=0.001)
+
+
+@pytest.mark.parametrize("i", [2.065j, -0.618 + 1.844j, -2.065j])
+def test_slope_under_load(c: Call, motor: Motor, i: complex) -> None:
+    """At 6 N m: 0.68 around the rotor axis, and 1 - L_min / L_max, 0.70, where it locks.
+
+    That is at theta_m / 2, on the turned magnetic axes; 1 - L_d / L_q alone would be 0.685.
+    """
+    at = np.array([[i.real, i.imag]])
+
+    def slope(e: float) -> float:
+        low, high = (
+            Bench(c, motor, 0.0, e + d, closed=False, current=i).run(60, 20)[0]
+            for d in (-0.02, 0.02)
+        )
+        return (high - low) / 0.04
+
+    lock = float(cross_angle(motor, at)[0])
+    axes = np.linalg.eigvalsh(inverse_inductance(motor.saturation, flux(motor.saturation, at))[0])
+    zero, _, _ = Bench(c, motor, 0.0, lock, closed=False, current=i).run(60, 20)
+    assert zero == pytest.approx(0.0, abs=0.002)
+    assert slope(lock) == pytest.approx(1.0 - axes[0] / axes[1], abs=0.002)
+    assert slope(0.0) == pytest.approx(0.68, abs=0.02)
 
 
 @pytest.mark.parametrize("degrees", [-60.0, -30.0, 15.0, 30.0, 45.0, 60.0, 70.0])
