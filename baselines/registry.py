@@ -6,6 +6,8 @@ from sensorless.agents.loading import load_run
 from sensorless.baselines import (
     constant,
     emf_threshold,
+    error_blend,
+    flux_observer,
     fusion,
     fuzzy,
     gated,
@@ -41,6 +43,8 @@ RULES: dict[str, Rule] = {
         emf_threshold.RULE,
         physics_threshold.RULE,
         fusion.RULE,
+        error_blend.RULE,
+        flux_observer.RULE,
         fuzzy.RULE,
         logistic.RULE,
         grid.RULE,

@@ -3,11 +3,29 @@
  *   theta = theta_smo + k_s wrap(theta_hfi - theta_smo),   k_s in [0, 1]
  *
  * Eq. 26 of doi 10.12177/emca.2025.011 with the wrap it lacks: the mean of 359 and 1 degree is 0.
+ *
+ * There are other ways to one estimate, chosen by drive_params_t.estimator. ESTIMATE_ERRORS weighs
+ * the error signals, not the angles: one loop runs on k_s err_hfi + (1 - k_s) err_smo (after Piippo
+ * and Luomi, adaptive observer combined with HF signal injection, IEMDC 2005). A PLL is linear in
+ * its error, so stepping two from the same state and blending them is that loop.
  */
 #ifndef SENSORLESS_BLEND_H
 #define SENSORLESS_BLEND_H
 
 #include "frames.h"
+
+enum {
+    ESTIMATE_ANGLES = 0,    /* the weighted angle above */
+    ESTIMATE_UNWRAPPED = 1, /* Eq. 26 as printed, for comparison */
+    ESTIMATE_ERRORS = 2,    /* weighted error signals in one loop */
+    ESTIMATE_FLUX = 3       /* the weighted angle, flux observer instead of sliding mode */
+};
+
+#ifdef CORE_VECTOR
+#define ESTIMATOR(p) ESTIMATE_ANGLES /* the plain loop runs the others */
+#else
+#define ESTIMATOR(p) ((p)->estimator)
+#endif
 
 typedef struct {
     float theta; /* electrical angle at k [rad] */
@@ -26,6 +44,15 @@ CORE_INLINE estimate_t ks_blend(estimate_t hfi, estimate_t smo, float k_s) {
     estimate_t y = {
         wrap_pi(smo.theta + k_s * wrap_pi(hfi.theta - smo.theta)),
         smo.omega + k_s * (hfi.omega - smo.omega),
+    };
+    return y;
+}
+
+/* Without the wrap: wrong by k_s turns while only one of the angles has passed +-pi. */
+CORE_INLINE estimate_t ks_blend_unwrapped(estimate_t hfi, estimate_t smo, float k_s) {
+    estimate_t y = {
+        wrap_pi((1.0f - k_s) * smo.theta + k_s * hfi.theta),
+        (1.0f - k_s) * smo.omega + k_s * hfi.omega,
     };
     return y;
 }

@@ -60,6 +60,8 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float om
     float at = wrap_pi(theta);
     hfi_clear(&x->hfi);
     smo_clear(&x->smo);
+    x->flux.psi.a = 0.0f;
+    x->flux.psi.b = 0.0f;
     control_clear(&x->control);
     signal_clear(&x->signal);
     x->u_1.a = 0.0f;

@@ -10,6 +10,7 @@
 #include "blend.h"
 #include "control.h"
 #include "curve.h"
+#include "flux_observer.h"
 #include "hf_injection.h"
 #include "signals.h"
 #include "sliding_mode.h"
@@ -25,8 +26,10 @@
 typedef struct {
     float T_s;      /* PWM period [s] */
     float k_s_step; /* largest change of k_s a period */
+    int estimator;  /* ESTIMATE_* of blend.h */
     hfi_params_t hfi;
     smo_params_t smo;
+    flux_params_t flux;
     control_params_t control;
     signal_params_t signal;
     curve_t L_q;         /* apparent q inductance of the observer over |i_q| [H] */
@@ -35,7 +38,8 @@ typedef struct {
 
 typedef struct {
     hfi_state_t hfi;
-    smo_state_t smo;
+    smo_state_t smo; /* of the flux observer where that takes its place */
+    flux_state_t flux;
     control_state_t control;
     signal_state_t signal;
     estimate_t est;  /* blended estimate at k */
@@ -78,14 +82,31 @@ CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i
     float L_q = curve_at(&p->L_q, pos);
 
     x->k_s = ks_slew(x->k_s, k_s_ref, p->k_s_step);
+    if (ESTIMATOR(p) == ESTIMATE_ERRORS) {
+        x->hfi.pll.theta = wrap_pi(x->smo.pll.theta - cross);
+        x->hfi.pll.omega = x->smo.pll.omega;
+    }
     estimate_t hfi = {wrap_pi(x->hfi.pll.theta + cross), x->hfi.pll.omega};
     estimate_t smo = {x->smo.pll.theta, x->smo.pll.omega};
     x->theta_hfi = hfi.theta;
     x->theta_smo = smo.theta;
-    x->est = ks_blend(hfi, smo, x->k_s);
+    x->est = ESTIMATOR(p) == ESTIMATE_UNWRAPPED ? ks_blend_unwrapped(hfi, smo, x->k_s)
+                                                : ks_blend(hfi, smo, x->k_s);
 
     hfi_observe(&p->hfi, &x->hfi, i_ab, wrap_pi(x->est.theta - cross), x->est.omega, p->T_s);
-    smo_observe(&p->smo, &x->smo, i_ab, x->u_2, L_q, x->est.omega, x->est.theta, p->T_s);
+    if (ESTIMATOR(p) == ESTIMATE_FLUX) {
+        flux_observe(&p->flux, &x->flux, &x->smo, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
+                     p->T_s);
+    } else {
+        smo_observe(&p->smo, &x->smo, i_ab, x->u_2, L_q, x->est.omega, x->est.theta, p->T_s);
+    }
+    if (ESTIMATOR(p) == ESTIMATE_ERRORS) {
+        estimate_t by_hfi = {wrap_pi(x->hfi.pll.theta + cross), x->hfi.pll.omega};
+        estimate_t by_smo = {x->smo.pll.theta, x->smo.pll.omega};
+        estimate_t next = ks_blend(by_hfi, by_smo, x->k_s);
+        x->smo.pll.theta = next.theta;
+        x->smo.pll.omega = next.omega;
+    }
 }
 
 /* Low-passes what a schedule may see. */
@@ -112,7 +133,7 @@ CORE_INLINE ab_t drive_actuate(const drive_params_t *p, drive_state_t *x, const 
     float reserve = s * s * p->hfi.u_inj;
     ab_t u =
         control_step(&p->control, &x->control, est, i_ab, in->u_dc, in->omega_ref, reserve, p->T_s);
-    rot_t r = rot_of(x->hfi.pll.theta + 0.5f * p->T_s * x->hfi.pll.omega);
+    rot_t r = hfi_direction(&p->hfi, &x->hfi, p->T_s);
     ab_t model = {u.a + s * p->hfi.u_inj * r.c, u.b + s * p->hfi.u_inj * r.s};
     x->u_2 = x->u_1;
     x->u_1 = model;

@@ -6,7 +6,7 @@
  * divided by the magnitude of the answer it has slope 1 - L_d/L_q at e = 0 (doi
  * 10.12177/emca.2025.011, Eqs. 3-7, with incremental inductances and the sign restored).
  *
- * Demodulation: each sample is turned into the frame with the angle it was taken at, and the second
+ * Demodulation: with HFI_ROTATING each sample is turned into the frame with the angle it was taken at, and the second
  * difference x = s (i(k) - 2 i(k-1) + i(k-2)) / 4 removes everything but the alternating part; s is
  * the sign of the voltage that was applied over [k-1, k]. With one period of computation delay that
  * voltage was computed at k-2: signs wait in a queue, parity of k is never used.
@@ -20,17 +20,33 @@
 #include "pll.h"
 #include "trig.h"
 
+/* How the alternating part of the current is found: hfi_params_t.scheme. */
+enum {
+    HFI_ROTATING = 0,  /* second difference of samples in the rotating estimated frame */
+    HFI_STATIONARY = 1 /* Eq. 9 as published, for comparison: first difference in the stator frame,
+                          turned by theta_e_hat(k), half a period late */
+};
+
+#ifdef CORE_VECTOR
+#define HFI_SCHEME(p) HFI_ROTATING /* the plain loop runs the other */
+#else
+#define HFI_SCHEME(p) ((p)->scheme)
+#endif
+
 typedef struct {
     pll_params_t pll;
     float u_inj;   /* amplitude of the injected voltage [V] */
     float i_floor; /* least magnitude the error is divided by [A] */
     float n_hold;  /* periods the injection stays on after it was last asked for */
+    float lead;    /* turn of the injected voltage ahead of the angle at k+1 [periods]: 0.5, the middle
+                      of its hold; -1, the angle at k, without compensation of the delay */
+    int scheme;    /* HFI_* */
 } hfi_params_t;
 
 typedef struct {
     pll_state_t pll; /* magnetic (uncompensated) lock angle */
-    dq_t i_1;        /* sample k-1 in the estimated frame [A] */
-    dq_t i_2;        /* sample k-2 in the estimated frame [A] */
+    dq_t i_1;        /* sample k-1 in the frame of the scheme [A] */
+    dq_t i_2;        /* sample k-2 [A] */
     float sign_1;    /* sign of the injection applied over [k, k+1]: +-1, or 0 when off */
     float sign_2;    /* over [k-1, k] */
     float sign_3;    /* over [k-2, k-1] */
@@ -45,9 +61,17 @@ typedef struct {
  * to this estimator's uncompensated frame and to instant k [rad, rad/s]. */
 CORE_INLINE void hfi_observe(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, float theta_idle,
                              float omega_idle, float T_s) {
-    dq_t i = ab_to_dq(i_ab, rot_of(x->pll.theta));
-    float x_d = 0.25f * x->sign_2 * (i.d - 2.0f * x->i_1.d + x->i_2.d);
-    float x_q = 0.25f * x->sign_2 * (i.q - 2.0f * x->i_1.q + x->i_2.q);
+    rot_t r = rot_of(x->pll.theta);
+    dq_t i = ab_to_dq(i_ab, r);
+    dq_t step = {i.d - 2.0f * x->i_1.d + x->i_2.d, i.q - 2.0f * x->i_1.q + x->i_2.q};
+    if (HFI_SCHEME(p) == HFI_STATIONARY) {
+        ab_t twice = {2.0f * (i_ab.a - x->i_1.d), 2.0f * (i_ab.b - x->i_1.q)};
+        step = ab_to_dq(twice, r);
+        i.d = i_ab.a;
+        i.q = i_ab.b;
+    }
+    float x_d = 0.25f * x->sign_2 * step.d;
+    float x_q = 0.25f * x->sign_2 * step.q;
     int valid = x->sign_2 * x->sign_3 < 0.0f;
     x->amplitude = sqrt_f(x_d * x_d + x_q * x_q);
     x->err = valid ? x_q / max_f(x->amplitude, p->i_floor) : 0.0f;
@@ -57,6 +81,11 @@ CORE_INLINE void hfi_observe(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, f
     pll_step(&p->pll, &x->pll, x->err, T_s);
     x->i_2 = x->i_1;
     x->i_1 = i;
+}
+
+/* Direction of the voltage that is injected over [k+1, k+2], at k after hfi_observe. */
+CORE_INLINE rot_t hfi_direction(const hfi_params_t *p, const hfi_state_t *x, float T_s) {
+    return rot_of(x->pll.theta + p->lead * T_s * x->pll.omega);
 }
 
 /* Sign of the injection to apply over [k+1, k+2], and the queue moved on. wanted: != 0 keeps the

@@ -49,6 +49,19 @@ class PrivilegedPolicy(Policy, Protocol):
         """Weights wanted (n,) at the signals and the simulated drives themselves (SIM)."""
 
 
+@runtime_checkable
+class EstimatorPolicy(Policy, Protocol):
+    """A policy that is meant for another way to one estimate than the design's."""
+
+    estimator: str | None
+    """As in ``DriveDesign``."""
+
+
+def estimator_of(policy: Policy) -> str | None:
+    """Estimator that a policy asks for; None if it takes the design's."""
+    return policy.estimator if isinstance(policy, EstimatorPolicy) else None
+
+
 def decide(policy: Policy, obs: Signals, sims: Array) -> NDArray[np.float32]:
     """Weights wanted (n,); only a privileged policy gets to see the drives."""
     if isinstance(policy, PrivilegedPolicy):

@@ -126,10 +126,23 @@ class SimFactory:
         )
         self._template = template
 
-    def build(self, s: Scenarios, *, sensored: bool = False, twin: bool = True) -> Array:
-        """Drives at the start of their scenarios, array of ``SIM`` with shape (n,)."""
+    def build(
+        self,
+        s: Scenarios,
+        *,
+        sensored: bool = False,
+        twin: bool = True,
+        estimator: str | None = None,
+    ) -> Array:
+        """Drives at the start of their scenarios, array of ``SIM`` with shape (n,).
+
+        ``estimator`` takes the place of the design's own, if given.
+        """
         motor = self.motor
         sims = np.repeat(self._template, len(s))
+        if estimator is not None:
+            design = dataclasses.replace(self.design, estimator=estimator)
+            sims["control"] = control_record(motor, design)
         plant, control, sensor = sims["plant"], sims["control"], sims["sensor"]
         plant["R_s"] *= s.R_s
         plant["inv_J"] /= s.J

@@ -2,8 +2,11 @@
 
 from typing import Any
 
+from sensorless.core_api import lib
 from sensorless.motor import Motor
 from sensorless.observers.pll_design import pll_gains
+
+SCHEMES = {"rotating": lib.HFI_ROTATING, "stationary": lib.HFI_STATIONARY}
 
 
 def hf_current(motor: Motor) -> float:
@@ -22,7 +25,16 @@ def error_slope(L_d: float, L_q: float) -> float:
     return 1.0 - L_d / L_q
 
 
-def design_hfi(motor: Motor, pll_hz: float, hold: float, omega_max: float) -> dict[str, Any]:
+def design_hfi(
+    motor: Motor,
+    *,
+    pll_hz: float,
+    hold: float,
+    omega_max: float,
+    scheme: str,
+    delay_cure: bool,
+    normalised: bool,
+) -> dict[str, Any]:
     """Fields of ``hfi_params_t``.
 
     Parameters
@@ -33,11 +45,22 @@ def design_hfi(motor: Motor, pll_hz: float, hold: float, omega_max: float) -> di
         Time the injection stays on after the weight reached zero [s].
     omega_max : float
         Bound on the speed estimate, electrical [rad/s].
+    scheme : str
+        One of ``SCHEMES``.
+    delay_cure : bool
+        Inject along the axis as it will be, or as it was when the voltage was computed.
+    normalised : bool
+        Divide the error signal by the magnitude of the current's answer (Eq. 7), or by a constant
+        that the answer never reaches (Eq. 15): the gains then hold at no load only.
     """
-    k_p, k_i = pll_gains(pll_hz, error_slope(motor.L_d, motor.L_q))
+    floor = (0.25 if normalised else 10.0) * hf_current(motor)
+    slope = error_slope(motor.L_d, motor.L_q)
+    k_p, k_i = pll_gains(pll_hz, slope if normalised else slope * hf_current(motor) / floor)
     return {
         "pll": {"k_p": k_p, "k_i": k_i, "omega_max": omega_max},
         "u_inj": motor.u_inj,
-        "i_floor": 0.25 * hf_current(motor),
+        "i_floor": floor,
         "n_hold": max(1.0, round(hold / motor.T_s)),
+        "lead": 0.5 if delay_cure else -1.0,
+        "scheme": SCHEMES[scheme],
     }

@@ -32,7 +32,9 @@ def cross_coupling(
 
     A load sweep in both torque directions at 10 % of rated speed, on the injection estimator alone,
     compensation off and an encoder watching; then a line and a table are fitted, and the table is
-    tried in the drive. Angles are truth minus estimate.
+    tried in the drive. The line is fitted up to cross_line_torque of the design and judged in both
+    torque directions. The drive runs on the file that this writes with --set cross=FILE.json.
+    Angles are truth minus estimate.
     """
     from sensorless.identify import identify_cross_coupling
     from sensorless.motor import Motor
@@ -44,10 +46,17 @@ def cross_coupling(
     r = found.report()
     table = Table(title=f"{r['motor']}: θm/2, truth − injection estimate")
     for heading in ("fit", "slope [°/A]", "R²", "residual rms [°]", "largest [°]"):
-        table.add_column(heading, justify="right")
-    for name in ("line", "table"):
-        fit = r[name]
-        slope = f"{fit['slope_deg_per_A']:.3f}" if name == "line" else "–"
+        table.add_column(heading, justify="left" if heading == "fit" else "right")
+    line = r["line"]
+    fits = {
+        f"line to {line['fitted_up_to_A']:.2f} A": line,
+        "· torque > 0": line["positive_torque"],
+        "· torque < 0": line["negative_torque"],
+        "· to rated": line["to_rated_current"],
+        "table": r["table"],
+    }
+    for name, fit in fits.items():
+        slope = f"{fit['slope_deg_per_A']:.3f}" if "slope_deg_per_A" in fit else "–"
         table.add_row(
             name,
             slope,
@@ -58,7 +67,8 @@ def cross_coupling(
     console.print(table)
     console.print(
         f"closed form within {r['closed_form_max_gap_deg']:.2f}° of the sweep; "
-        f"drive on the table within {r['left_with_table_max_deg']:.2f}°"
+        f"drive on the table within {r['left_with_table_max_deg']:.2f}°, "
+        f"on the line within {r['left_with_line_max_deg']:.2f}° where it was fitted"
     )
     if out is not None:
         found.write(out)

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from sensorless.core_api import CURVE_N
-from sensorless.magnetics import Floats, apparent_q_inductance, cross_angle, mtpa
+from sensorless.cross_design import cross_curve
+from sensorless.magnetics import Floats, apparent_q_inductance, mtpa
 from sensorless.motor import Motor
 
 
@@ -24,7 +25,7 @@ def operating_line(motor: Motor, use_mtpa: bool) -> Floats:
 
 
 def design_curves(
-    motor: Motor, line: Floats, *, L_q_table: bool, cross: str
+    motor: Motor, line: Floats, *, L_q_table: bool, cross: str, cross_torque: float = 0.5
 ) -> tuple[Floats, Floats, Floats]:
     """Curves over |i_q|: i_d of the operating line [A], L_q of the observer [H], theta_m / 2 [rad].
 
@@ -32,18 +33,11 @@ def design_curves(
     ----------
     L_q_table : bool
         Apparent inductance along the line, or the constant data-sheet value.
-    cross : str
-        ``"none"``, ``"line"`` (through zero, least squares up to rated current, as in the source
-        paper) or ``"table"``.
+    cross, cross_torque : str, float
+        As in ``cross_curve``.
     """
     L_q = apparent_q_inductance(motor, line) if L_q_table else np.full(CURVE_N, motor.L_q)
-    angle = cross_angle(motor, line)
-    if cross == "none":
-        angle = np.zeros(CURVE_N)
-    elif cross == "line":
-        used = line[:, 1] <= motor.i_rated
-        i_q = line[used, 1]
-        angle = line[:, 1] * float(i_q @ angle[used] / (i_q @ i_q))
+    angle = cross_curve(motor, line, cross, cross_torque)
     i_d = line[:, 0].copy()
     i_d[0] = 0.0
     return i_d, L_q, angle

@@ -16,6 +16,7 @@ import numpy as np
 
 from sensorless.control_design import operating_line
 from sensorless.core_api import CURVE_N, Array
+from sensorless.cross_design import FORMAT, slope_through_zero
 from sensorless.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
@@ -43,6 +44,27 @@ class Fit:
 
 
 @dataclass(frozen=True)
+class Line:
+    """A line through zero, as the source paper compensates; least squares up to a working torque.
+
+    It cannot be good everywhere: the q axis saturates, and the slope falls with the current.
+    """
+
+    slope: float
+    """[rad/A]"""
+    up_to: float
+    """|i_q| of the working torque, where the fit ends [A]"""
+    fit: Fit
+    """over what it was fitted to"""
+    slopes: tuple[float, float]
+    """of a line for positive and one for negative torque alone, over the same range [rad/A]"""
+    fits: tuple[Fit, Fit]
+    """of the common line, for positive and for negative torque"""
+    to_rated: Fit
+    """of the same line over all of the sweep up to rated current"""
+
+
+@dataclass(frozen=True)
 class CrossCoupling:
     """What the sweep came to. Currents in the encoder's frame."""
 
@@ -53,9 +75,7 @@ class CrossCoupling:
     """(n, 2) currents of the sweep [A]"""
     angle: Floats
     """(n,) theta_m / 2 measured [rad]"""
-    slope: float
-    """line through zero up to rated current [rad/A]"""
-    line: Fit
+    line: Line
     nodes: Floats
     """(CURVE_N,) |i_q| of the table [A]"""
     table: Floats
@@ -64,24 +84,43 @@ class CrossCoupling:
     left: Floats
     """(m,) error of the drive that runs on the table [rad], over ``left_i_q`` [A]"""
     left_i_q: Floats
+    left_line: Floats
+    """the same of the drive that runs on the line, as far as the line was fitted [rad]"""
 
     def report(self) -> dict[str, Any]:
         """Plain data: amperes and degrees."""
         rad = np.rad2deg
         theory = cross_angle(self.motor, self.i)
+        line = self.line
         return {
+            "format": FORMAT,
             "motor": self.motor.name,
             "motor_digest": self.motor.digest,
             "mtpa": self.mtpa,
             "speed_rpm": self.speed_rpm,
             "angle": "truth minus estimate of the uncompensated injection estimator, theta_m / 2",
-            "line": {"slope_deg_per_A": float(rad(self.slope)), **dataclasses.asdict(self.line)},
+            "line": {
+                "slope_deg_per_A": float(rad(line.slope)),
+                "fitted_up_to_A": line.up_to,
+                **dataclasses.asdict(line.fit),
+                **{
+                    f"{way}_torque": {
+                        "slope_deg_per_A": float(rad(slope)),
+                        **dataclasses.asdict(fit),
+                    }
+                    for way, slope, fit in zip(
+                        ("positive", "negative"), line.slopes, line.fits, strict=True
+                    )
+                },
+                "to_rated_current": dataclasses.asdict(line.to_rated),
+            },
             "table": {
                 "i_q_A": self.nodes.tolist(),
                 "angle_deg": rad(self.table).tolist(),
                 **dataclasses.asdict(self.table_fit),
             },
             "left_with_table_max_deg": float(rad(np.max(np.abs(self.left)))),
+            "left_with_line_max_deg": float(rad(np.max(np.abs(self.left_line)))),
             "closed_form_max_gap_deg": float(rad(np.max(np.abs(self.angle - theory)))),
             "sweep": {
                 "i_d_A": self.i[:, 0].tolist(),
@@ -111,26 +150,30 @@ def identify_cross_coupling(motor: Motor, design: DriveDesign) -> CrossCoupling:
     design = dataclasses.replace(design, cross="none", speed_hz=SPEED_HZ)
     raw = _sweep(motor, design, np.zeros(CURVE_N))
     i_q, angle = raw.i[:, 1], raw.err_hfi
-    slope, line = fit_line(i_q, angle, motor.i_rated)
+    tau = torque(motor, raw.i)
+    working = np.abs(tau) <= 1.001 * design.cross_line_torque * motor.tau_rated
+    line = fit_line(i_q, angle, working, motor.i_rated)
     nodes = np.linspace(0.0, motor.i_max, CURVE_N)
     first = fit_table(nodes, i_q, angle)
     second = _sweep(motor, design, first)
     total = second.err_hfi + lookup(nodes, first, second.i_q_hat)
     table = fit_table(nodes, second.i[:, 1], total)
     check = _sweep(motor, design, table)
+    on_line = _sweep(motor, design, line.slope * nodes)
+    inside = np.abs(on_line.i[:, 1]) <= line.up_to
     return CrossCoupling(
         motor=motor,
         mtpa=design.mtpa,
         speed_rpm=SPEED * motor.n_rated_rpm,
         i=raw.i,
         angle=angle,
-        slope=slope,
         line=line,
         nodes=nodes,
         table=table,
         table_fit=_fit(total, lookup(nodes, table, second.i[:, 1])),
         left=check.err,
         left_i_q=check.i[:, 1],
+        left_line=on_line.err[inside],
     )
 
 
@@ -154,11 +197,25 @@ def _sweep(motor: Motor, design: DriveDesign, table: Floats) -> Steady:
     return Steady(**{f.name: getattr(out, f.name)[good] for f in dataclasses.fields(out)})
 
 
-def fit_line(i_q: Floats, angle: Floats, up_to: float) -> tuple[float, Fit]:
-    """Slope of the least-squares line through zero over |i_q| <= ``up_to``, and its fit there."""
-    used = np.abs(i_q) <= up_to
-    slope = float(i_q[used] @ angle[used] / (i_q[used] @ i_q[used]))
-    return slope, _fit(angle[used], slope * i_q[used])
+def fit_line(i_q: Floats, angle: Floats, working: Array, rated: float) -> Line:
+    """Least-squares line through zero over the ``working`` points, judged up to ``rated`` [A]."""
+    slope = slope_through_zero(i_q[working], angle[working])
+
+    def judge(rows: Array) -> Fit:
+        return _fit(angle[rows], slope * i_q[rows])
+
+    ways = (working & (i_q > 0.0), working & (i_q < 0.0))
+    return Line(
+        slope=slope,
+        up_to=float(np.max(np.abs(i_q[working]))),
+        fit=judge(working),
+        slopes=(
+            slope_through_zero(i_q[ways[0]], angle[ways[0]]),
+            slope_through_zero(i_q[ways[1]], angle[ways[1]]),
+        ),
+        fits=(judge(ways[0]), judge(ways[1])),
+        to_rated=judge(np.abs(i_q) <= rated),
+    )
 
 
 def fit_table(nodes: Floats, i_q: Floats, angle: Floats) -> Floats:

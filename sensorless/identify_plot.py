@@ -30,9 +30,10 @@ def cross_coupling(c: CrossCoupling) -> "Figure":
     )
     top.plot(
         x,
-        deg(c.slope * x),
+        deg(c.line.slope * x),
         color=COLOURS["ref"],
-        label=f"line, {deg(c.slope):.2f} °/A, R² {c.line.r2:.4f}",
+        label=f"line up to {c.line.up_to:.1f} A, {deg(c.line.slope):.2f} °/A, "
+        f"R² {c.line.fit.r2:.4f} there",
     )
     top.plot(
         x,
@@ -46,7 +47,7 @@ def cross_coupling(c: CrossCoupling) -> "Figure":
         f"{c.motor.name}: cross-coupling at {c.speed_rpm:.0f} r/min, "
         + ("MTPA" if c.mtpa else "$i_d$ = 0")
     )
-    gap = deg(c.angle - c.slope * i_q)
+    gap = deg(c.angle - c.line.slope * i_q)
     low.plot(i_q, gap, "o-", color=COLOURS["ref"], ms=3, label="measured − line")
     low.plot(c.left_i_q, deg(c.left), "o-", color=COLOURS["smo"], ms=3, label="drive on the table")
     low.set_ylabel("left over [° el.]")

@@ -7,9 +7,11 @@ from sensorless.files import ensure_writable, write_atomic
 from sensorless.motor import Motor
 from sensorless.plots import save
 from sensorless.reproduce_case import Case
-from sensorless.reproduce_dynamic import abstract, figure_9, figure_13, switching
+from sensorless.reproduce_dynamic import abstract, figure_9, figure_13
 from sensorless.reproduce_page import data, markdown
+from sensorless.reproduce_printed import printed, timing
 from sensorless.reproduce_steady import figure_4, figure_11, figure_12
+from sensorless.reproduce_switching import switching
 
 Progress = Callable[[float], None]
 """Called with the share that is done, 0 to 1."""
@@ -26,8 +28,9 @@ def cases(motor: Motor, progress: Progress | None = None) -> list[Case]:
     report(4 / 6)
     thirteen, ramps = figure_13(motor)
     report(5 / 6)
-    out = [out[0], nine, out[1], out[2], thirteen, switching(motor)]
-    out.append(abstract(steps, ramps, out[3]))
+    twelve = out[2]
+    out = [out[0], nine, out[1], twelve, thirteen, switching(motor)]
+    out += [abstract(steps, ramps, twelve), timing(motor), printed(motor)]
     report(1.0)
     return out
 

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from sensorless.core_api import Array
 from sensorless.drive import DriveDesign
 from sensorless.motor import Motor
 from sensorless.observers.smo_design import deadbeat_gain
@@ -28,21 +27,21 @@ PUBLISHED = DriveDesign(
     L_q_table=False,
     cross="none",
     mtpa=False,
+    hfi_scheme="stationary",
+    hfi_delay_cure=False,
 )
-"""As far as switches go: sigmoid without lag cure, constant L_q, no filter in the cross term,
-i_d = 0; bandwidths are not in the paper and were chosen."""
+"""Eqs. 7 and 9, injection along the angle of the sample, sigmoid without lag cure, constant L_q, no
+filter in the cross term, i_d = 0; bandwidths are not in the paper and were chosen."""
 
 CORRECTED = DriveDesign()
 """The drive of this project."""
 
 NOT_SWITCHABLE = (
-    "Eq. 9, the first difference in the stationary frame: ours is the second difference in the "
-    "rotating estimate, whose timing error is 0 (theirs −0.5° at 350 r/min, −0.9° at 600)",
-    "Eq. 7, whose demodulation has lost its sign and whose denominator holds at lock only: ours "
-    "has a queue of signs and the exact magnitude, with the same slope at lock",
-    "Eq. 15, which is not normalised: the loop gain would depend on voltage and inductances",
-    "Eq. 26 without its wrap: the mean of 359° and 1° would be 180°",
-    "Eq. 25 for negative speed, which as printed never leaves injection: ours takes the magnitude",
+    "the sign of the demodulation, lost in Eq. 7 as printed: without it there is no lock, with the "
+    "wrong one a lock across the rotor; both have a queue of the signs that were applied",
+    "the wrap that Eq. 26 lacks: the paper's angle errors were not measured without it; what it "
+    "costs is the last section",
+    "Eq. 25 for negative speed, where as printed it never leaves injection: all runs are forward",
     "the paper treats neither start, polarity, warm start of the idle observer, voltage limit nor "
     "the injection's switching: both columns have ours",
 )
@@ -91,13 +90,6 @@ class Case:
     rows: tuple[Row, ...]
     why: str
     figure: "Figure | None" = field(default=None, compare=False)
-
-
-def fixed_k(sims: Array) -> None:
-    """Change that sets the correction voltage to ``SIGN_K`` and keeps the gain at the origin."""
-    smo = sims["control"]["smo"]
-    smo["half_a"] *= smo["k"] / SIGN_K
-    smo["k"] = SIGN_K
 
 
 def gain(motor: Motor, g: float) -> float:

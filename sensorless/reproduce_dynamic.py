@@ -1,26 +1,21 @@
 """Figs. 9, 13 and 14 and the abstract of the source paper: the whole drive under Eq. 25."""
 
-import dataclasses
 import math
 from itertools import pairwise
 
 import numpy as np
 
 from sensorless.baselines.registry import make_policy
-from sensorless.drive import DriveDesign
 from sensorless.envs.scenario import Scenarios
 from sensorless.magnetics import Floats
 from sensorless.motor import Motor
 from sensorless.reproduce_case import CORRECTED, PUBLISHED, Case, Row, row_of
-from sensorless.reproduce_plots import hand_over, speed_runs
-from sensorless.reproduce_steady import less
-from sensorless.steady import RPM, Change, constant, make_ideal
+from sensorless.reproduce_plots import speed_runs
+from sensorless.steady import RPM
 from sensorless.suites import suite
 from sensorless.trace import Trace, lost_cause, trace
 from sensorless.trace_summary import plateaus
 
-HARD = "hysteresis:332.5,367.5"
-"""Switch at 350 r/min, +-5 %."""
 Pair = dict[str, Trace]
 
 
@@ -190,61 +185,3 @@ def abstract(nine: Pair, thirteen: Pair, twelve: Case) -> Case:
 
 def _within(err: Floats) -> float:
     return 100.0 * float(np.mean(np.abs(err) <= 0.05))
-
-
-def switching(motor: Motor) -> Case:
-    """Torque while the drive crosses the band at 4 N m, hard switch against blend."""
-    s = constant(motor, np.array([200.0]), np.array([4.0 / 14.0 * motor.tau_rated]), 5.0)
-    s.t[:, 2:4] = (1.0, 3.0)
-    s.omega[:, 2], s.omega[:, 3:] = 600.0 * RPM, 200.0 * RPM
-    s.omega_rate[:] = 300.0 * RPM
-    slow = dataclasses.replace(PUBLISHED, speed_hz=2.0)
-    drives: dict[str, tuple[DriveDesign, Change | None]] = {
-        "published": (slow, make_ideal),
-        "corrected": (CORRECTED, make_ideal),
-        "published, noise": (slow, None),
-        "corrected, noise": (CORRECTED, None),
-    }
-    runs: dict[str, Pair] = {}
-    for name, (design, change) in drives.items():
-        at_once = dataclasses.replace(design, k_s_slew=5000.0)
-        runs[name] = {
-            "hard switch": trace(make_policy(HARD, motor), s, motor, at_once, change),
-            "blend (Eq. 25)": trace(make_policy("eq25", motor), s, motor, design, change),
-        }
-    rows = []
-    for way, (start, stop) in {"up": (1.0, 3.0), "down": (3.0, 5.0)}.items():
-        span = {n: [torque_span(t, start, stop) for t in pair.values()] for n, pair in runs.items()}
-        hard, blend = ([span[n][j] for n in ("published", "corrected")] for j in (0, 1))
-        rows.append(row_of(f"torque peak to peak, hard switch, {way}", "N m", "–", hard))
-        rows.append(row_of(f"torque peak to peak, blend, {way}", "N m", "–", blend))
-        cut = [less(*span[n]) for n in ("published", "corrected")]
-        rows.append(row_of(f"blend less by, {way}", "%", "45", cut, 0))
-        noisy = [less(*span[f"{n}, noise"]) for n in ("published", "corrected")]
-        rows.append(row_of(f"the same with noise and dead time, {way}", "%", "45", noisy, 0))
-    return Case(
-        "switching",
-        "Abstract: torque ripple while switching less by 45 %",
-        "200, 600, 200 r/min at 300 r/min/s, 4 N m; between 300 and 400 r/min; exact sensors "
-        "unless said otherwise; speed loop 2 Hz published",
-        tuple(rows),
-        "The published estimators stand apart: injection leads by cross-coupling, the observer "
-        "lags. A hard switch steps the angle, a blend spreads it. The corrected ones agree better, "
-        "but for the observer's L_q, which is biased low on purpose, for robustness. Noise adds "
-        "its own torque to all. With a speed loop of 3 Hz and real sensors the published drive "
-        "often loses lock on the way down (five of eight runs, four noise seeds under two rules).",
-        hand_over(
-            {n: runs[n] for n in ("published", "corrected")},
-            "200, 600, 200 r/min with 4 N m, exact sensors",
-        ),
-    )
-
-
-def torque_span(t: Trace, start: float, stop: float) -> float:
-    """Peak-to-peak torque without injection band [N m] between 300 and 400 r/min; NaN if lost."""
-    tau = 0.5 * (t["tau"][1:] + t["tau"][:-1])
-    rpm = np.abs(t["omega_m"][1:]) / RPM
-    inside = (t["t"][1:] >= start) & (t["t"][1:] < stop) & (rpm > 300.0) & (rpm < 400.0)
-    if not inside.any() or (not held(t) and t["t"][-1] < stop):
-        return math.nan
-    return float(np.ptp(tau[inside]))

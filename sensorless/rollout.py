@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run
-from sensorless.envs.policy import Policy, decide, decision_periods
+from sensorless.envs.policy import Policy, decide, decision_periods, estimator_of
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.motor import Motor
 
@@ -70,7 +70,7 @@ def rollout(
     """All scenarios at once, each beside its sensored twin."""
     n = len(scenarios)
     periods = decision_periods(factory.motor)
-    sims = factory.build(scenarios, sensored=policy.sensored, twin=True)
+    sims = factory.build(scenarios, sensored=policy.sensored, estimator=estimator_of(policy))
     decisions = -(-int(sims["k_end"].max(initial=0)) // periods)
     sums = np.zeros((decisions, n), dtype=SIM["sums"])
     obs = np.zeros((n, SIGNAL_N), dtype=np.float32)

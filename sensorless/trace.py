@@ -7,7 +7,7 @@ import numpy as np
 
 from sensorless.core_api import SIGNAL_N, TRACE_NAMES, Array, sim_run, sim_trace
 from sensorless.drive import DriveDesign
-from sensorless.envs.policy import Policy, decide, decision_periods
+from sensorless.envs.policy import Policy, decide, decision_periods, estimator_of
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
@@ -38,7 +38,9 @@ def trace(
     """
     if len(scenario) != 1:
         raise UserError(f"scenario: {len(scenario)} rows; allowed: 1")
-    sim = SimFactory(motor, design).build(scenario, sensored=policy.sensored)
+    sim = SimFactory(motor, design).build(
+        scenario, sensored=policy.sensored, estimator=estimator_of(policy)
+    )
     if change is not None:
         change(sim)
     if not 1 <= sim["k_end"][0] <= MOST_PERIODS:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core_api import Array
-from sensorless.envs.policy import Policy, Signals, decide
+from sensorless.envs.policy import Policy, Signals, decide, estimator_of
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.metrics import torque_dev_rms, torque_ripple_rms
 from sensorless.objective import Cost
@@ -17,7 +17,10 @@ DRIVES = 512
 
 
 class SideBySide:
-    """Policies in blocks of rows: rows i n to (i + 1) n belong to policy i."""
+    """Policies in blocks of rows: rows i n to (i + 1) n belong to policy i.
+
+    All of them have to work on the same estimator.
+    """
 
     name = "side by side"
     sensored = False
@@ -25,6 +28,7 @@ class SideBySide:
 
     def __init__(self, policies: Sequence[Policy]) -> None:
         self.policies = policies
+        (self.estimator,) = {estimator_of(policy) for policy in policies}
         self._n = 0
 
     def reset(self, n: int) -> None:

@@ -69,6 +69,19 @@ void t_hfi_inject(const hfi_params_t *p, hfi_state_t *x, int wanted, float *sign
     *sign = hfi_inject(p, x, wanted);
 }
 
+void t_hfi_direction(const hfi_params_t *p, const hfi_state_t *x, float T_s, float *y) {
+    rot_t r = hfi_direction(p, x, T_s);
+    y[0] = r.c;
+    y[1] = r.s;
+}
+
+void t_flux_observe(const flux_params_t *p, flux_state_t *x, smo_state_t *y, const float *i,
+                    const float *u, float L_q, float omega, float theta_idle, float T_s) {
+    ab_t i_ab = {i[0], i[1]};
+    ab_t u_ab = {u[0], u[1]};
+    flux_observe(p, x, y, i_ab, u_ab, L_q, omega, theta_idle, T_s);
+}
+
 void t_smo_observe(const smo_params_t *p, smo_state_t *x, const float *i, const float *u, float L_q,
                    float omega, float theta_idle, float T_s) {
     ab_t i_ab = {i[0], i[1]};
@@ -80,6 +93,14 @@ void t_blend(const float *hfi, const float *smo, float k_s, float *y) {
     estimate_t h = {hfi[0], hfi[1]};
     estimate_t s = {smo[0], smo[1]};
     estimate_t b = ks_blend(h, s, k_s);
+    y[0] = b.theta;
+    y[1] = b.omega;
+}
+
+void t_blend_unwrapped(const float *hfi, const float *smo, float k_s, float *y) {
+    estimate_t h = {hfi[0], hfi[1]};
+    estimate_t s = {smo[0], smo[1]};
+    estimate_t b = ks_blend_unwrapped(h, s, k_s);
     y[0] = b.theta;
     y[1] = b.omega;
 }

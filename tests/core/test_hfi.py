@@ -11,6 +11,7 @@ import pytest
 
 from sensorless.core_api import plant_run, struct_dtype
 from sensorless.drive import DriveDesign, control_record
+from sensorless.magnetics import cross_angle, flux, inverse_inductance
 from sensorless.motor import Motor, Saturation
 from sensorless.plant_case import PlantCase
 from sensorless.plant_io import plant_arrays
@@ -19,6 +20,7 @@ Call = Callable[..., None]
 Angle = Callable[[DriveDesign, float, float, float], float]
 
 STATE = struct_dtype("hfi_state_t")
+L_D, L_Q = 0.063, 0.286
 DESIGN = DriveDesign(hfi_pll_hz=20.0, speed_hz=2.0, speed_weight=0.0, i_q_slew=150.0)
 
 
@@ -36,12 +38,17 @@ class Bench:
         theta_err: float,
         *,
         closed: bool,
-        mid_interval: bool = True,
+        design: DriveDesign = DESIGN,
         sign: float = 1.0,
+        current: complex | None = None,
     ) -> None:
-        self.c, self.T_s, self.mid, self.sign = c, motor.T_s, mid_interval, sign
+        """current: [A] held on the saturated machine at standstill; none: a linear machine at 0."""
+        self.c, self.T_s, self.sign = c, motor.T_s, sign
+        assert current is None or rpm == 0.0
         self.omega = motor.rpm_to_electrical(rpm)
         saturation = Saturation.linear(motor.L_d, motor.L_q, motor.psi_f)
+        saturation = saturation if current is None else motor.saturation
+        self.hold = 0.0 if current is None else motor.R_s * current * cmath.exp(0.5j)
         case = PlantCase(
             T_s=motor.T_s,
             n_p=motor.n_p,
@@ -49,14 +56,14 @@ class Bench:
             saturation=saturation,
             J=math.inf,
             B=0.0,
-            i_d=0.0,
-            i_q=0.0,
+            i_d=0.0 if current is None else current.real,
+            i_q=0.0 if current is None else current.imag,
             theta_m=0.5,
             w_M=self.omega / motor.n_p,
         )
         self.plant, self.state = plant_arrays(case)
         self.emf = self.omega * motor.psi_f
-        self.p = np.array(control_record(motor, DESIGN)["hfi"]).reshape(1)
+        self.p = np.array(control_record(motor, design)["hfi"]).reshape(1)
         if not closed:
             self.p["pll"]["k_p"] = self.p["pll"]["k_i"] = 0.0
         self.x = np.zeros(1, dtype=STATE)
@@ -67,13 +74,10 @@ class Bench:
 
     def _injection(self) -> complex:
         """Sign times direction for the period after next."""
-        ahead = 0.5 * self.T_s * float(self.x["pll"]["omega"][0]) if self.mid else 0.0
-        before = float(self.x["pll"]["theta"][0])
-        sign = np.empty(1, dtype=np.float32)
+        at, sign = np.empty(2, dtype=np.float32), np.empty(1, dtype=np.float32)
+        self.c("hfi_direction", self.p, self.x, self.T_s, at)
         self.c("hfi_inject", self.p, self.x, 1, sign)
-        if not self.mid:
-            before -= self.T_s * float(self.x["pll"]["omega"][0])
-        return float(sign[0]) * cmath.exp(1j * (before + ahead))
+        return float(sign[0]) * complex(at[0], at[1])
 
     def step(self) -> None:
         """One period; ``x`` then holds what was demodulated at its start."""
@@ -82,7 +86,7 @@ class Bench:
         self.c("hfi_observe", self.p, self.x, i.real, i.imag, own, self.omega, self.T_s)
         u_inj = float(self.p["u_inj"][0]) * self.sign
         mid = self.theta + 0.5 * self.omega * self.T_s
-        u = 1j * self.emf * cmath.exp(1j * mid) + u_inj * self.wait
+        u = 1j * self.emf * cmath.exp(1j * mid) + u_inj * self.wait + self.hold
         self.wait = self._injection()
         plant_run(self.plant, self.state, np.array([[u.real, u.imag, 0.0]]))
         self.theta += self.omega * self.T_s
@@ -117,6 +121,29 @@ def test_slope(c: Call, motor: Motor) -> None:
     assert (plus - minus) / 0.04 == pytest.approx(0.780, abs=0.001)
 
 
+@pytest.mark.parametrize("i", [2.065j, -0.618 + 1.844j, -2.065j])
+def test_slope_under_load(c: Call, motor: Motor, i: complex) -> None:
+    """At 6 N m: 0.68 around the rotor axis, and 1 - L_min / L_max, 0.70, where it locks.
+
+    That is at theta_m / 2, on the turned magnetic axes; 1 - L_d / L_q alone would be 0.685.
+    """
+    at = np.array([[i.real, i.imag]])
+
+    def slope(e: float) -> float:
+        low, high = (
+            Bench(c, motor, 0.0, e + d, closed=False, current=i).run(60, 20)[0]
+            for d in (-0.02, 0.02)
+        )
+        return (high - low) / 0.04
+
+    lock = float(cross_angle(motor, at)[0])
+    axes = np.linalg.eigvalsh(inverse_inductance(motor.saturation, flux(motor.saturation, at))[0])
+    zero, _, _ = Bench(c, motor, 0.0, lock, closed=False, current=i).run(60, 20)
+    assert zero == pytest.approx(0.0, abs=0.002)
+    assert slope(lock) == pytest.approx(1.0 - axes[0] / axes[1], abs=0.002)
+    assert slope(0.0) == pytest.approx(0.68, abs=0.02)
+
+
 @pytest.mark.parametrize("degrees", [-60.0, -30.0, 15.0, 30.0, 45.0, 60.0, 70.0])
 def test_error_signal_far_from_lock(c: Call, motor: Motor, degrees: float) -> None:
     """The curve of the exact relation, not the sine of the source paper."""
@@ -133,15 +160,41 @@ def test_lock_has_no_offset(c: Call, motor: Motor, rpm: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("rpm", "offset"), [(150.0, 0.15), (350.0, 0.36), (600.0, 0.61), (1500.0, 1.54)]
+    ("scheme", "delay_cure", "shift"),
+    [
+        ("rotating", True, 0.0),
+        ("rotating", False, 1.5 * L_D / (L_Q - L_D)),
+        ("stationary", True, 0.5 * L_Q / (L_Q - L_D)),
+        ("stationary", False, (0.5 * L_Q + 1.5 * L_D) / (L_Q - L_D)),
+    ],
 )
-def test_injection_without_delay_compensation_is_seen(
-    c: Call, motor: Motor, rpm: float, offset: float
+@pytest.mark.parametrize("rpm", [150.0, 350.0, 600.0, 1500.0])
+def test_lock_offset_of_the_schemes(
+    c: Call, motor: Motor, rpm: float, scheme: str, delay_cure: bool, shift: float
 ) -> None:
-    """An injection axis 1.5 periods late shifts the lock by the tabulated angle."""
-    bench = Bench(c, motor, rpm, 0.1, closed=True, mid_interval=False)
-    _, _, angle = bench.run(1500, 200)
-    assert angle == pytest.approx(offset, abs=0.02)
+    """Late axes turn the lock by (L_q e_d - L_d e_v) / (L_q - L_d), of w T_s each.
+
+    Demodulation as published looks half a period ahead of the interval it measures (e_d), and an
+    injection without compensation acts 1.5 periods late (e_v): 0, 0.42, 0.64 and 1.07 w T_s.
+    """
+    design = replace(DESIGN, hfi_scheme=scheme, hfi_delay_cure=delay_cure)
+    _, _, angle = Bench(c, motor, rpm, 0.1, closed=True, design=design).run(1500, 200)
+    step = math.degrees(motor.rpm_to_electrical(rpm) * motor.T_s)
+    assert angle == pytest.approx(shift * step, abs=0.05)
+
+
+def test_unnormalised_error(c: Call, motor: Motor) -> None:
+    """Without the division (Eq. 15): the same loop at no load, but its gain follows the voltage."""
+    design = replace(DESIGN, hfi_normalised=False)
+    bench = Bench(c, motor, 150.0, 0.2, closed=True, design=design)
+    assert abs(bench.run(1500, 200)[2]) < 0.02
+    bench = Bench(c, motor, 0.0, 0.02, closed=False, design=design)
+    full, _, _ = bench.run(60, 20)
+    bench.p["u_inj"] *= 0.5
+    half, _, _ = bench.run(60, 20)
+    assert half == pytest.approx(0.5 * full, rel=0.01)
+    plain = Bench(c, motor, 0.0, 0.02, closed=False)
+    assert full > 0.0 and plain.run(60, 20)[0] == pytest.approx(10.0 * full, rel=0.01)
 
 
 @pytest.mark.parametrize("start", [20.0, -50.0])

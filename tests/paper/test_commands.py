@@ -24,7 +24,7 @@ def test_identify_writes_data_and_picture(tmp_path: Path) -> None:
     done = run(*words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     data = json.loads((tmp_path / "cc.json").read_text(encoding="utf-8"))
-    assert data["line"]["slope_deg_per_A"] == pytest.approx(-3.4, abs=0.15)
+    assert data["line"]["slope_deg_per_A"] == pytest.approx(-3.96, abs=0.15)
     assert f"{data['line']['slope_deg_per_A']:.3f}" in done.stdout
     assert (tmp_path / "cc.png").read_bytes().startswith(b"\x89PNG")
 

@@ -7,7 +7,8 @@ from sensorless.baselines.registry import make_policy
 from sensorless.drive import DriveDesign
 from sensorless.envs.scenario import SimFactory
 from sensorless.motor import Motor
-from sensorless.reproduce_dynamic import switching
+from sensorless.reproduce_case import Case
+from sensorless.reproduce_switching import switching
 from sensorless.rollout import rollout
 from sensorless.steady import steady
 from sensorless.suites import suite
@@ -26,10 +27,21 @@ def test_each_estimator_holds_its_range(
     assert run.held.all()
 
 
-def test_blend_takes_the_step_out_of_the_torque(motor: Motor) -> None:
-    """Published estimators at 4 N m: peak to peak less by 40 % up and by 80 % down."""
-    rows = {row.quantity: row.published for row in switching(motor).rows}
-    up, down = rows["blend less by, up"], rows["blend less by, down"]
+@pytest.fixture(scope="module")
+def crossing(motor: Motor) -> Case:
+    return switching(motor)
+
+
+@pytest.mark.parametrize(
+    "sensors", ["exact sensors", "12 bits and dead time", "real sensors, mean run"]
+)
+def test_blend_takes_the_step_out_of_the_torque(crossing: Case, sensors: str) -> None:
+    """Published estimators at 4 N m: peak to peak less by 40 % up and by 80 % down.
+
+    With the noise of real sensors that is so for the mean of many runs; a single one is noise.
+    """
+    rows = {row.quantity: row.published for row in crossing.rows}
+    up, down = (rows[f"{sensors}: blend less by, {way}"] for way in ("up", "down"))
     assert isinstance(up, float) and up > 40.0
     assert isinstance(down, float) and down > 80.0
 

@@ -6,12 +6,15 @@ from itertools import product
 import numpy as np
 import pytest
 
+from sensorless.baselines.registry import make_policy
 from sensorless.core_api import Array
-from sensorless.drive import DriveDesign
+from sensorless.drive import DriveDesign, control_record
+from sensorless.envs.scenario import Scenarios
 from sensorless.magnetics import flux
 from sensorless.motor import Motor
 from sensorless.observers.smo_design import deadbeat_gain
 from sensorless.steady import RPM, make_ideal, steady
+from sensorless.trace import lost_cause, trace
 
 FIXED = DriveDesign(L_q_table=False, L_q_bias=1.0, mtpa=False, cross="none", speed_hz=1.0)
 
@@ -56,3 +59,41 @@ def test_sigmoid_lag(motor: Motor, g: float, lag: float, within: float, lag_cure
         assert np.all(np.abs(err) < 0.3)
     else:
         assert err == pytest.approx([lag, lag], abs=within)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_warm_start(motor: Motor, seed: int) -> None:
+    """Slaved to the drive below its floor, the observer takes up at a smaller error than without.
+
+    From rest on injection to 300 r/min against 5 N m that help; the window starts at 60 r/min.
+    """
+    s = Scenarios.nominal(motor, np.array([seed], dtype=np.uint64), 1.2)
+    s.t[:, 1], s.omega[:, 1:], s.omega_rate[:] = 0.5, 300.0 * RPM, 300.0 * RPM
+    s.tau[:], s.tau_rate[:] = -5.0, 50.0
+    worst = []
+    for floor in (40.0, 0.0):
+        t = trace(make_policy("hfi", motor), s, motor, DriveDesign(smo_floor_rpm=floor))
+        assert lost_cause(t) is None
+        start = int(np.argmax(t["omega_m"] > 60.0 * RPM))
+        worst.append(np.max(np.abs(t["theta_e_err_smo"][start : start + 500])))
+    warm, cold = worst
+    assert warm < 0.75 * cold
+
+
+def test_bounds(motor: Motor) -> None:
+    """The estimated speed stops at its bound, the EMF at k; both are settings."""
+    base = control_record(motor, DriveDesign())
+    assert base["smo"]["k"] == pytest.approx(2.5 * motor.omega_rated * motor.psi_f)
+    tight = DriveDesign(speed_bound=0.5, smo_k=400.0 / (motor.omega_rated * motor.psi_f))
+    record = control_record(motor, tight)
+    assert record["smo"]["k"] == pytest.approx(400.0)
+    assert record["smo"]["k"] * record["smo"]["half_a"] == pytest.approx(deadbeat_gain(motor))
+    assert {float(record[name]["pll"]["omega_max"]) for name in ("hfi", "smo", "flux")} == {
+        np.float32(0.5 * motor.omega_rated)
+    }
+    free = control_record(motor, DriveDesign(speed_bound=np.inf))["smo"]["pll"]["omega_max"]
+    assert 1e30 < free < np.inf
+    s = Scenarios.nominal(motor, np.zeros(1, np.uint64), 0.5)
+    s.omega_0[:] = s.omega[:] = 1000.0 * RPM
+    t = trace(make_policy("smo", motor), s, motor, tight)
+    assert np.max(np.abs(t["omega_m_hat"][1:])) <= 0.5001 * motor.omega_rated / motor.n_p

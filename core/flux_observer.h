@@ -1,0 +1,64 @@
+/* Rotor angle from the stator flux: an alternative to the sliding-mode observer.
+ *
+ * Stator frame: d psi_hat / dt = u - R_s i + v. In the estimated rotor frame the flux that the
+ * measured current stands for, [psi_f + L_d i_d, L_q i_q], less psi_hat is the error
+ *   eps ~ (its own error) - j delta psi_a,   psi_a = psi_f + (L_d - L_q) i_d + j (L_q - L_d) i_q,
+ * delta = theta_e - theta_e_hat: its part across the auxiliary flux psi_a drives the PLL, its part
+ * along psi_a corrects psi_hat with a bandwidth that rises with speed from a bound at standstill
+ * (doi 10.1109/TIA.2018.2858753). Integration over [k-1, k] is exact for a held voltage.
+ *
+ * The result goes where the sliding-mode observer puts its own, so that all else is the same.
+ */
+#ifndef SENSORLESS_FLUX_OBSERVER_H
+#define SENSORLESS_FLUX_OBSERVER_H
+
+#include "pll.h"
+#include "sliding_mode.h"
+#include "trig.h"
+
+typedef struct {
+    pll_params_t pll;
+    float R_s;         /* stator resistance of the model [ohm] */
+    float L_d;         /* [H] */
+    float psi_f;       /* magnet flux [Vs] */
+    float gain_0;      /* correction of the flux at standstill [1/s] times T_s */
+    float gain_w;      /* its rise with speed, times T_s [s] */
+    float omega_floor; /* below this speed the flux is not trusted, electrical [rad/s] */
+} flux_params_t;
+
+typedef struct {
+    ab_t psi; /* estimated stator flux [Vs] */
+} flux_state_t;
+
+/* One period; arguments as for smo_observe. y: angle, speed, EMF and error go there. */
+CORE_INLINE void flux_observe(const flux_params_t *p, flux_state_t *x, smo_state_t *y, ab_t i_ab,
+                              ab_t u_ab, float L_q, float omega, float theta_idle, float T_s) {
+    int valid = abs_f(omega) >= p->omega_floor;
+    int fresh = !valid || y->valid == 0.0f;
+    y->pll.theta = valid ? y->pll.theta : theta_idle;
+    y->pll.omega = valid ? y->pll.omega : omega;
+    rot_t r = rot_of(y->pll.theta);
+    dq_t i = ab_to_dq(i_ab, r);
+    dq_t model = {p->psi_f + p->L_d * i.d, L_q * i.q};
+    dq_t aux = {p->psi_f + (p->L_d - L_q) * i.d, (L_q - p->L_d) * i.q};
+    float inv = 1.0f / max_f(aux.d * aux.d + aux.q * aux.q, 0.0625f * p->psi_f * p->psi_f);
+
+    ab_t psi_ab = {x->psi.a + T_s * (u_ab.a - p->R_s * i_ab.a),
+                   x->psi.b + T_s * (u_ab.b - p->R_s * i_ab.b)};
+    dq_t psi = ab_to_dq(psi_ab, r);
+    psi.d = fresh ? model.d : psi.d;
+    psi.q = fresh ? model.q : psi.q;
+    dq_t e = {model.d - psi.d, model.q - psi.q};
+    float along = inv * (e.d * aux.d + e.q * aux.q);
+    float gain = 2.0f * (p->gain_0 + p->gain_w * abs_f(y->pll.omega)) * along;
+    dq_t next = {psi.d + gain * aux.d, psi.q + gain * aux.q};
+    x->psi = dq_to_ab(next, r);
+
+    dq_t emf = {0.0f, y->pll.omega * aux.d};
+    y->e = dq_to_ab(emf, r);
+    y->err = clamp_f(inv * (e.d * aux.q - e.q * aux.d), -1.0f, 1.0f);
+    y->valid = valid ? 1.0f : 0.0f;
+    pll_step(&p->pll, &y->pll, y->err, T_s);
+}
+
+#endif

@@ -1,0 +1,38 @@
+"""Flux observer: from the machine and bandwidths to ``flux_params_t``."""
+
+from typing import Any
+
+from sensorless.motor import Motor
+from sensorless.observers.pll_design import pll_gains
+
+
+def design_flux(
+    motor: Motor, *, pll_hz: float, gain: float, floor_rpm: float, omega_max: float
+) -> dict[str, Any]:
+    """Fields of ``flux_params_t`` (doi 10.1109/TIA.2018.2858753).
+
+    The flux is corrected along the auxiliary flux with b + ``gain`` times the speed,
+    b = R_s (L_d + L_q) / (2 L_d L_q): the bound at standstill.
+
+    Parameters
+    ----------
+    pll_hz : float
+        Natural frequency of the critically damped speed estimation [Hz].
+    gain : float
+        Rise of the correction with speed [-]; damping of the flux error.
+    floor_rpm : float
+        Speed below which the flux is not used [r/min].
+    omega_max : float
+        Bound on the speed estimate, electrical [rad/s].
+    """
+    k_p, k_i = pll_gains(pll_hz, 1.0, zeta=1.0)
+    b = 0.5 * motor.R_s * (motor.L_d + motor.L_q) / (motor.L_d * motor.L_q)
+    return {
+        "pll": {"k_p": k_p, "k_i": k_i, "omega_max": omega_max},
+        "R_s": motor.R_s,
+        "L_d": motor.L_d,
+        "psi_f": motor.psi_f,
+        "gain_0": b * motor.T_s,
+        "gain_w": gain * motor.T_s,
+        "omega_floor": motor.rpm_to_electrical(floor_rpm),
+    }
