@@ -14,6 +14,7 @@ from sensorless.magnetics import flux_map_record
 from sensorless.motor import Motor
 from sensorless.observers.hfi_design import design_hfi, hf_current
 from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
+from sensorless.observers.start_design import design_start
 
 SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
@@ -98,13 +99,14 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
         lag_cure=design.lag_cure,
         omega_max=omega_max,
     )
+    hfi = design_hfi(motor, design.hfi_pll_hz, design.injection_hold, omega_max)
     alpha = 2.0 * math.pi * design.signal_hz
     fill(
         record,
         {
             "T_s": motor.T_s,
             "k_s_step": design.k_s_slew * motor.T_s,
-            "hfi": design_hfi(motor, design.hfi_pll_hz, design.injection_hold, omega_max),
+            "hfi": hfi,
             "smo": smo,
             "control": {**control, "i_d_mtpa": {"y": i_d}},
             "signal": {
@@ -117,6 +119,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
             },
             "L_q": {"y": design.L_q_bias * L_q},
             "theta_cross": {"y": cross},
+            "start": design_start(motor, hfi, smo),
         },
     )
     return record
