@@ -152,7 +152,7 @@ CORE_INLINE ab_t drive_hold(const drive_params_t *p, drive_state_t *x, const dri
 
 /* Makes the drive find its rotor before it controls: call it after drive_init if angle or speed are
  * not known. The angle given to drive_init only says which pole to try first. */
-void drive_start(drive_state_t *x);
+void drive_find_rotor(drive_state_t *x);
 
 /* One period of the start sequence, of a drive in such a phase. */
 ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab);

@@ -1,7 +1,7 @@
 /* The start sequence on the drive's estimators; see start_sequence.h. */
 #include "drive.h"
 
-void drive_start(drive_state_t *x) { start_begin(&x->start); }
+void drive_find_rotor(drive_state_t *x) { start_begin(&x->start); }
 
 /* Hands over to control at the estimate for k+1, both estimators on it. */
 static void release(const drive_params_t *p, drive_state_t *x, estimate_t next, ab_t i_ab) {

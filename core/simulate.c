@@ -51,7 +51,7 @@ static void start_one(sim_t *s) {
     drive_init(&s->control, &s->drive.x, at->theta_e - at->theta_err, seek ? 0.0f : omega_e,
                at->k_s);
     if (seek) {
-        drive_start(&s->drive.x);
+        drive_find_rotor(&s->drive.x);
     }
     drive_init(&s->control, &s->twin.x, at->theta_e, omega_e, at->k_s);
     s->drive.y = y;

@@ -19,11 +19,12 @@ def starts_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     rated torque in either direction, which moves the shaft until the drive knows its rotor; at rest
     with a load as large that only resists; on a shaft that spins at any speed within the rated one,
     with such an active load. From 0.1 s on the speed runs to a target of 10 to 40 % of rated in
-    either direction. The first estimate is up to 90 degrees off, or that and half a turn. Inertia,
-    magnet, resistance, dead time and sensors are as uncertain as in ``stress``.
+    either direction, on a ramp of 30 % of rated torque. The first estimate is up to 90 degrees off,
+    or that and half a turn. Inertia, magnet, resistance, dead time and sensors are as uncertain as
+    in ``stress``.
     """
     d = Draws(seeds)
-    s = Scenarios.nominal(motor, seeds, 1.0)
+    s = Scenarios.nominal(motor, seeds, 1.2)
     omega_rated = motor.omega_rated / motor.n_p
     row = np.arange(len(s))
     active, passive, spins = (row // 2 % 4 == kind for kind in (1, 2, 3))

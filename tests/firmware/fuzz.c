@@ -65,7 +65,7 @@ static void fuzz_drive(const unsigned char *data, size_t size) {
     drive_state_t x;
     drive_init(&drive_params, &x, 1.0f, 100.0f, 0.5f);
     if (size > 0 && (data[0] & 1) != 0) {
-        drive_start(&x);
+        drive_find_rotor(&x);
     }
     while (size > 0) {
         drive_in_t in;

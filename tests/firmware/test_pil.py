@@ -79,7 +79,7 @@ def test_three_axes_stay_within_130_instructions(motor: Motor) -> None:
         Axis("disagreement", -1.0, 1.0, 5),
     )
     nodes = np.random.default_rng(3).random((11, 7, 5)).astype(np.float32)
-    found = pil(KsTable(axes, nodes), motor, DriveDesign(), size=8, level="-Os")
+    found = pil(KsTable(axes, nodes), motor, DriveDesign(), size=9, level="-Os")
     assert passed(found)
     assert found["instructions"]["lookup_f32"]["max"] <= 130
 
