@@ -4,6 +4,13 @@
 
 #include "simulate.h"
 
+/* Whether the load only resists. Blocks of drives (batch.c) leave such drives out. */
+#ifdef CORE_VECTOR
+#define SIM_PASSIVE(s) 0
+#else
+#define SIM_PASSIVE(s) ((s)->inv_stick > 0.0f)
+#endif
+
 /* Sampled currents and the present commands as the controller sees them. Drive and twin read the
  * same noise. */
 CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_ref) {
@@ -31,8 +38,10 @@ CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_su
         (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
     };
     ab_t u = inverter_voltage(&s->sensor, c->u, s->now.u_dc, i_ab);
-    float resist = clamp_f(s->inv_stick * (float)c->y.omega_m, -1.0f, 1.0f);
-    float tau_load = s->inv_stick > 0.0f ? abs_f(s->now.tau_load) * resist : s->now.tau_load;
+    float tau_load = s->now.tau_load;
+    if (SIM_PASSIVE(s)) {
+        tau_load = abs_f(tau_load) * clamp_f(s->inv_stick * (float)c->y.omega_m, -1.0f, 1.0f);
+    }
     plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, (double)tau_load, n_sub, bridge);
     c->u = u_next;
 }
