@@ -73,17 +73,15 @@ CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
     return u;
 }
 
-/* One period: fundamental voltage to become active at k+1, stator frame [V]. est: angle and speed
- * to work with; i_ab: sample k [A]; u_dc [V]; reserve: voltage kept free for injection [V]. */
-CORE_INLINE ab_t control_step(const control_params_t *p, control_state_t *x, estimate_t est,
-                              ab_t i_ab, float u_dc, float omega_ref, float reserve, float T_s) {
+/* Current control alone, at the torque current i_q_ref [A]; otherwise as control_step. */
+CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, estimate_t est,
+                                 ab_t i_ab, float u_dc, float i_q_ref, float reserve, float T_s) {
     rot_t r = rot_of(est.theta);
     dq_t i_k = ab_to_dq(i_ab, r);
     dq_t i = {0.5f * (i_k.d + x->i_1.d), 0.5f * (i_k.q + x->i_1.q)};
     x->i_1 = i_k;
     x->i = i;
 
-    float i_q_ref = speed_control(p, x, omega_ref, est.omega, T_s);
     float i_d_mtpa = curve_at(&p->i_d_mtpa, curve_locate(i_q_ref, p->curve_inv_step));
     x->i_ref.q = i_q_ref;
     x->i_ref.d = max_f(i_d_mtpa + x->i_d_fw, p->i_d_min);
@@ -102,6 +100,21 @@ CORE_INLINE ab_t control_step(const control_params_t *p, control_state_t *x, est
     x->u_abs = u_abs;
     x->u_max = u_max;
     return dq_to_ab(u_lim, rot_turn(r, 1.5f * T_s * est.omega));
+}
+
+/* One period: fundamental voltage to become active at k+1, stator frame [V]. est: angle and speed
+ * to work with; i_ab: sample k [A]; u_dc [V]; reserve: voltage kept free for injection [V]. */
+CORE_INLINE ab_t control_step(const control_params_t *p, control_state_t *x, estimate_t est,
+                              ab_t i_ab, float u_dc, float omega_ref, float reserve, float T_s) {
+    float i_q_ref = speed_control(p, x, omega_ref, est.omega, T_s);
+    return current_control(p, x, est, i_ab, u_dc, i_q_ref, reserve, T_s);
+}
+
+/* The speed controller as it is at speed omega without load: its integrator carries the
+ * proportional part, no torque is asked for. */
+CORE_INLINE void control_ready(const control_params_t *p, control_state_t *x, float omega) {
+    x->i_ref.q = 0.0f;
+    x->i_int = p->k_p_speed * (1.0f - p->weight_ref) * omega;
 }
 
 #endif

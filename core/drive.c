@@ -83,6 +83,7 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float om
     x->signal.omega_2 = omega;
     x->signal.omega_ref = omega;
     x->signal.k_s = k_s;
-    /* an IP controller at speed omega without load: its integrator carries the proportional part */
-    x->control.i_int = p->control.k_p_speed * (1.0f - p->control.weight_ref) * omega;
+    control_ready(&p->control, &x->control, omega);
+    start_begin(&x->start);
+    x->start.phase = START_DONE;
 }

@@ -14,10 +14,20 @@
 #include "hf_injection.h"
 #include "signals.h"
 #include "sliding_mode.h"
+#include "start_sequence.h"
 
 #define FAULT_CURRENT 1 /* a current sample was not finite or beyond any plausible value */
 #define FAULT_U_DC 2    /* the DC-link voltage was not finite, negative or implausible */
 #define FAULT_COMMAND 4 /* speed reference or k_s command not finite or out of range */
+#define FAULT_POLE 8    /* the start sequence was not sure of the polarity */
+
+/* Whether a drive in this phase still seeks its rotor. Loops over many drives leave such drives out
+ * and do not carry the code. */
+#ifdef CORE_VECTOR
+#define CORE_STARTING(phase) 0
+#else
+#define CORE_STARTING(phase) ((phase) != START_DONE)
+#endif
 
 #define LIMIT_CURRENT 1.0e4f /* [A] plausible magnitude of a sample */
 #define LIMIT_VOLTAGE 1.0e5f /* [V] */
@@ -34,6 +44,7 @@ typedef struct {
     signal_params_t signal;
     curve_t L_q;         /* apparent q inductance of the observer over |i_q| [H] */
     curve_t theta_cross; /* half the cross-coupling angle at positive i_q over |i_q| [rad] */
+    start_params_t start;
 } drive_params_t;
 
 typedef struct {
@@ -42,6 +53,7 @@ typedef struct {
     flux_state_t flux;
     control_state_t control;
     signal_state_t signal;
+    start_state_t start;
     estimate_t est;  /* blended estimate at k */
     ab_t u_1;        /* voltage that acts over [k, k+1], stator frame [V] */
     ab_t u_2;        /* voltage that acted over [k-1, k] [V] */
@@ -126,13 +138,10 @@ CORE_INLINE void drive_signals(const signal_params_t *p, drive_state_t *x, float
     y->k_s = x->k_s;
 }
 
-/* Control on any estimate (the sensored reference drive passes the true angle), injection sign s.
- * Returns the voltage to apply over [k+1, k+2] and moves the voltage queue on. */
-CORE_INLINE ab_t drive_actuate(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
-                               ab_t i_ab, estimate_t est, float s) {
-    float reserve = s * s * p->hfi.u_inj;
-    ab_t u =
-        control_step(&p->control, &x->control, est, i_ab, in->u_dc, in->omega_ref, reserve, p->T_s);
+/* Injection of sign s and dead-time compensation on top of the voltage u [V]. Returns what to apply
+ * over [k+1, k+2] and moves the voltage queue on. */
+CORE_INLINE ab_t drive_output(const drive_params_t *p, drive_state_t *x, ab_t u, estimate_t est,
+                              float s) {
     rot_t r = hfi_direction(&p->hfi, &x->hfi, p->T_s);
     ab_t model = {u.a + s * p->hfi.u_inj * r.c, u.b + s * p->hfi.u_inj * r.s};
     x->u_2 = x->u_1;
@@ -144,11 +153,39 @@ CORE_INLINE ab_t drive_actuate(const drive_params_t *p, drive_state_t *x, const 
     return out;
 }
 
+/* Control on any estimate (the sensored reference drive passes the true angle), injection sign s. */
+CORE_INLINE ab_t drive_actuate(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
+                               ab_t i_ab, estimate_t est, float s) {
+    float reserve = s * s * p->hfi.u_inj;
+    ab_t u =
+        control_step(&p->control, &x->control, est, i_ab, in->u_dc, in->omega_ref, reserve, p->T_s);
+    return drive_output(p, x, u, est, s);
+}
+
+/* No torque on any estimate: the current held at zero (or where field weakening wants it), the speed
+ * controller kept ready. */
+CORE_INLINE ab_t drive_hold(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
+                            ab_t i_ab, estimate_t est) {
+    control_ready(&p->control, &x->control, est.omega);
+    ab_t u = current_control(&p->control, &x->control, est, i_ab, in->u_dc, 0.0f, 0.0f, p->T_s);
+    return drive_output(p, x, u, est, 0.0f);
+}
+
+/* Makes the drive find its rotor before it controls: call it after drive_init if angle or speed are
+ * not known. The angle given to drive_init only says which pole to try first. */
+void drive_find_rotor(drive_state_t *x);
+
+/* One period of the start sequence, of a drive in such a phase. */
+ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab);
+
 /* The whole period. */
 CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
                                    const drive_in_t *raw) {
     drive_in_t in = drive_guard(x, raw);
     ab_t i_ab = phases_to_ab(in.i_a, in.i_b);
+    if (CORE_STARTING(x->start.phase)) {
+        return drive_seek(p, x, &in, i_ab);
+    }
     drive_observe(p, x, i_ab, in.k_s_ref);
     float s = hfi_inject(&p->hfi, &x->hfi, x->k_s > 0.0f || in.k_s_ref > 0.0f);
     ab_t u = drive_actuate(p, x, &in, i_ab, x->est, s);

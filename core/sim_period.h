@@ -4,6 +4,13 @@
 
 #include "simulate.h"
 
+/* Whether the load only resists. Blocks of drives (batch.c) leave such drives out. */
+#ifdef CORE_VECTOR
+#define SIM_PASSIVE(s) 0
+#else
+#define SIM_PASSIVE(s) ((s)->inv_stick > 0.0f)
+#endif
+
 /* Sampled currents and the present commands as the controller sees them. Drive and twin read the
  * same noise. */
 CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_ref) {
@@ -31,26 +38,34 @@ CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_su
         (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
     };
     ab_t u = inverter_voltage(&s->sensor, c->u, s->now.u_dc, i_ab);
-    plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, (double)s->now.tau_load, n_sub, bridge);
+    float tau_load = s->now.tau_load;
+    if (SIM_PASSIVE(s)) {
+        tau_load = abs_f(tau_load) * clamp_f(s->inv_stick * (float)c->y.omega_m, -1.0f, 1.0f);
+    }
+    plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, (double)tau_load, n_sub, bridge);
     c->u = u_next;
 }
 
-/* Control with the true angle and speed, no injection: the yardstick. */
+/* Control with the true angle and speed, no injection: the yardstick. While the drive is `starting`
+ * its twin waits without torque, so that both begin to control in the same period. */
 CORE_INLINE ab_t sensored_step(const drive_params_t *p, chain_t *c, const drive_in_t *raw,
-                               float omega_scale) {
+                               float omega_scale, int starting) {
     drive_in_t in = drive_guard(&c->x, raw);
     ab_t i_ab = phases_to_ab(in.i_a, in.i_b);
     estimate_t truth = {(float)c->y.theta_e, omega_scale * (float)c->y.omega_m};
     c->x.est = truth;
-    ab_t u = drive_actuate(p, &c->x, &in, i_ab, truth, 0.0f);
-    return u;
+    if (starting) {
+        return drive_hold(p, &c->x, &in, i_ab, truth);
+    }
+    return drive_actuate(p, &c->x, &in, i_ab, truth, 0.0f);
 }
 
 CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, float omega_m,
-                         float omega_m_twin, float i_sq, float i_sq_twin, float k_s_was) {
+                         float omega_m_twin, float i_sq, float i_sq_twin, float k_s_was,
+                         int starting) {
     const drive_state_t *x = &s->drive.x;
     sums_t *m = &s->sums;
-    float err = wrap_pi(theta_e - x->est.theta);
+    float err = starting ? 0.0f : wrap_pi(theta_e - x->est.theta);
     float dev = s->with_twin != 0 ? tau - tau_twin : 0.0f;
     float tau_lf = 0.5f * (tau + s->tau_1);
     float dev_lf = 0.5f * (dev + s->dev_1);
@@ -69,14 +84,15 @@ CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, flo
     m->err += err;
     m->err_sq += err * err;
     m->err_max = max_f(m->err_max, abs_f(err));
-    m->err_hfi += wrap_pi(theta_e - x->theta_hfi);
-    m->err_smo += wrap_pi(theta_e - x->theta_smo);
+    m->err_hfi += starting ? 0.0f : wrap_pi(theta_e - x->theta_hfi);
+    m->err_smo += starting ? 0.0f : wrap_pi(theta_e - x->theta_smo);
     m->k_s += x->k_s;
     m->k_s_moved += abs_f(x->k_s - k_s_was);
     m->injecting += abs_f(x->hfi.sign_1);
     m->i_sq += i_sq;
     m->i_sq_twin += i_sq_twin;
     m->n += 1.0f;
+    m->starting += starting ? 1.0f : 0.0f;
 
     s->err_count = abs_f(err) > s->err_limit ? s->err_count + 1 : 0;
     float trip = s->i_trip * s->i_trip;
@@ -95,10 +111,11 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
     float omega_m = (float)s->drive.y.omega_m;
     float i_sq = (float)(s->drive.y.i_d * s->drive.y.i_d + s->drive.y.i_q * s->drive.y.i_q);
     float k_s_was = s->drive.x.k_s;
+    int starting = CORE_STARTING(s->drive.x.start.phase);
     drive_in_t in = sim_sample(s, &s->drive, k_s_ref);
     ab_t u;
     if (sensored) {
-        u = sensored_step(&s->control, &s->drive, &in, s->omega_scale);
+        u = sensored_step(&s->control, &s->drive, &in, s->omega_scale, 0);
         s->drive.x.theta_hfi = theta_e;
         s->drive.x.theta_smo = theta_e;
     } else {
@@ -115,10 +132,10 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
         omega_m_twin = (float)y->omega_m;
         i_sq_twin = (float)(y->i_d * y->i_d + y->i_q * y->i_q);
         drive_in_t in_twin = sim_sample(s, &s->twin, 0.0f);
-        ab_t u_twin = sensored_step(&s->control, &s->twin, &in_twin, s->omega_scale);
+        ab_t u_twin = sensored_step(&s->control, &s->twin, &in_twin, s->omega_scale, starting);
         chain_advance(s, &s->twin, u_twin, n_sub, bridge);
     }
-    sim_sum(s, theta_e, tau, tau_twin, omega_m, omega_m_twin, i_sq, i_sq_twin, k_s_was);
+    sim_sum(s, theta_e, tau, tau_twin, omega_m, omega_m_twin, i_sq, i_sq_twin, k_s_was, starting);
     s->k += 1;
     return in;
 }

@@ -47,7 +47,12 @@ static void start_one(sim_t *s) {
     y.theta_e = (double)at->theta_e;
     plant_start(&s->plant, &y);
     float omega_e = s->omega_scale * at->omega_m;
-    drive_init(&s->control, &s->drive.x, at->theta_e - at->theta_err, omega_e, at->k_s);
+    int seek = at->seek != 0 && s->sensored == 0;
+    drive_init(&s->control, &s->drive.x, at->theta_e - at->theta_err, seek ? 0.0f : omega_e,
+               at->k_s);
+    if (seek) {
+        drive_find_rotor(&s->drive.x);
+    }
     drive_init(&s->control, &s->twin.x, at->theta_e, omega_e, at->k_s);
     s->drive.y = y;
     s->twin.y = y;
@@ -136,11 +141,13 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
         s->sums = none;
         drive_in_t in =
             sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub, s->plant.bridge);
+        const drive_state_t *x = &s->drive.x;
         row[TRACE_I_A] = (double)in.i_a;
         row[TRACE_I_B] = (double)in.i_b;
-        row[TRACE_THETA_E_ERR] = (double)s->sums.err;
-        row[TRACE_THETA_E_ERR_HFI] = (double)s->sums.err_hfi;
-        row[TRACE_THETA_E_ERR_SMO] = (double)s->sums.err_smo;
+        row[TRACE_THETA_E_ERR] = (double)wrap_pi((float)y.theta_e - x->est.theta);
+        row[TRACE_THETA_E_ERR_HFI] = (double)wrap_pi((float)y.theta_e - x->theta_hfi);
+        row[TRACE_THETA_E_ERR_SMO] = (double)wrap_pi((float)y.theta_e - x->theta_smo);
+        row[TRACE_STARTING] = (double)s->sums.starting;
         trace_row(s, t, row);
     }
     return j;

@@ -39,7 +39,7 @@ typedef struct {
     float injecting;             /* periods with injection on */
     float i_sq, i_sq_twin;       /* squared current vector [A^2] */
     float n;                     /* periods summed */
-    float reserved;
+    float starting;              /* of them, periods of the start sequence: angle errors read 0 */
 } sums_t;
 
 /* Where a scenario begins. */
@@ -48,6 +48,8 @@ typedef struct {
     float theta_e;   /* electrical angle [rad] */
     float theta_err; /* truth minus the estimators' first angle [rad] */
     float k_s;       /* first weight */
+    int32_t seek;    /* 1: speed and angle are not known, the drive runs its start sequence */
+    int32_t reserved;
 } start_t;
 
 typedef struct {
@@ -65,6 +67,7 @@ typedef struct {
     float i_trip;        /* over-current limit, peak [A] */
     float err_limit;     /* [rad] */
     float tau_1, dev_1;  /* torque and deviation of the last period [N m] */
+    float inv_stick;     /* above 0: the load only resists, fully from 1 / inv_stick on [s/rad] */
     int32_t err_periods; /* periods in a row the error may stay beyond its limit */
     int32_t err_count;
     int32_t k;         /* period */
@@ -73,7 +76,6 @@ typedef struct {
     int32_t with_twin; /* 0: no twin, deviations read 0 */
     int32_t lost;      /* LOST_* bits; a lost drive is not advanced any more */
     uint32_t seed;     /* of the measurement noise */
-    int32_t reserved;
 } sim_t;
 
 /* Signals of a trace row, one a period. */
@@ -99,6 +101,7 @@ enum {
     TRACE_U_B,
     TRACE_U_DC,         /* [V] */
     TRACE_HF_AMPLITUDE, /* [A] */
+    TRACE_STARTING,     /* 1 while the start sequence runs */
     TRACE_N
 };
 

@@ -41,6 +41,22 @@ CORE_INLINE rot_t rot_turn(rot_t r, float x) {
     return y;
 }
 
+/* Angle of a vector in [-pi, pi], error below 1e-6; 0 for the zero vector. The octant, then the
+ * polynomial of the Cephes library's atanf. */
+CORE_INLINE float angle_of(ab_t x) {
+    float a = abs_f(x.a);
+    float b = abs_f(x.b);
+    float t = min_f(a, b) / max_f(max_f(a, b), 1.0e-30f);
+    int far = t > 0.414213562373095f; /* tan(pi / 8) */
+    float v = far ? (t - 1.0f) / (t + 1.0f) : t;
+    float z = v * v;
+    float y = ((8.05374449538e-2f * z - 1.38776856032e-1f) * z + 1.99777106478e-1f) * z;
+    y = v + v * z * (y - 3.33329491539e-1f) + (far ? 0.25f * PI_F : 0.0f);
+    y = b > a ? 0.5f * PI_F - y : y;
+    y = x.a < 0.0f ? PI_F - y : y;
+    return x.b < 0.0f ? -y : y;
+}
+
 /* tanh(x): continued fraction of order 7/6, limited to [-1, 1]; absolute error below 1e-4 (worst
  * near |x| = 5), near 1e-6 for |x| < 3. Odd, exactly +-1 for large |x|, monotone
  * within 3e-7. */

@@ -4,11 +4,16 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sensorless.core_api import PROFILE_N, SIM, Array, sim_start
 from sensorless.drive import DriveDesign, control_record, fill, plant_record, sensor_record
 from sensorless.envs.counter_random import Floats, Seeds
+from sensorless.errors import UserError
 from sensorless.motor import Motor
+from sensorless.observers.start_design import knows_poles
+
+Bools = NDArray[np.bool_]
 
 NEVER = np.iinfo(np.int32).max
 LOST_ANGLE_DEG = 60.0
@@ -44,6 +49,10 @@ class Scenarios:
     """electrical angle at the start [rad]"""
     theta_err_0: Floats
     """truth minus the estimators' angle at the start [rad]"""
+    seek: Bools
+    """the drive knows neither its angle nor its speed and runs its start sequence first"""
+    passive: Bools
+    """the load only resists, like friction: its magnitude acts against the motion, none at rest"""
     R_s: Floats
     """resistance over the controller's value"""
     L_q_hat: Floats
@@ -92,6 +101,8 @@ class Scenarios:
             omega_0=zeros,
             theta_0=zeros.copy(),
             theta_err_0=zeros.copy(),
+            seek=np.zeros(n, dtype=bool),
+            passive=np.zeros(n, dtype=bool),
             R_s=ones,
             L_q_hat=ones.copy(),
             psi_f=ones.copy(),
@@ -137,8 +148,18 @@ class SimFactory:
         """Drives at the start of their scenarios, array of ``SIM`` with shape (n,).
 
         ``estimator`` takes the place of the design's own, if given.
+
+        Raises
+        ------
+        UserError
+            A start from an unknown angle on a machine whose poles saturation cannot tell apart.
         """
         motor = self.motor
+        if np.any(s.seek) and not knows_poles(motor):
+            raise UserError(
+                f"seek: {motor.name} does not saturate along d, so that its poles look alike; "
+                "allowed: starts at a known angle, or a machine with a saturation model"
+            )
         sims = np.repeat(self._template, len(s))
         if estimator is not None:
             design = dataclasses.replace(self.design, estimator=estimator)
@@ -159,6 +180,9 @@ class SimFactory:
         start = sims["start"]
         start["omega_m"], start["theta_e"] = s.omega_0, s.theta_0
         start["theta_err"], start["k_s"] = s.theta_err_0, 1.0
+        start["seek"] = s.seek
+        stick = 0.5 * motor.J * s.J / (motor.T_s * motor.tau_rated)
+        sims["inv_stick"] = np.where(s.passive, stick, 0.0)
         sims["k_end"] = np.rint(s.duration / motor.T_s)
         sims["seed"] = (s.seed & np.uint64(0xFFFFFFFF)).astype(np.uint32)
         sims["sensored"], sims["with_twin"] = int(sensored), int(twin)

@@ -71,6 +71,9 @@ static void start(uint32_t j) {
     step_t *y = &answer.step[j];
     const start_item_t *at = &item.start[j];
     drive_init(&drive_params, &drive[j], at->theta, at->omega, at->k_s);
+    if (at->seek > 0.0f) {
+        drive_find_rotor(&drive[j]);
+    }
     ks_schedule_init(&schedule_params, &schedule[j]);
     y->x = drive[j];
     y->schedule = schedule[j];

@@ -50,6 +50,7 @@ typedef struct {
     float theta;
     float omega;
     float k_s;
+    float seek; /* above 0: with the start sequence */
 } start_item_t;
 
 typedef struct {

@@ -79,6 +79,13 @@ def simulate(
         ),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the measurement noise.")] = 0,
+    start: Annotated[
+        bool, typer.Option("--start", help="Angle, polarity and speed unknown: find them first.")
+    ] = False,
+    theta_err: Annotated[
+        float, typer.Option(help="Rotor minus the drive's first angle [deg el.].")
+    ] = 0.0,
+    spin: Annotated[float, typer.Option(help="Speed of the shaft at first [r/min].")] = 0.0,
     settings: SetOption = None,
     plot: Annotated[Path | None, typer.Option(help="Waveforms as PNG.")] = None,
     out: Annotated[
@@ -116,7 +123,9 @@ def simulate(
     case = (
         scenario_from(scenario, machine)
         if scenario is not None
-        else plan_from(speed, load, ramp, duration, machine, seed)
+        else plan_from(
+            speed, load, ramp, duration, machine, seed, start=start, theta_err=theta_err, spin=spin
+        )
     )
     run = trace(rule, case, machine, design)
     console.print(summary_table(run, rule.name))
@@ -135,7 +144,7 @@ def evaluate(
     policy: PolicyOption,
     motor: MotorOption = "paper",
     suite: Annotated[
-        str, typer.Option(help="paper, nominal, handoff, stress, envelope or motors.")
+        str, typer.Option(help="paper, nominal, handoff, stress, envelope, motors or starts.")
     ] = "stress",
     seed: Annotated[int, typer.Option(min=0, help="Draws the scenarios.")] = 1,
     size: Annotated[int, typer.Option(min=1, help="Number of scenarios.")] = 200,

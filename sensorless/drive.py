@@ -16,6 +16,7 @@ from sensorless.motor import Motor
 from sensorless.observers.flux_design import design_flux
 from sensorless.observers.hfi_design import SCHEMES, design_hfi, hf_current
 from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
+from sensorless.observers.start_design import design_start
 
 SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
@@ -177,6 +178,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
             },
             "L_q": {"y": design.L_q_bias * L_q},
             "theta_cross": {"y": cross},
+            "start": design_start(motor, hfi, smo),
         },
     )
     return record

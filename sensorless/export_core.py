@@ -6,7 +6,7 @@ from pathlib import Path
 HERE = Path(__file__).parent
 CORE = HERE / "core"
 FIRMWARE = HERE / "firmware"
-SOURCES = ("drive.c", "ks_schedule.c", "ks_selftest.c", "ks_table.c")
+SOURCES = ("drive.c", "drive_start.c", "ks_schedule.c", "ks_selftest.c", "ks_table.c")
 """With every header that one of them includes."""
 
 _STRUCT = re.compile(r"typedef struct \{(.*?)\}\s*(\w+);", re.DOTALL)

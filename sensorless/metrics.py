@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 
 from sensorless.rollout import Floats, Rollout
+from sensorless.start_metrics import backward_excess_pct, start_err_deg, start_s
 from sensorless.step_metrics import (
     dip_excess_pct_s,
     dip_pct_s,
@@ -148,6 +149,9 @@ METRICS: dict[str, Callable[[Rollout], Floats]] = {
         injection_share,
         copper_extra,
         k_s_activity,
+        start_s,
+        start_err_deg,
+        backward_excess_pct,
     )
 }
 """All metrics by name, in the order in which they are reported."""

@@ -68,7 +68,16 @@ def scenario_from(word: str, motor: Motor) -> Scenarios:
 
 
 def plan_from(
-    speed: str, load: str, ramp: float | None, duration: float, motor: Motor, seed: int
+    speed: str,
+    load: str,
+    ramp: float | None,
+    duration: float,
+    motor: Motor,
+    seed: int,
+    *,
+    start: bool = False,
+    theta_err: float = 0.0,
+    spin: float = 0.0,
 ) -> Scenarios:
     """One scenario from plans of speed [r/min] and load [N m].
 
@@ -80,7 +89,17 @@ def plan_from(
         Slope of the speed reference [r/min/s]; none: steps.
     duration : float
         [s]
+    start : bool
+        The drive has to find its rotor first.
+    theta_err : float
+        Truth minus the drive's first angle, electrical [deg].
+    spin : float
+        Speed of the shaft at the beginning [r/min].
     """
+    if not -180.0 <= theta_err <= 180.0:
+        raise UserError(f"theta_err: {theta_err:g}; allowed: -180 to 180 degrees")
+    if not abs(spin) <= 2.0 * motor.n_rated_rpm:
+        raise UserError(f"spin: {spin:g} r/min; allowed: up to twice {motor.n_rated_rpm:g}")
     if not 0.0 < duration <= 1000.0:
         raise UserError(f"duration: {duration:g} s; allowed: above 0 and at most 1000")
     if ramp is not None and not 0.0 < ramp < 1e9:
@@ -95,6 +114,7 @@ def plan_from(
         s.omega[0, j:] = RPM * _at(speeds, t)
         s.tau[0, j:] = _at(loads, t)
     s.omega_rate[:] = np.inf if ramp is None else ramp * RPM
+    s.seek[:], s.theta_err_0[:], s.omega_0[:] = start, np.deg2rad(theta_err), spin * RPM
     return s
 
 

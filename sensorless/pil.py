@@ -101,7 +101,7 @@ def pil(
             lookups = _lookups(device, table, info)
             stages = device.ask(STAGES, _running(len(scenarios), motor))
         sizes = memory(objects)
-        stack = stack_of(objects, ("drive_step", "ks_schedule_step"))
+        stack = stack_of(objects, ("drive_step", "drive_seek", "ks_schedule_step"))
         fused = fused_instructions(image)
     return {
         "policy": policy,

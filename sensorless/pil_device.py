@@ -147,9 +147,12 @@ class Device:
         return f" ({lines[-1]})" if lines else ""
 
 
-def start_items(theta: Array, omega: Array, k_s: Array) -> Array:
-    """Where drives start: angle [rad], electrical speed [rad/s], weight; (n, 3) floats."""
-    return np.ascontiguousarray(np.stack([theta, omega, k_s], axis=-1), dtype=np.float32)
+def start_items(theta: Array, omega: Array, k_s: Array, seek: Array) -> Array:
+    """Where drives start: angle [rad], electrical speed [rad/s], weight; (n, 4) floats.
+
+    ``seek``: with the start sequence.
+    """
+    return np.ascontiguousarray(np.stack([theta, omega, k_s, seek], axis=-1), dtype=np.float32)
 
 
 def lookup_items(rng: np.random.Generator, table_axes: Any, names: tuple[str, ...]) -> Array:

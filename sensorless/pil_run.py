@@ -85,7 +85,9 @@ def lockstep(
     ticks = []
     sim_run(sims, 0, k_s, obs, plain=plain)
     x = sims["drive"]["x"]
-    begun = device.ask(START, start_items(x["est"]["theta"], x["est"]["omega"], x["k_s"]))
+    begun = device.ask(
+        START, start_items(x["est"]["theta"], x["est"]["omega"], x["k_s"], x["start"]["phase"] > 0)
+    )
     _compare(out, begun.view(np.uint32).reshape(n, -1)[:, :_X_N], raw[:, _X_AT : _X_AT + _X_N],
              np.ones(n, dtype=bool), -1)  # fmt: skip
     total = int(sims["k_end"].max())

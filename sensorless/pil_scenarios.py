@@ -6,6 +6,7 @@ import numpy as np
 
 from sensorless.envs.scenario import Scenarios
 from sensorless.motor import Motor
+from sensorless.observers.start_design import knows_poles
 from sensorless.suites import suite
 
 PLANS: dict[str, tuple[tuple[float, float, float], ...]] = {
@@ -14,9 +15,12 @@ PLANS: dict[str, tuple[tuple[float, float, float], ...]] = {
     "load steps": ((0.0, 0.25, 0.0), (0.5, 0.25, 0.6), (1.0, 0.25, -0.4), (1.5, 0.25, 0.3)),
     "reversal": ((0.0, 0.35, 0.1), (0.6, -0.35, 0.1), (1.5, 0.0, 0.0)),
     "rated speed": ((0.0, 1.0, 0.0), (1.2, 1.0, 0.5)),
+    "unknown angle": ((0.0, 0.0, 0.3), (0.1, 0.5, 0.3)),
+    "spinning shaft": ((0.0, -0.6, 0.0), (0.3, 0.3, 0.0)),
     "lost": ((0.0, 0.3, 0.0), (0.6, 0.3, 0.5)),
 }
-"""From [s], speed target [rated], load [rated]. A current sensor of the last one is broken."""
+"""From [s], speed target [rated], load [rated]. Two find their rotor first; a current sensor of the
+last one is broken."""
 
 BROKEN = 0.7
 """Offset of the broken sensor [rated current]."""
@@ -41,6 +45,10 @@ def pil_scenarios(motor: Motor, seed: int = 5, size: int = 16) -> tuple[tuple[st
             planned.t[j, i] = t
             planned.omega[j, i:], planned.tau[j, i:] = omega * rated, tau * motor.tau_rated
     planned.omega_rate[:] = RATE * rated
+    resting, spinning = (list(PLANS).index(name) for name in ("unknown angle", "spinning shaft"))
+    planned.seek[[resting, spinning]] = knows_poles(motor)
+    planned.theta_err_0[resting] = 2.5
+    planned.omega_0[spinning] = PLANS["spinning shaft"][0][1] * rated
     planned.offset[-1, 0] = BROKEN * motor.i_rated
     random = suite("stress", motor, seed, size - len(PLANS))
     random.L_q_hat[:] = random.cross_hat[:] = 1.0

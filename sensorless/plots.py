@@ -57,7 +57,7 @@ def waveforms(traces: dict[str, Trace]) -> "Figure":
         squeeze=False,
         height_ratios=(3, 2.4, 2.4, 1.2),
     )
-    worst = max(_quantile(t["theta_e_err"]) for t in traces.values())
+    worst = max(_quantile(t["theta_e_err"][t["starting"] == 0.0]) for t in traces.values())
     for column, (title, t) in zip(axes.T, traces.items(), strict=True):
         _speeds(column[0], t)
         _torques(column[1], t)
@@ -70,6 +70,7 @@ def waveforms(traces: dict[str, Trace]) -> "Figure":
         column[0].set_title(title + (f" — lost: {cause}" if cause else ""), pad=24)
         for ax in column:
             ax.grid(alpha=0.3)
+            _shade_start(ax, t)
         for ax in column[:3]:
             place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
             ax.legend(ncols=4, fontsize=8, **place)
@@ -84,9 +85,16 @@ def waveforms(traces: dict[str, Trace]) -> "Figure":
     return figure  # type: ignore[no-any-return]
 
 
+def _shade_start(ax: Any, t: Trace) -> None:
+    """Grey where the drive was still looking for its rotor."""
+    seeking = t["t"][t["starting"] > 0.0]
+    if len(seeking):
+        ax.axvspan(seeking[0], seeking[-1], color="0.88", lw=0)
+
+
 def _quantile(x: Any) -> float:
     """Angle that 99.9 % of the errors stay within, at most 90 [deg]."""
-    return min(float(np.quantile(np.abs(np.rad2deg(x)), 0.999)), 90.0)
+    return min(float(np.quantile(np.abs(np.rad2deg(x)), 0.999)), 90.0) if len(x) else 90.0
 
 
 def _speeds(ax: Any, t: Trace) -> None:

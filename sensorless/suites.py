@@ -11,6 +11,7 @@ import numpy as np
 
 from sensorless.envs.counter_random import Floats, Seeds, combine
 from sensorless.envs.scenario import Scenarios
+from sensorless.envs.starts import starts_scenarios
 from sensorless.envs.stress import stress_scenarios
 from sensorless.errors import UserError
 from sensorless.motor import Motor
@@ -207,6 +208,7 @@ SUITES: dict[str, Callable[[Motor, Seeds], Scenarios]] = {
     "stress": stress_scenarios,
     "envelope": envelope_scenarios,
     "motors": motors_scenarios,
+    "starts": starts_scenarios,
 }
 
 

@@ -16,6 +16,9 @@ STEADY = 0.2
 def summary_table(t: Trace, policy: str) -> Table:
     """One row for every stretch of constant speed reference."""
     title = f"{policy}: " + (f"lost ({lost_cause(t)})" if lost_cause(t) else "kept lock")
+    seeking = t["t"][t["starting"] > 0.0]
+    if len(seeking):
+        title += f", rotor found after {1e3 * seeking[-1]:.0f} ms"
     table = Table(title=title)
     for heading in (
         "from [s]",
@@ -52,7 +55,8 @@ def plateaus(t: Trace) -> list[dict[str, float]]:
     list of dict
         ``from_s`` [s]; ``target_rpm`` [r/min]; ``settled_s``: time until the speed stays within 2 %
         of the step [s]; ``overshoot_pct`` of the step; ``k_s``: mean of the last 0.2 s;
-        ``angle_err_steady_deg``: largest magnitude of its 20 ms mean there; ``angle_err_max_deg``.
+        ``angle_err_steady_deg``: largest magnitude of its 20 ms mean there; ``angle_err_max_deg``,
+        the start sequence left out.
     """
     ref, omega = RPM * t["omega_m_ref"], RPM * t["omega_m"]
     edges = np.flatnonzero(np.abs(np.diff(ref)) > 1e-6) + 1
@@ -82,7 +86,7 @@ def _plateau(
     away = np.flatnonzero(np.abs(omega[a:b] - target) > SETTLED * max(abs(step), 1e-9))
     settled = 0.0 if len(away) == 0 else (away[-1] + 1) * T_s
     beyond = float(np.max(np.sign(step) * (omega[a:b] - target), initial=0.0))
-    err = np.rad2deg(t["theta_e_err"][a:b])
+    err = np.where(t["starting"][a:b] > 0.0, 0.0, np.rad2deg(t["theta_e_err"][a:b]))
     tail = err[-round(STEADY / T_s) :]
     window = max(1, round(0.02 / T_s))
     smooth = (

@@ -42,6 +42,9 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["evaluate", "--policy", "eq25", "--out", "missing/results.json"], "missing"),
         (["simulate", "--speed", "0:200,x"], "speed"),
         (["simulate", "--scenario", "stress"], "SUITE:SEED:INDEX"),
+        (["simulate", "--start", "--theta-err", "200"], "theta_err"),
+        (["simulate", "--spin", "4000"], "spin"),
+        (["simulate", "--start", "--motor", "ipmsm_2200w"], "does not saturate"),
         (["simulate", "--plant", "none.json"], "plant"),
         (["export", "hysteresis", "--out", "folder"], "hysteresis"),
         (["export", "eq25", "--out", "/proc/nowhere"], "/proc"),
@@ -100,6 +103,19 @@ def test_fig9_meets_its_figures(tmp_path: Path) -> None:
         assert all(row["settled_s"] <= 0.5 for row in rows)
         assert all(row["overshoot_pct"] <= 2.0 for row in rows)
         assert all(row["angle_err_steady_deg"] < 5.0 for row in rows)
+
+
+def test_simulate_starts_from_the_wrong_pole(tmp_path: Path) -> None:
+    """The rotor is found in the 33 ms of the sequence; without it the same drive gets lost."""
+    words = ["simulate", "--theta-err", "180", "--speed", "0:0,0.1:300", "--duration", "0.4"]
+    found = run(*words, "--start", "--plot", "run.png", "--out", "run.csv", cwd=tmp_path)
+    assert found.returncode == 0, found.stderr
+    assert "kept lock, rotor found after 33 ms" in " ".join(found.stdout.split())
+    header, *rows = (tmp_path / "run.csv").read_text().splitlines()
+    starting = [float(row.split(",")[header.split(",").index("starting")]) for row in rows]
+    assert starting == [1.0] * 165 + [0.0] * (2000 - 165)
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+    assert "lost (angle)" in run(*words, cwd=tmp_path).stdout
 
 
 def test_simulate_writes_csv_and_picture(tmp_path: Path) -> None:

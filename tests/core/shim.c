@@ -18,6 +18,13 @@ void t_rot_turn(const float *r, const float *x, float *y, int n) {
     }
 }
 
+void t_angle_of(const float *x, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        ab_t v = {x[2 * j], x[2 * j + 1]};
+        y[j] = angle_of(v);
+    }
+}
+
 void t_tanh(const float *x, float *y, int n) {
     for (int j = 0; j < n; j++) {
         y[j] = tanh_f(x[j]);

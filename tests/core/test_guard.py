@@ -10,7 +10,7 @@ from sensorless.drive import DriveDesign, control_record
 from sensorless.motor import Motor
 
 STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")
-CURRENT, U_DC, COMMAND = 1, 2, 4
+CURRENT, U_DC, COMMAND, POLE = 1, 2, 4, 8
 GOOD = {"i_a": 0.5, "i_b": -0.2, "u_dc": 540.0, "omega_ref": 60.0, "k_s_ref": 0.5}
 DENORMAL = 1e-42
 WILD = [math.nan, math.inf, -math.inf, 3e38, -3e38, DENORMAL, -DENORMAL, 1e30, 0.0, -0.0]
@@ -19,7 +19,7 @@ WILD = [math.nan, math.inf, -math.inf, 3e38, -3e38, DENORMAL, -DENORMAL, 1e30, 0
 class Drive:
     """One controller, called as firmware calls it."""
 
-    def __init__(self, motor: Motor, omega: float = 50.0) -> None:
+    def __init__(self, motor: Motor, omega: float = 50.0, *, seek: bool = False) -> None:
         self.params = np.zeros(1, dtype=CONTROL)
         self.params[0] = control_record(motor, DriveDesign())
         self.x = np.zeros(1, dtype=STATE)
@@ -30,6 +30,8 @@ class Drive:
             omega,
             1.0,
         )
+        if seek:
+            lib.drive_find_rotor(pointer(self.x, "drive_state_t[]"))
 
     def step(self, **values: float) -> tuple[float, float]:
         signal = np.zeros(1, dtype=INPUT)
@@ -97,10 +99,11 @@ def test_lasting_bad_input(motor: Motor, field: str, value: float) -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_random_bit_patterns(motor: Motor, seed: int) -> None:
+@pytest.mark.parametrize("seek", [False, True])
+def test_random_bit_patterns(motor: Motor, seed: int, seek: bool) -> None:
     """Inputs of arbitrary bits: outputs stay finite and bounded by the voltage limit."""
     rng = np.random.default_rng(seed)
-    drive = Drive(motor, omega=rng.uniform(-300.0, 300.0))
+    drive = Drive(motor, omega=rng.uniform(-300.0, 300.0), seek=seek)
     words = rng.integers(0, 2**32, (4000, len(GOOD)), dtype=np.uint32).view(np.float32)
     for row in words:
         chosen = rng.random(len(GOOD)) < 0.7
@@ -108,7 +111,17 @@ def test_random_bit_patterns(motor: Motor, seed: int) -> None:
         u = drive.step(**bad)
         assert all(map(math.isfinite, u))
         assert np.all(np.isfinite(drive.numbers()))
-    assert drive.x["fault"][0] == CURRENT | U_DC | COMMAND
+    assert drive.x["fault"][0] & ~POLE == CURRENT | U_DC | COMMAND
+
+
+@pytest.mark.parametrize("value", WILD)
+def test_the_start_sequence_ends_on_any_input(motor: Motor, value: float) -> None:
+    """Currents that are no numbers: the sequence comes to its end with its fault bits."""
+    drive = Drive(motor, seek=True)
+    for _ in range(300):
+        assert all(map(math.isfinite, drive.step(i_a=value, i_b=value)))
+    assert drive.x["start"]["phase"][0] == 0
+    assert np.all(np.isfinite(drive.numbers()))
 
 
 def test_largest_plausible_inputs(motor: Motor) -> None:

@@ -106,6 +106,29 @@ def test_park_and_back(c: Call) -> None:
     assert np.max(np.abs(back - ab)) < 3e-6
 
 
+def angle_of(c: Call, x: Array) -> Array:
+    y = np.empty(len(x), dtype=np.float32)
+    c("angle_of", x, y, len(x))
+    return y
+
+
+def test_angle_of_a_vector(c: Call) -> None:
+    """Error below 1e-6 all around, for any length."""
+    theta = np.linspace(-np.pi, np.pi, 200_001)
+    for length in (1e-12, 1.0, 1e9):
+        x = f32(length * np.stack([np.cos(theta), np.sin(theta)], axis=-1))
+        want = np.arctan2(x[:, 1].astype(float), x[:, 0].astype(float))
+        gap = angle_of(c, x).astype(float) - want
+        assert np.max(np.abs(np.angle(np.exp(1j * gap)))) < 1e-6
+
+
+def test_angle_on_the_axes(c: Call) -> None:
+    """The four axes and the zero vector; a negative zero does not turn the angle of +alpha."""
+    x = f32([[1, 0], [0, 1], [-1, 0], [0, -1], [0, 0], [1, -0.0]])
+    want = f32([0.0, np.pi / 2, np.pi, -np.pi / 2, 0.0, 0.0])
+    assert np.max(np.abs(angle_of(c, x) - want)) < 1e-6
+
+
 def test_small_angle_of_the_plant(c: Call) -> None:
     """Double-precision series: within 2e-14 below half a radian, 1e-15 below 0.35."""
     x = np.linspace(-0.5, 0.5, 20_001)

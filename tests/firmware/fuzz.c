@@ -64,6 +64,9 @@ static void fuzz_table(const unsigned char *data, size_t size) {
 static void fuzz_drive(const unsigned char *data, size_t size) {
     drive_state_t x;
     drive_init(&drive_params, &x, 1.0f, 100.0f, 0.5f);
+    if (size > 0 && (data[0] & 1) != 0) {
+        drive_find_rotor(&x);
+    }
     while (size > 0) {
         drive_in_t in;
         take(&in, sizeof in, &data, &size);

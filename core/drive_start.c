@@ -1,0 +1,209 @@
+/* The start sequence on the drive's estimators; see start_sequence.h. */
+#include "drive.h"
+
+void drive_find_rotor(drive_state_t *x) { start_begin(&x->start); }
+
+/* Hands over to control at the estimate for k+1, both estimators on it. */
+static void release(const drive_params_t *p, drive_state_t *x, estimate_t next, ab_t i_ab) {
+    x->hfi.pll.theta = next.theta;
+    x->hfi.pll.omega = next.omega;
+    x->smo.pll.theta = next.theta;
+    x->smo.pll.omega = next.omega;
+    x->smo.omega_f = next.omega;
+    x->control.i_1 = ab_to_dq(i_ab, rot_of(x->est.theta));
+    control_ready(&p->control, &x->control, next.omega);
+    start_enter(&x->start, START_DONE);
+}
+
+/* The angle that all parts of the drive read. */
+static void show_angle(drive_state_t *x, estimate_t est) {
+    x->est = est;
+    x->theta_hfi = est.theta;
+    x->theta_smo = est.theta;
+}
+
+/* The speed as the schedule is to see it, at once. */
+static void show_speed(drive_state_t *x, float omega) {
+    x->signal.omega = omega;
+    x->signal.omega_2 = omega;
+}
+
+/* A spinning shaft: angle and speed from the EMF e = omega psi (-sin theta, cos theta). */
+static void enter_fly(const drive_params_t *p, drive_state_t *x) {
+    const start_state_t *s = &x->start;
+    float omega = s->omega;
+    float way = sign_f(omega);
+    ab_t north = {way * s->e_f.b, -way * s->e_f.a};
+    float ahead = clamp_f(omega * p->T_s * (p->start.e_lag + 1.0f), -PI_F, PI_F);
+    x->smo.pll.theta = wrap_pi(angle_of(north) + ahead);
+    x->smo.pll.omega = clamp_f(omega, -p->smo.pll.omega_max, p->smo.pll.omega_max);
+    x->smo.omega_f = x->smo.pll.omega;
+    x->k_s = 0.0f;
+    show_speed(x, x->smo.pll.omega);
+    start_enter(&x->start, START_FLY);
+}
+
+/* The sliding-mode observer alone, the injection estimator on its angle. */
+static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab) {
+    estimate_t own = {x->smo.pll.theta, x->smo.pll.omega};
+    show_angle(x, own);
+    x->hfi.pll.theta = own.theta;
+    x->hfi.pll.omega = own.omega;
+    smo_observe(&p->start.smo, &x->smo, i_ab, x->u_2, p->L_q.y[0], x->est.omega, x->est.theta,
+                p->T_s);
+    ab_t u = drive_hold(p, x, in, i_ab, x->est);
+    x->start.n += 1;
+    if (x->start.n >= p->start.n_fly) {
+        estimate_t next = {x->smo.pll.theta, x->smo.pll.omega};
+        release(p, x, next, i_ab);
+    }
+    return u;
+}
+
+/* Is the shaft spinning? */
+static void watch_emf(const drive_params_t *p, drive_state_t *x) {
+    start_state_t *s = &x->start;
+    if (s->n == p->start.n_catch_mark) {
+        s->e_mark = s->e_f;
+    }
+    if (s->n < p->start.n_catch) {
+        return;
+    }
+    s->omega = start_speed(&p->start, s);
+    if (norm_ab(s->e_f) >= p->start.e_fly) {
+        enter_fly(p, x);
+    } else {
+        start_enter(s, START_SCAN);
+    }
+}
+
+/* The axis is known but for its sense. The first speed is that of the EMF's turn, which is noise at
+ * rest: the EMF's magnitude bounds it. */
+static void enter_lock(const drive_params_t *p, drive_state_t *x) {
+    float bound = norm_ab(x->start.e_f) / p->control.psi_f;
+    x->hfi.pll.theta = start_axis(&x->start, x->est.theta);
+    x->hfi.pll.omega = clamp_f(x->start.omega, -bound, bound);
+    x->k_s = 1.0f;
+    start_enter(&x->start, START_LOCK);
+}
+
+/* Signed speed from the EMF on the estimated q axis: much quieter than that of a quick loop. */
+static float emf_speed(const drive_params_t *p, const drive_state_t *x) {
+    rot_t r = rot_of(x->hfi.pll.theta);
+    float omega = (r.c * x->start.e_f.b - r.s * x->start.e_f.a) / p->control.psi_f;
+    return clamp_f(omega, -p->hfi.pll.omega_max, p->hfi.pll.omega_max);
+}
+
+/* Without injection the angle runs on at the last speed. The EMF's sense is that of the pole, so as
+ * yet only its magnitude counts. */
+static void enter_pole(const drive_params_t *p, drive_state_t *x) {
+    x->hfi.pll.omega = sign_f(x->hfi.pll.omega) * abs_f(emf_speed(p, x));
+    start_enter(&x->start, START_POLE);
+}
+
+/* After a pair of pulses: sure of the pole, or once more. */
+static void judge_pole(const drive_params_t *p, drive_state_t *x) {
+    start_state_t *s = &x->start;
+    int sure = abs_f(s->i_pole) >= p->start.i_pole_sure;
+    s->tries += 1;
+    if (sure || s->tries >= p->start.n_tries) {
+        int south = s->i_pole * p->start.i_pole < 0.0f;
+        x->hfi.pll.theta = wrap_pi(x->hfi.pll.theta + (south ? PI_F : 0.0f));
+        x->fault |= sure ? 0 : FAULT_POLE;
+        x->hfi.pll.omega = emf_speed(p, x);
+        start_enter(s, START_SETTLE);
+    } else {
+        start_enter(s, START_POLE);
+    }
+}
+
+/* Voltage of a pulse along the estimated axis; the EMF turns with it. */
+static ab_t pulse(const drive_params_t *p, drive_state_t *x, float way) {
+    rot_t r = rot_of(x->est.theta + 1.5f * p->T_s * x->est.omega);
+    ab_t u = {
+        x->start.e_f.a + way * p->start.u_pulse * r.c,
+        x->start.e_f.b + way * p->start.u_pulse * r.s,
+    };
+    return u;
+}
+
+/* Injection of sign s on top of u, limited to what the link gives; compensates dead time. */
+static ab_t output(const drive_params_t *p, drive_state_t *x, ab_t u, rot_t axis, float s,
+                   ab_t i_ab, float u_dc) {
+    ab_t v = {u.a + s * p->hfi.u_inj * axis.c, u.b + s * p->hfi.u_inj * axis.s};
+    float scale = min_f(u_dc * INV_SQRT3_F / max_f(norm_ab(v), 1.0f), 1.0f);
+    x->u_2 = x->u_1;
+    x->u_1.a = scale * v.a;
+    x->u_1.b = scale * v.b;
+    ab_t mean = {0.5f * (i_ab.a + x->start.i_1.a), 0.5f * (i_ab.b + x->start.i_1.b)};
+    ab_t comp = dead_time_voltage(p->control.u_dt, p->control.inv_i_dt, mean);
+    ab_t out = {x->u_1.a + comp.a, x->u_1.b + comp.b};
+    return out;
+}
+
+/* One period of a shaft at rest or turning slowly: samples into the phase's sums, then the voltage. */
+static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float u_dc) {
+    const start_params_t *q = &p->start;
+    start_state_t *s = &x->start;
+    int pole = s->phase == START_POLE;
+    int scan = s->phase == START_SCAN;
+    int tracks = s->phase == START_LOCK || s->phase == START_SETTLE;
+    smo_observe(&q->smo, &x->smo, i_ab, x->u_2, p->L_q.y[0], 0.0f, x->est.theta, p->T_s);
+    if (pole) { /* what the observer sees then is not the EMF: the last one turns on */
+        rot_t e = {s->e_f.a, s->e_f.b};
+        e = rot_turn(e, p->T_s * x->est.omega);
+        s->e_f.a = e.c;
+        s->e_f.b = e.s;
+        start_peak(q, s, ab_to_dq(i_ab, rot_of(x->hfi.pll.theta)).d);
+    } else {
+        start_emf(q, s, x->smo.e);
+    }
+    if (scan) {
+        start_scan(q, s, i_ab, x->hfi.sign_2);
+    } else if (tracks || pole) {
+        estimate_t own = {x->hfi.pll.theta, x->hfi.pll.omega};
+        show_angle(x, own);
+        hfi_observe(&q->hfi, &x->hfi, i_ab, own.theta, own.omega, p->T_s);
+    }
+    float way = pole ? start_pulse(q, s) : 0.0f;
+    ab_t u = way != 0.0f ? pulse(p, x, way) : start_hold(q, s, i_ab);
+    float sign = hfi_inject(&q->hfi, &x->hfi, tracks || (scan && s->n < 2 * q->n_scan));
+    rot_t along_a = {1.0f, 0.0f};
+    rot_t along_b = {0.0f, 1.0f};
+    rot_t axis = rot_of(x->hfi.pll.theta + 0.5f * p->T_s * x->hfi.pll.omega);
+    axis = scan ? (s->n < q->n_scan ? along_a : along_b) : axis;
+    return output(p, x, u, axis, sign, i_ab, u_dc);
+}
+
+/* What follows when a phase has had its periods. */
+static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
+    const start_params_t *q = &p->start;
+    start_state_t *s = &x->start;
+    s->n += 1;
+    if (s->phase == START_CATCH) {
+        watch_emf(p, x);
+    } else if (s->phase == START_SCAN && s->n >= 2 * q->n_scan + 2) {
+        enter_lock(p, x);
+    } else if (s->phase == START_LOCK && s->n >= q->n_lock) {
+        enter_pole(p, x);
+    } else if (s->phase == START_POLE && s->n >= 2 * (q->n_rest + 2 * q->n_pulse)) {
+        judge_pole(p, x);
+    } else if (s->phase == START_SETTLE && s->n >= q->n_lock) {
+        estimate_t next = {x->hfi.pll.theta, emf_speed(p, x)};
+        release(p, x, next, i_ab);
+    }
+}
+
+ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab) {
+    ab_t u;
+    if (x->start.phase == START_FLY) {
+        u = fly(p, x, in, i_ab);
+    } else {
+        u = seek_axis(p, x, i_ab, in->u_dc);
+        seek_next(p, x, i_ab);
+        x->start.i_2 = x->start.i_1;
+        x->start.i_1 = i_ab;
+    }
+    drive_signals(&p->signal, x, in->omega_ref);
+    return u;
+}

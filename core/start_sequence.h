@@ -1,0 +1,153 @@
+/* Finding the rotor before control begins: shaft at rest or spinning, angle and polarity unknown.
+ *
+ *   CATCH   current held at zero; the EMF of the sliding-mode observer tells whether the shaft spins
+ *   FLY     it does: the EMF's direction gives angle and polarity, its rotation the signed speed;
+ *           the observer's loop settles
+ *   SCAN    it does not, or slowly: injection along alpha, then along beta. The answers are rows of
+ *           the inverse inductance in the stator frame, whose anisotropic part points along twice
+ *           the rotor angle: an axis without an unstable angle, and without machine parameters
+ *   LOCK    the injection estimator settles on that axis
+ *   POLE    current pulses along the axis, forwards and backwards with equal volt-seconds: the iron
+ *           saturates for one of them, which answers with more current (which one: the flux map)
+ *   SETTLE  the injection estimator settles again, turned by half a turn if the pole was south
+ *
+ * No torque is commanded on the way: all currents lie on d or are held at zero.
+ */
+#ifndef SENSORLESS_START_SEQUENCE_H
+#define SENSORLESS_START_SEQUENCE_H
+
+#include <stdint.h>
+
+#include "hf_injection.h"
+#include "sliding_mode.h"
+
+enum {
+    START_DONE = 0, /* the drive is in control */
+    START_CATCH,
+    START_FLY,
+    START_SCAN,
+    START_LOCK,
+    START_POLE,
+    START_SETTLE
+};
+
+typedef struct {
+    hfi_params_t hfi; /* both estimators with quicker loops than in operation */
+    smo_params_t smo;
+    float k_hold;         /* gain that holds the current at zero [V/A] */
+    float alpha_e;        /* low-pass on the EMF fed forward [rad/s] times T_s, at most 1 */
+    float e_lag;          /* its delay in periods */
+    float e_fly;          /* EMF from which on the shaft counts as spinning [V] */
+    float inv_t_turn;     /* 1 / time the EMF's rotation is measured over [1/s] */
+    float u_pulse;        /* voltage of a polarity pulse [V] */
+    float i_pole;         /* forward minus backward peak at the right polarity, signed [A] */
+    float i_pole_sure;    /* least magnitude of that difference to decide on [A] */
+    int32_t n_catch_mark; /* periods after which the EMF's rotation is measured */
+    int32_t n_catch;      /* periods of CATCH */
+    int32_t n_fly;        /* of FLY */
+    int32_t n_scan;       /* of each half of SCAN */
+    int32_t n_lock;       /* of LOCK and of SETTLE */
+    int32_t n_rest;       /* at zero current before a pulse */
+    int32_t n_pulse;      /* of a pulse, and as many to undo it; at least 2 */
+    int32_t n_tries;      /* pairs of pulses before deciding on what there is */
+} start_params_t;
+
+typedef struct {
+    int32_t phase; /* START_* */
+    int32_t n;     /* periods in this phase */
+    int32_t tries; /* pairs of pulses so far */
+    ab_t i_1;      /* sample k-1 [A] */
+    ab_t i_2;      /* sample k-2 [A] */
+    ab_t e_1;      /* EMF of period k-1 [V] */
+    ab_t e_f;      /* low-passed EMF [V] */
+    ab_t e_mark;   /* the same at n_catch_mark [V] */
+    ab_t axis;     /* sum of the anisotropic answers: points along twice the rotor angle [A] */
+    float omega;   /* electrical speed from the EMF's turn [rad/s] */
+    float i_0;     /* d current before a pulse [A] */
+    float i_pole;  /* forward minus backward peaks so far [A] */
+} start_state_t;
+
+/* The sequence from its beginning, at rest. */
+CORE_INLINE void start_begin(start_state_t *x) {
+    ab_t zero = {0.0f, 0.0f};
+    x->phase = START_CATCH;
+    x->n = 0;
+    x->tries = 0;
+    x->i_1 = zero;
+    x->i_2 = zero;
+    x->e_1 = zero;
+    x->e_f = zero;
+    x->e_mark = zero;
+    x->axis = zero;
+    x->omega = 0.0f;
+    x->i_0 = 0.0f;
+    x->i_pole = 0.0f;
+}
+
+/* Next phase. */
+CORE_INLINE void start_enter(start_state_t *x, int32_t phase) {
+    x->phase = phase;
+    x->n = 0;
+}
+
+/* Low-passes the EMF e [V]; the mean of two in a row carries no injection. */
+CORE_INLINE void start_emf(const start_params_t *p, start_state_t *x, ab_t e) {
+    x->e_f.a += p->alpha_e * (0.5f * (e.a + x->e_1.a) - x->e_f.a);
+    x->e_f.b += p->alpha_e * (0.5f * (e.b + x->e_1.b) - x->e_f.b);
+    x->e_1 = e;
+}
+
+/* Voltage that takes the current i_ab [A] to zero against the EMF, stator frame [V]. */
+CORE_INLINE ab_t start_hold(const start_params_t *p, const start_state_t *x, ab_t i_ab) {
+    ab_t u = {
+        x->e_f.a - 0.5f * p->k_hold * (i_ab.a + x->i_1.a),
+        x->e_f.b - 0.5f * p->k_hold * (i_ab.b + x->i_1.b),
+    };
+    return u;
+}
+
+/* Signed electrical speed from the EMF's turn since the mark [rad/s]. */
+CORE_INLINE float start_speed(const start_params_t *p, const start_state_t *x) {
+    ab_t turn = {
+        x->e_mark.a * x->e_f.a + x->e_mark.b * x->e_f.b,
+        x->e_mark.a * x->e_f.b - x->e_mark.b * x->e_f.a,
+    };
+    return angle_of(turn) * p->inv_t_turn;
+}
+
+/* Adds one sample of SCAN; sign: of the injection over [k-1, k]. The axis changes at n_scan; what a
+ * sample tells was commanded two and three periods before. */
+CORE_INLINE void start_scan(const start_params_t *p, start_state_t *x, ab_t i_ab, float sign) {
+    float a = 0.25f * sign * (i_ab.a - 2.0f * x->i_1.a + x->i_2.a);
+    float b = 0.25f * sign * (i_ab.b - 2.0f * x->i_1.b + x->i_2.b);
+    int along_a = x->n >= 3 && x->n < p->n_scan + 2;
+    int along_b = x->n >= p->n_scan + 3;
+    x->axis.a += along_a ? a : (along_b ? -b : 0.0f);
+    x->axis.b += along_a ? b : (along_b ? a : 0.0f);
+}
+
+/* Rotor axis found by SCAN [rad]; of its two directions the one nearer to theta. */
+CORE_INLINE float start_axis(const start_state_t *x, float theta) {
+    float found = 0.5f * angle_of(x->axis);
+    return abs_f(wrap_pi(found - theta)) > 0.5f * PI_F ? wrap_pi(found + PI_F) : found;
+}
+
+/* Direction of the pulse voltage wanted now: +1, -1, or 0 for the rest before it. A half of a pair is
+ * n_rest, n_pulse one way, n_pulse back; the second half has the other sign. */
+CORE_INLINE float start_pulse(const start_params_t *p, const start_state_t *x) {
+    int32_t half = p->n_rest + 2 * p->n_pulse;
+    int second = x->n >= half;
+    int32_t j = (second ? x->n - half : x->n) - p->n_rest;
+    float way = second ? -1.0f : 1.0f;
+    return j < 0 ? 0.0f : (j < p->n_pulse ? way : -way);
+}
+
+/* Reads the d current of POLE [A]: what a pulse moved it by. A command acts one period later. */
+CORE_INLINE void start_peak(const start_params_t *p, start_state_t *x, float i_d) {
+    int32_t half = p->n_rest + 2 * p->n_pulse;
+    int32_t j = (x->n >= half ? x->n - half : x->n) - p->n_rest;
+    x->i_0 = j == 1 ? i_d : x->i_0;
+    x->i_pole += j == p->n_pulse + 1 ? i_d - x->i_0 : 0.0f;
+}
+
+#endif

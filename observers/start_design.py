@@ -1,0 +1,108 @@
+"""Start sequence: from the machine's flux map and its limits to ``start_params_t``."""
+
+import math
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from sensorless.magnetics import currents, flux
+from sensorless.motor import Motor
+from sensorless.observers.hfi_design import error_slope
+from sensorless.observers.pll_design import pll_gains
+
+PLL_HZ = (35.0, 50.0)
+"""Natural frequency of the injection loop and of the EMF loop while the rotor is sought [Hz]."""
+HOLD_SHARE = 0.3
+"""Gain at zero current over the deadbeat gain: damped for any inductance between L_d and L_q, with
+one period of computation and the mean of two samples."""
+EMF_LOW_PASS = 0.2
+"""Coefficient of the low-pass on the EMF that is fed forward."""
+FLY_SHARE = 0.25
+"""EMF over its rated value from which on the shaft counts as spinning: the EMF turns by several
+times its noise while it is watched, and the injection estimator still pulls in below."""
+PULSE_SHARE = 0.8
+"""Largest pulse voltage over what the DC link gives."""
+POLE_SHARE = 0.08
+"""Difference of the two peaks that a pulse is chosen for, over rated current."""
+TIMES = {"mark": 3e-3, "catch": 7e-3, "fly": 16e-3, "scan": 2e-3, "lock": 8e-3, "rest": 1.2e-3}
+"""Lengths of the phases [s]."""
+
+
+def peaks(motor: Motor, volt_seconds: float) -> tuple[float, float]:
+    """Current [A] that a pulse of so many volt-seconds [Vs] drives along +d and along -d.
+
+    From rest, without resistance: the flux map at psi_d0 + and - the volt-seconds.
+    """
+    rest = flux(motor.saturation, np.zeros((1, 2)))
+    move = np.array([[volt_seconds, 0.0]])
+    plus = currents(motor.saturation, rest + move)[0, 0]
+    minus = currents(motor.saturation, rest - move)[0, 0]
+    return float(plus), float(minus)
+
+
+@lru_cache(maxsize=64)
+def polarity_pulse(motor: Motor) -> tuple[float, float]:
+    """Volt-seconds of the polarity pulses [Vs] and the signed difference of their peaks [A].
+
+    The weakest pulse whose peaks differ by ``POLE_SHARE`` of rated current, or, where the iron
+    saturates less, the strongest within ``i_max``. The difference is positive where current along
+    the magnet saturates (most machines), negative where current against it does (a bridge); without
+    saturation it is 0, and no pulse can tell the poles apart.
+    """
+    volt_seconds, difference = 0.0, 0.0
+    for share in np.linspace(0.01, 1.0, 100):
+        trial = float(share) * motor.L_d * motor.i_max
+        plus, minus = peaks(motor, trial)
+        if max(plus, -minus) > motor.i_max:
+            break
+        volt_seconds, difference = trial, plus + minus
+        if abs(difference) >= POLE_SHARE * motor.i_rated:
+            break
+    return volt_seconds, difference
+
+
+def knows_poles(motor: Motor) -> bool:
+    """Whether saturation tells the machine's poles apart: by at least 2 % of rated current."""
+    return abs(polarity_pulse(motor)[1]) >= 0.02 * motor.i_rated
+
+
+def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict[str, Any]:
+    """Fields of ``start_params_t``.
+
+    Parameters
+    ----------
+    hfi, smo : dict
+        The estimators of operation, ``hfi_params_t`` and ``smo_params_t``; the sequence runs them
+        with loops of ``PLL_HZ``. Without saturation there are no pulses: the core keeps the pole
+        nearer to its first angle and sets a fault bit.
+    """
+    omega_max = smo["pll"]["omega_max"]
+    loops = []
+    for hertz, slope in zip(PLL_HZ, (error_slope(motor.L_d, motor.L_q), 1.0), strict=True):
+        k_p, k_i = pll_gains(hertz, slope)
+        loops.append({"k_p": k_p, "k_i": k_i, "omega_max": omega_max})
+    volt_seconds, difference = polarity_pulse(motor) if knows_poles(motor) else (0.0, 0.0)
+    u_max = PULSE_SHARE * motor.u_dc / math.sqrt(3.0)
+    n_pulse = max(2, math.ceil(volt_seconds / (u_max * motor.T_s)))
+    n = {name: max(4, round(time / motor.T_s)) for name, time in TIMES.items()}
+    return {
+        "hfi": {**hfi, "pll": loops[0], "n_hold": 1.0},
+        "smo": {**smo, "pll": loops[1]},
+        "k_hold": HOLD_SHARE * motor.L_d / motor.T_s,
+        "alpha_e": EMF_LOW_PASS,
+        "e_lag": (1.0 - EMF_LOW_PASS) / EMF_LOW_PASS,
+        "e_fly": FLY_SHARE * motor.omega_rated * motor.psi_f,
+        "inv_t_turn": 1.0 / ((n["catch"] - n["mark"]) * motor.T_s),
+        "u_pulse": volt_seconds / (n_pulse * motor.T_s),
+        "i_pole": difference,
+        "i_pole_sure": max(0.4 * abs(difference), 0.02 * motor.i_rated),
+        "n_catch_mark": n["mark"],
+        "n_catch": n["catch"],
+        "n_fly": n["fly"],
+        "n_scan": n["scan"],
+        "n_lock": n["lock"],
+        "n_rest": n["rest"],
+        "n_pulse": n_pulse,
+        "n_tries": 3,
+    }
