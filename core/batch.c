@@ -59,7 +59,7 @@ int batch_fits(const sim_t *sims) {
     for (int l = 0; l < LANES; l++) {
         const sim_t *s = &sims[l];
         fits = fits && s->sensored == 0 && s->with_twin != 0 && s->plant.n_sub == 1 &&
-               s->plant.bridge == 0;
+               s->plant.bridge == 0 && s->sensor.carrier == 0;
     }
     return fits;
 }

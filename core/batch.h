@@ -7,7 +7,7 @@
 #define LANES 16
 
 /* Whether these LANES drives can run as a block on this machine: an AVX2 processor, twins on, not
- * sensored, one sub-step, no bridge term. What does not fit runs drive by drive. */
+ * sensored, one sub-step, no bridge term, no carrier. What does not fit runs drive by drive. */
 int batch_fits(const sim_t *sims);
 
 /* Advances LANES drives that fit; their sums must have been cleared. */

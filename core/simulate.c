@@ -169,6 +169,6 @@ void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, doubl
         if (j == n) {
             return;
         }
-        plant_step(p, x, u[3 * j], u[3 * j + 1], u[3 * j + 2], p->n_sub, p->bridge);
+        plant_step(p, x, u[3 * j], u[3 * j + 1], u[3 * j + 2], p->h, p->n_sub, p->bridge);
     }
 }

@@ -54,7 +54,6 @@ typedef struct {
     start_t start;
     drive_params_t control;
     sensor_params_t sensor;
-    int32_t reserved_1;
     plant_params_t plant;
     profile_t profile;
     chain_t drive; /* the drive under test */

@@ -124,6 +124,7 @@ class SimFactory:
                 "with_twin": 1,
             },
         )
+        template["sensor"]["carrier"] = int(design.carrier)
         self._template = template
 
     def build(self, s: Scenarios, *, sensored: bool = False, twin: bool = True) -> Array:

@@ -92,6 +92,8 @@ def _enum_names(prefix: str) -> tuple[str, ...]:
 
 
 TRACE_NAMES = _enum_names("TRACE_")
+CARRIER_NAMES = _enum_names("CARRIER_")
+PIECES_A_PERIOD: int = lib.PIECES_A_PERIOD
 SIGNAL_NAMES = _enum_names("SIGNAL_")
 
 
@@ -172,3 +174,35 @@ def plant_run(plant: Array, state: Array, u: Array) -> Array:
     lib.plant_start(p, x)
     lib.plant_run(p, x, pointer(inputs, "double[]"), pointer(out, "double[]"), len(inputs))
     return out
+
+
+def carrier_run(sensor: Array, plant: Array, state: Array, u: Array) -> Array:
+    """Run the machine alone on an inverter that switches, with a look between its edges.
+
+    Parameters
+    ----------
+    sensor, plant, state : records of SENSOR, PLANT and PLANT_STATE, shape (1,)
+        ``state`` is changed in place and must hold flux, speed and angle.
+    u : array, shape (n, 4)
+        Stator voltage alpha, beta and DC link [V] and load torque [N m], each for one period.
+
+    Returns
+    -------
+    array, shape (rows, len(CARRIER_NAMES))
+        A row for every Runge-Kutta step, ``n_sub`` of them from edge to edge, and one for the end;
+        its voltage acts from that row to the next.
+    """
+    inputs = np.ascontiguousarray(u, dtype=np.float64)
+    most = len(inputs) * PIECES_A_PERIOD * int(plant["n_sub"][0]) + 1
+    out = np.empty((most, len(CARRIER_NAMES)))
+    p, x = pointer(plant, "plant_params_t[]"), pointer(state, "plant_state_t[]")
+    lib.plant_start(p, x)
+    n = lib.carrier_run(
+        pointer(sensor, "sensor_params_t[]"),
+        p,
+        x,
+        pointer(inputs, "double[]"),
+        pointer(out, "double[]"),
+        len(inputs),
+    )
+    return out[:n]
