@@ -23,7 +23,15 @@ sys.path.insert(0, str(CORE))
 from source_hash import source_hash  # noqa: E402  (a build script has no package around it)
 
 GENERATED = CORE.parent / "build" / "generated"
-SOURCES = ("batch.c", "carrier.c", "drive.c", "ks_schedule.c", "ks_selftest.c", "ks_table.c", "simulate.c")
+SOURCES = (
+    "batch.c",
+    "carrier.c",
+    "drive.c",
+    "ks_schedule.c",
+    "ks_selftest.c",
+    "ks_table.c",
+    "simulate.c",
+)
 HEADERS = ("simulate.h", "carrier.h", "ks_selftest.h")
 CFLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
 STDINT = (
