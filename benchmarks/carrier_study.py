@@ -7,6 +7,7 @@ that a switching inverter has between the samples, and writes ``results/studies/
 """
 
 import argparse
+import json
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,6 @@ from sensorless.evaluate import score, versions
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.magnetics import flux, mtpa, torque
 from sensorless.motor import Motor
-from sensorless.results import to_text
 from sensorless.suites import suite
 
 POLICIES = ("eq25", "hysteresis", "gated", "constant:1", "sensored")
@@ -33,6 +33,8 @@ COLUMNS = {
     "torque_dev_rms": ("torque dev. [%]", 100.0),
     "torque_ripple_rms": ("torque ripple [%]", 100.0),
     "torque_ripple_lf_rms": ("... without injection band [%]", 100.0),
+    "torque_p2p_handover": ("peak to peak [%]", 100.0),
+    "speed_dev_rms": ("speed dev.", 100.0),
     "angle_err_rms_deg": ("angle error [°]", 1.0),
 }
 POINTS = ((0.05, 0.0), (0.05, 0.5), (0.23, 0.5), (0.6, 0.5))
@@ -48,11 +50,19 @@ def compare(motor: Motor, name: str, size: int, seed: int, policy: str) -> dict[
         for carrier in (False, True)
     ]
     mean, switched = scores
+    pair = paired(switched.lost, switched.metrics, mean.lost, mean.metrics, seed)
     return {
-        "averaged": summary(mean.lost, mean.metrics, seed),
-        "carrier": summary(switched.lost, switched.metrics, seed),
-        "difference": paired(switched.lost, switched.metrics, mean.lost, mean.metrics, seed),
+        "averaged": chosen(summary(mean.lost, mean.metrics, seed)),
+        "carrier": chosen(summary(switched.lost, switched.metrics, seed)),
+        "difference": chosen(pair),
     }
+
+
+def chosen(values: dict[str, Any]) -> dict[str, Any]:
+    """The metrics of the study with their intervals, and the counts."""
+    names = [*COLUMNS, *(f"{name}_ci" for name in COLUMNS), "lost_ci"]
+    counts = {name: x for name, x in values.items() if isinstance(x, int)}
+    return {name: np.round(values[name], 6).tolist() for name in names if name in values} | counts
 
 
 def between_samples(motor: Motor, speed: float, load: float) -> dict[str, float]:
@@ -132,7 +142,7 @@ def main() -> None:
         "suites": found,
         "between_samples": [between_samples(motor, *point) for point in POINTS],
     }
-    write_atomic(folder / "carrier.json", to_text(results))
+    write_atomic(folder / "carrier.json", json.dumps(results, indent=1) + "\n")
     console.print(f"wrote {folder / 'carrier.json'}")
 
 

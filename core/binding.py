@@ -30,9 +30,10 @@ SOURCES = (
     "ks_schedule.c",
     "ks_selftest.c",
     "ks_table.c",
+    "replay.c",
     "simulate.c",
 )
-HEADERS = ("simulate.h", "carrier.h", "ks_selftest.h")
+HEADERS = ("simulate.h", "carrier.h", "replay.h", "ks_selftest.h")
 CFLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
 STDINT = (
     "typedef signed int int32_t; typedef unsigned int uint32_t;"

@@ -73,15 +73,21 @@ CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
     return u;
 }
 
+/* Takes in sample k [A] in the frame r of the estimate at k; x->i is its mean with the sample before. */
+CORE_INLINE void control_current(control_state_t *x, rot_t r, ab_t i_ab) {
+    dq_t i_k = ab_to_dq(i_ab, r);
+    dq_t i = {0.5f * (i_k.d + x->i_1.d), 0.5f * (i_k.q + x->i_1.q)};
+    x->i_1 = i_k;
+    x->i = i;
+}
+
 /* One period: fundamental voltage to become active at k+1, stator frame [V]. est: angle and speed
  * to work with; i_ab: sample k [A]; u_dc [V]; reserve: voltage kept free for injection [V]. */
 CORE_INLINE ab_t control_step(const control_params_t *p, control_state_t *x, estimate_t est,
                               ab_t i_ab, float u_dc, float omega_ref, float reserve, float T_s) {
     rot_t r = rot_of(est.theta);
-    dq_t i_k = ab_to_dq(i_ab, r);
-    dq_t i = {0.5f * (i_k.d + x->i_1.d), 0.5f * (i_k.q + x->i_1.q)};
-    x->i_1 = i_k;
-    x->i = i;
+    control_current(x, r, i_ab);
+    dq_t i = x->i;
 
     float i_q_ref = speed_control(p, x, omega_ref, est.omega, T_s);
     float i_d_mtpa = curve_at(&p->i_d_mtpa, curve_locate(i_q_ref, p->curve_inv_step));

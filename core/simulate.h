@@ -98,6 +98,9 @@ enum {
     TRACE_U_B,
     TRACE_U_DC,         /* [V] */
     TRACE_HF_AMPLITUDE, /* [A] */
+    TRACE_U_A_HAT,      /* TRACE_U_A and _B as the observers see them: without the drive's */
+    TRACE_U_B_HAT,      /* compensation of its dead time [V] */
+    TRACE_INJ,          /* sign of the injection over [k, k+1], 0 = off */
     TRACE_N
 };
 
