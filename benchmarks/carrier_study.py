@@ -2,8 +2,8 @@
 
     python benchmarks/carrier_study.py
 
-Runs policies over suites with both inverter models, pairs them scenario by scenario, adds the ripple
-that a switching inverter has between the samples, and writes ``results/studies/carrier.json``.
+Runs policies over suites with both inverter models, pairs them scenario by scenario, adds the
+ripple that a switching inverter has between samples, and writes ``results/studies/carrier.json``.
 """
 
 import argparse
@@ -66,10 +66,10 @@ def chosen(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def between_samples(motor: Motor, speed: float, load: float) -> dict[str, float]:
-    """Ripple of current and torque within the periods of one turn at a share of rated speed and load.
+    """Ripple of current and torque within the periods of one turn at a share of rated speed, load.
 
-    The machine is held at its speed on the point of maximum torque per ampere; the voltage is the one
-    that keeps it there, so the samples stand still and what moves is the carrier's.
+    The machine is held at its speed on the point of maximum torque per ampere; the voltage is what
+    keeps it there, so the samples stand still and what moves is the carrier's.
     """
     i_d, i_q = mtpa(motor)
     line = np.stack([i_d, i_q], axis=-1)
