@@ -94,14 +94,15 @@ def between_samples(motor: Motor, speed: float, load: float) -> dict[str, float]
     swing = np.hypot(rows["i_d"] - i[0], rows["i_q"] - i[1])
     k = np.rint(rows["t"] / motor.T_s)
     sampled = np.abs(rows["t"] / motor.T_s - k) < 1e-6
-    return {
+    found = {
         "speed_rpm": speed * motor.n_rated_rpm,
         "torque_Nm": load * motor.tau_rated,
-        "current_pp_mA": 1e3 * float(np.ptp(rows["i_d"]) ** 2 + np.ptp(rows["i_q"]) ** 2) ** 0.5,
-        "current_off_the_sample_max_mA": 1e3 * float(np.max(swing)),
-        "current_sampled_max_mA": 1e3 * float(np.max(swing[sampled])),
-        "torque_pp_pct": 100.0 * float(np.ptp(rows["tau"])) / motor.tau_rated,
+        "current_pp_mA": 1e3 * np.hypot(np.ptp(rows["i_d"]), np.ptp(rows["i_q"])),
+        "current_off_the_sample_max_mA": 1e3 * np.max(swing),
+        "current_sampled_max_mA": 1e3 * np.max(swing[sampled]),
+        "torque_pp_pct": 100.0 * np.ptp(rows["tau"]) / motor.tau_rated,
     }
+    return {name: round(float(x), 3) for name, x in found.items()}
 
 
 def table(name: str, found: dict[str, Any]) -> Table:

@@ -12,11 +12,13 @@ void replay_init(const drive_params_t *p, replay_t *x, float theta, float omega,
 
 /* Sign of the injection in the voltages of the last three periods, the last one u. */
 static float injection_sign(const replay_t *x, dq_t u, float u_inj) {
-    float last = u.d - x->u_1.d;
-    float before = x->u_1.d - x->u_2.d;
+    dq_t last = {u.d - x->u_1.d, u.q - x->u_1.q};
+    dq_t before = {x->u_1.d - x->u_2.d, x->u_1.q - x->u_2.q};
+    float size =
+        min_f(last.d * last.d + last.q * last.q, before.d * before.d + before.q * before.q);
     float least = 1.5f * u_inj;
-    int swings = min_f(abs_f(last), abs_f(before)) >= least && last * before < 0.0f;
-    return swings && u_inj > 0.0f ? sign_f(last) : 0.0f;
+    int to_and_fro = last.d * before.d + last.q * before.q < 0.0f;
+    return to_and_fro && size >= least * least ? sign_f(last.d) : 0.0f;
 }
 
 static void replay_step(const drive_params_t *p, replay_t *r, const replay_in_t *in,

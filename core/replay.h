@@ -3,8 +3,8 @@
  * The observers are the drive's own (drive_observe). What its control would leave for them comes from
  * the log: the voltage applied, and the sign of the injected part of it. Where the log does not hold
  * that sign, it is read from the voltage: in the frame of the injection estimator the injected part
- * swings by 2 u_inj along d from period to period, and two swings in a row, one up and one down, of at
- * least 3/4 of that are an injection whose sign is that of the last one. The frame moves too little in
+ * swings by 2 u_inj from period to period; two swings in a row, to and fro, of at least 3/4 of that
+ * each are an injection, and the d part of the last one has its sign. The frame moves too little in
  * two periods, and current control too slowly, for either to look like it.
  */
 #ifndef SENSORLESS_REPLAY_H

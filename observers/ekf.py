@@ -27,11 +27,11 @@ FLUX_STEP = 1e-6
 class EkfDesign:
     """How far the filter trusts model and measurement; standard deviations."""
 
-    voltage: float = 3.0
+    voltage: float = 10.0
     """of the stator voltage, from period to period [V]"""
-    acceleration: float = 200.0
+    acceleration: float = 100.0
     """of the change of speed over a second, electrical [rad/s^2 in sqrt(s)]"""
-    current: float = 0.01
+    current: float = 0.005
     """of a current sample [A]"""
     theta_0: float = 0.5
     """of the first angle [rad]"""
@@ -44,7 +44,7 @@ class _Filter(ExtendedKalmanFilter):  # type: ignore[misc]
 
     def predict_x(self, u: Array) -> None:
         """Add the change of the state (4, 1)."""
-        self.x = self.x + u
+        self.x: Array = self.x + u
 
 
 class MachineEkf:

@@ -70,7 +70,8 @@ def write_log(t: Trace, path: Path) -> None:
     """A traced run as its drive could have recorded it, with an encoder."""
     u = np.stack([t["u_a"], t["u_b"]], axis=-1)
     head = "t,i_a,i_b,u_alpha,u_beta,inj,d_a,d_b,d_c,u_dc,theta_e"
-    columns = [t[n] for n in ("t", "i_a", "i_b", "u_a_hat", "u_b_hat", "inj")]
+    columns = [np.round(t["t"], 9)]
+    columns += [t[n] for n in ("i_a", "i_b", "u_a_hat", "u_b_hat", "inj")]
     columns += [*duties(u, t["u_dc"]).T, t["u_dc"], t["theta_e"]]
     form = ",".join(["%.9g"] * 5 + ["%d"] + ["%.6f"] * 3 + ["%.9g"] * 2)
     lines = [form % tuple(row) for row in np.stack(columns, axis=-1)]
@@ -83,8 +84,8 @@ def read_log(path: Path, motor: Motor, *, u_dt: float, inv_i_dt: float, delay: i
     Parameters
     ----------
     motor : Motor
-        Its period has to be the log's, its pole pairs turn a mechanical angle into an electrical one,
-        its DC link stands in for a missing column.
+        Its period has to be the log's, its pole pairs turn a mechanical angle into an electrical
+        one, its DC link stands in for a missing column.
     u_dt, inv_i_dt : float
         Dead-time voltage a leg [V] to take off duty cycles against the measured current, and the
         slope of its transition [1/A]: what the drive's own compensation adds.
