@@ -92,7 +92,8 @@ class MachineEkf:
         change[:2] = T_s * (u[:, None] - R_s * i_hat)
         change[3] = T_s * f.x[2]
         f.predict(change)
-        f.update(i[:, None], lambda x: self.measured(x)[1], lambda x: self.measured(x)[0])
+        i_hat, slope = self.measured(f.x)
+        f.update(i[:, None], lambda _: slope, lambda _: i_hat)
         f.x[3] = np.remainder(f.x[3] + np.pi, 2.0 * np.pi) - np.pi
         return float(f.x[3, 0]), float(f.x[2, 0])
 
