@@ -31,9 +31,9 @@ def test_a_simulated_log_is_replayed(tmp_path: Path) -> None:
 
 
 def test_mistakes(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="out: .* no folder"):
+    with pytest.raises(UserError, match=r"out: .* no folder"):
         run("replay", SAMPLE, "--out", str(tmp_path / "none" / "out.csv"))
     with pytest.raises(UserError, match="policy"):
         run("replay", SAMPLE, "--policy", "nonsense")
-    with pytest.raises(UserError, match="log: .* no folder"):
+    with pytest.raises(UserError, match=r"log: .* no folder"):
         run("simulate", "--duration", "0.01", "--log", str(tmp_path / "none" / "log.csv"))
