@@ -82,10 +82,23 @@ class Replay:
         return table
 
     def summary(self, after: float = 0.0) -> dict[str, dict[str, float]]:
-        """By estimator: ``share`` of the samples on its own signal, and over those ``rms_deg``,
-        ``max_deg`` and ``mean_deg`` of the angle error [deg], NaN where there is none.
-        """  # noqa: D205
+        """Share of samples on their own signal and angle errors over those, by estimator.
+
+        Returns
+        -------
+        dict
+            By estimator ``share``, and ``rms_deg``, ``max_deg``, ``mean_deg`` [deg], NaN without an
+            encoder or without such samples.
+
+        Raises
+        ------
+        UserError
+            The log ends before ``after``.
+        """
         late = self.log.t - self.log.t[0] >= after
+        if not late.any():
+            length = self.log.t[-1] - self.log.t[0]
+            raise UserError(f"after: {after:g} s; allowed: at most {length:g} s, the log's length")
         out = {}
         for name, estimate in self.estimates.items():
             own = late & estimate.valid

@@ -211,6 +211,6 @@ def _value(text: str, at: str) -> float:
         value = float(text)
     except ValueError:
         value = np.nan
-    if not abs(value) < 1e9:  # also NaN
+    if not abs(value) < 1e15:  # also NaN
         raise UserError(f"{at}: {text!r}; allowed: a finite number")
     return value

@@ -159,6 +159,8 @@ def test_csv_and_table(found: Replay, tmp_path: Path) -> None:
         assert wrapped(error - rows[f"theta_e_err_{name}"]) == pytest.approx(0.0, abs=1e-6)
         assert f"omega_e_hat_{name}" in rows.dtype.names
     assert len(found.table(0.1).rows) == 4
+    with pytest.raises(UserError, match="after: 9 s"):
+        found.summary(9.0)
 
 
 @pytest.mark.parametrize("policy", ["sensored", "oracle"])
