@@ -61,7 +61,7 @@ int batch_fits(const sim_t *sims) {
         fits = fits && s->sensored == 0 && s->with_twin != 0 && s->plant.n_sub == 1 &&
                s->plant.bridge == 0 && s->control.hfi.scheme == HFI_ROTATING &&
                s->control.estimator == ESTIMATE_ANGLES && s->drive.x.start.phase == START_DONE &&
-               !(s->inv_stick > 0.0f);
+               !(s->inv_stick > 0.0f) && s->sensor.carrier == 0;
     }
     return fits;
 }

@@ -25,14 +25,16 @@ from source_hash import source_hash  # noqa: E402  (a build script has no packag
 GENERATED = CORE.parent / "build" / "generated"
 SOURCES = (
     "batch.c",
+    "carrier.c",
     "drive.c",
     "drive_start.c",
     "ks_schedule.c",
     "ks_selftest.c",
     "ks_table.c",
+    "replay.c",
     "simulate.c",
 )
-HEADERS = ("simulate.h", "ks_selftest.h")
+HEADERS = ("simulate.h", "carrier.h", "replay.h", "ks_selftest.h")
 CFLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
 STDINT = (
     "typedef signed int int32_t; typedef unsigned int uint32_t;"

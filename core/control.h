@@ -73,14 +73,20 @@ CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
     return u;
 }
 
-/* Current control alone, at the torque current i_q_ref [A]; otherwise as control_step. */
-CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, estimate_t est,
-                                 ab_t i_ab, float u_dc, float i_q_ref, float reserve, float T_s) {
-    rot_t r = rot_of(est.theta);
+/* Takes in sample k [A] in the frame r of the estimate at k; x->i: its mean with the one before. */
+CORE_INLINE void control_sample(control_state_t *x, rot_t r, ab_t i_ab) {
     dq_t i_k = ab_to_dq(i_ab, r);
     dq_t i = {0.5f * (i_k.d + x->i_1.d), 0.5f * (i_k.q + x->i_1.q)};
     x->i_1 = i_k;
     x->i = i;
+}
+
+/* Current control alone, at the torque current i_q_ref [A]; otherwise as control_step. */
+CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, estimate_t est,
+                                 ab_t i_ab, float u_dc, float i_q_ref, float reserve, float T_s) {
+    rot_t r = rot_of(est.theta);
+    control_sample(x, r, i_ab);
+    dq_t i = x->i;
 
     float i_d_mtpa = curve_at(&p->i_d_mtpa, curve_locate(i_q_ref, p->curve_inv_step));
     x->i_ref.q = i_q_ref;

@@ -14,22 +14,35 @@ typedef struct {
     float lsb;                /* resolution of the converter [A], above range / 2^30 */
     float inv_lsb;            /* 1 / lsb [1/A] */
     float range;              /* largest current the converter shows [A] */
+    int32_t carrier; /* 1: switching instants of a carrier, see carrier.h; 0: mean voltage */
 } sensor_params_t;
 
-/* Mean stator voltage of a period [V]: duties with the common-mode voltage that uses the link best,
- * dead time against the direction of each phase current i_ab [A], legs limited to the link. */
-CORE_INLINE ab_t inverter_voltage(const sensor_params_t *p, ab_t u, float u_dc, ab_t i_ab) {
+/* Voltages of the three legs against the middle of the link [V]. */
+typedef struct {
+    float a, b, c;
+} legs_t;
+
+/* Legs for the stator voltage u [V], with the common-mode voltage that uses the link best. */
+CORE_INLINE legs_t inverter_legs(ab_t u) {
     float a = u.a;
     float b = -0.5f * u.a + HALF_SQRT3_F * u.b;
     float c = -0.5f * u.a - HALF_SQRT3_F * u.b;
     float mid = 0.5f * (max_f(a, max_f(b, c)) + min_f(a, min_f(b, c)));
+    legs_t y = {a - mid, b - mid, c - mid};
+    return y;
+}
+
+/* Mean stator voltage of a period [V]: dead time against the direction of each phase current i_ab [A],
+ * legs limited to the link. */
+CORE_INLINE ab_t inverter_voltage(const sensor_params_t *p, ab_t u, float u_dc, ab_t i_ab) {
+    legs_t leg = inverter_legs(u);
     float u_dt = u_dc * p->dead_time_share;
     float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
     float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
     float half = 0.5f * u_dc;
-    float leg_a = a - mid - u_dt * clamp_f(i_ab.a * p->inv_i_zero, -1.0f, 1.0f);
-    float leg_b = b - mid - u_dt * clamp_f(i_b * p->inv_i_zero, -1.0f, 1.0f);
-    float leg_c = c - mid - u_dt * clamp_f(i_c * p->inv_i_zero, -1.0f, 1.0f);
+    float leg_a = leg.a - u_dt * clamp_f(i_ab.a * p->inv_i_zero, -1.0f, 1.0f);
+    float leg_b = leg.b - u_dt * clamp_f(i_b * p->inv_i_zero, -1.0f, 1.0f);
+    float leg_c = leg.c - u_dt * clamp_f(i_c * p->inv_i_zero, -1.0f, 1.0f);
     leg_a = clamp_f(leg_a, -half, half);
     leg_b = clamp_f(leg_b, -half, half);
     leg_c = clamp_f(leg_c, -half, half);

@@ -83,10 +83,9 @@ CORE_INLINE plant_rate_t plant_along(plant_rate_t x, double h, plant_rate_t k) {
     return y;
 }
 
-/* One Runge-Kutta step of length p->h. */
+/* One Runge-Kutta step of length h [s]. */
 CORE_INLINE plant_rate_t plant_substep(const plant_params_t *p, dq64_t u0, double tau_load,
-                                       plant_rate_t x, int bridge) {
-    double h = p->h;
+                                       plant_rate_t x, double h, int bridge) {
     double w = h * (1.0 / 6.0);
     plant_rate_t k1 = plant_rate(p, u0, tau_load, x, bridge);
     plant_rate_t k2 = plant_rate(p, u0, tau_load, plant_along(x, 0.5 * h, k1), bridge);
@@ -110,17 +109,18 @@ CORE_INLINE void plant_output(const plant_params_t *p, plant_state_t *x, int bri
     x->tau = 1.5 * p->n_p * (x->psi_d * i.q - x->psi_q * i.d);
 }
 
-/* One period under the stator-frame voltage (u_a, u_b) [V] and a constant load torque [N m]. n_sub and
- * bridge: p's own, passed so that they can be constants. */
+/* n_sub Runge-Kutta steps of length h [s] under the stator-frame voltage (u_a, u_b) [V] and a constant
+ * load torque [N m]; a period is n_sub steps of p->h. n_sub and bridge: p's own, passed so that they
+ * can be constants. */
 CORE_INLINE void plant_step(const plant_params_t *p, plant_state_t *x, double u_a, double u_b,
-                            double tau_load, int n_sub, int bridge) {
+                            double tau_load, double h, int n_sub, int bridge) {
     dq64_t u0 = {x->cos_e * u_a + x->sin_e * u_b, x->cos_e * u_b - x->sin_e * u_a};
     plant_rate_t y = {x->psi_d, x->psi_q, x->omega_m, 0.0};
     if (n_sub == 1) { /* the usual case, without a loop so that loops over drives vectorise */
-        y = plant_substep(p, u0, tau_load, y, bridge);
+        y = plant_substep(p, u0, tau_load, y, h, bridge);
     } else {
         for (int j = 0; j < n_sub; j++) {
-            y = plant_substep(p, u0, tau_load, y, bridge);
+            y = plant_substep(p, u0, tau_load, y, h, bridge);
         }
     }
     double c, s;

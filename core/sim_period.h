@@ -2,13 +2,17 @@
 #ifndef SENSORLESS_SIM_PERIOD_H
 #define SENSORLESS_SIM_PERIOD_H
 
+#include "carrier.h"
 #include "simulate.h"
 
-/* Whether the load only resists. Blocks of drives (batch.c) leave such drives out. */
+/* Whether the load only resists, and whether the inverter switches: blocks of drives do neither, see
+ * batch_fits. */
 #ifdef CORE_VECTOR
 #define SIM_PASSIVE(s) 0
+#define SIM_SWITCHES(s) 0
 #else
 #define SIM_PASSIVE(s) ((s)->inv_stick > 0.0f)
+#define SIM_SWITCHES(s) ((s)->sensor.carrier != 0)
 #endif
 
 /* Sampled currents and the present commands as the controller sees them. Drive and twin read the
@@ -33,16 +37,21 @@ CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_re
 
 /* The machine over [k, k+1] under the waiting command; the new command waits in its place. */
 CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_sub, int bridge) {
-    ab_t i_ab = {
-        (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
-        (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
-    };
-    ab_t u = inverter_voltage(&s->sensor, c->u, s->now.u_dc, i_ab);
-    float tau_load = s->now.tau_load;
+    float tau = s->now.tau_load;
     if (SIM_PASSIVE(s)) {
-        tau_load = abs_f(tau_load) * clamp_f(s->inv_stick * (float)c->y.omega_m, -1.0f, 1.0f);
+        tau = abs_f(tau) * clamp_f(s->inv_stick * (float)c->y.omega_m, -1.0f, 1.0f);
     }
-    plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, (double)tau_load, n_sub, bridge);
+    double tau_load = (double)tau;
+    if (SIM_SWITCHES(s)) {
+        carrier_advance(&s->sensor, &s->plant, &c->y, c->u, s->now.u_dc, tau_load);
+    } else {
+        ab_t i_ab = {
+            (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
+            (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
+        };
+        ab_t u = inverter_voltage(&s->sensor, c->u, s->now.u_dc, i_ab);
+        plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, tau_load, s->plant.h, n_sub, bridge);
+    }
     c->u = u_next;
 }
 

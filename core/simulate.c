@@ -138,6 +138,9 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
         row[TRACE_I_Q] = y.i_q;
         row[TRACE_U_A] = (double)s->drive.u.a;
         row[TRACE_U_B] = (double)s->drive.u.b;
+        row[TRACE_U_A_HAT] = (double)s->drive.x.u_1.a;
+        row[TRACE_U_B_HAT] = (double)s->drive.x.u_1.b;
+        row[TRACE_INJ] = (double)s->drive.x.hfi.sign_1;
         s->sums = none;
         drive_in_t in =
             sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub, s->plant.bridge);
@@ -176,6 +179,6 @@ void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, doubl
         if (j == n) {
             return;
         }
-        plant_step(p, x, u[3 * j], u[3 * j + 1], u[3 * j + 2], p->n_sub, p->bridge);
+        plant_step(p, x, u[3 * j], u[3 * j + 1], u[3 * j + 2], p->h, p->n_sub, p->bridge);
     }
 }

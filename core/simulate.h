@@ -56,7 +56,6 @@ typedef struct {
     start_t start;
     drive_params_t control;
     sensor_params_t sensor;
-    int32_t reserved_1;
     plant_params_t plant;
     profile_t profile;
     chain_t drive; /* the drive under test */
@@ -102,6 +101,9 @@ enum {
     TRACE_U_DC,         /* [V] */
     TRACE_HF_AMPLITUDE, /* [A] */
     TRACE_STARTING,     /* 1 while the start sequence runs */
+    TRACE_U_A_HAT,      /* TRACE_U_A and _B as the observers see them: without the drive's */
+    TRACE_U_B_HAT,      /* compensation of its dead time [V] */
+    TRACE_INJ,          /* sign of the injection over [k, k+1], 0 = off */
     TRACE_N
 };
 

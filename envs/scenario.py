@@ -135,6 +135,7 @@ class SimFactory:
                 "with_twin": 1,
             },
         )
+        template["sensor"]["carrier"] = int(design.carrier)
         self._template = template
 
     def build(

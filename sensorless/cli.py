@@ -14,6 +14,7 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 
 from sensorless.cli_identify import app as identify_app
 from sensorless.cli_pil import pil_command
+from sensorless.cli_replay import replay_command
 from sensorless.cli_reproduce import reproduce
 from sensorless.cli_train import train_command
 from sensorless.cli_tune import list_policies, tune_command
@@ -91,6 +92,9 @@ def simulate(
     out: Annotated[
         Path | None, typer.Option(help="CSV: every PWM period, or the machine's run.")
     ] = None,
+    log: Annotated[
+        Path | None, typer.Option(help="CSV as a drive would record it, for sensorless replay.")
+    ] = None,
     plant: Annotated[Path | None, typer.Option(help="Machine JSON: run the machine alone.")] = None,
     inputs: Annotated[
         Path | None, typer.Option(help="CSV of u_alpha, u_beta[, tau_L] a period, with --plant.")
@@ -104,6 +108,7 @@ def simulate(
 
     check_output(plot, "plot")
     check_output(out)
+    check_output(log, "log")
     if plant is not None or inputs is not None:
         from sensorless.plant_io import simulate_plant
 
@@ -132,6 +137,11 @@ def simulate(
     if out is not None:
         write_csv(run, out)
         console.print(f"wrote {out}")
+    if log is not None:
+        from sensorless.replay_log import write_log
+
+        write_log(run, log)
+        console.print(f"wrote {log}")
     if plot is not None:
         from sensorless.plots import save, waveforms
 
@@ -247,6 +257,7 @@ app.command("tune")(tune_command)
 app.command("pil")(pil_command)
 app.add_typer(identify_app, name="identify")
 app.command("reproduce")(reproduce)
+app.command("replay")(replay_command)
 
 
 @contextmanager

@@ -79,6 +79,7 @@ PLANT_STATE = struct_dtype("plant_state_t")
 FLUX_MAP = struct_dtype("flux_map_t")
 PROFILE = struct_dtype("profile_t")
 TABLE = struct_dtype("ks_table_t")
+REPLAY_IN = struct_dtype("replay_in_t")
 
 SIGNAL_N: int = lib.SIGNAL_N
 PROFILE_N = 8
@@ -92,6 +93,9 @@ def _enum_names(prefix: str) -> tuple[str, ...]:
 
 
 TRACE_NAMES = _enum_names("TRACE_")
+CARRIER_NAMES = _enum_names("CARRIER_")
+REPLAY_NAMES = _enum_names("REPLAY_")
+PIECES_A_PERIOD: int = lib.PIECES_A_PERIOD
 SIGNAL_NAMES = _enum_names("SIGNAL_")
 
 
@@ -172,3 +176,73 @@ def plant_run(plant: Array, state: Array, u: Array) -> Array:
     lib.plant_start(p, x)
     lib.plant_run(p, x, pointer(inputs, "double[]"), pointer(out, "double[]"), len(inputs))
     return out
+
+
+def carrier_run(sensor: Array, plant: Array, state: Array, u: Array) -> Array:
+    """Run the machine alone on an inverter that switches, with a look between its edges.
+
+    Parameters
+    ----------
+    sensor, plant, state : records of SENSOR, PLANT and PLANT_STATE, shape (1,)
+        ``state`` is changed in place and must hold flux, speed and angle.
+    u : array, shape (n, 4)
+        Stator voltage alpha, beta and DC link [V] and load torque [N m], each for one period.
+
+    Returns
+    -------
+    array, shape (rows, len(CARRIER_NAMES))
+        A row for every Runge-Kutta step, ``n_sub`` of them from edge to edge, and one for the end;
+        its voltage acts from that row to the next.
+    """
+    inputs = np.ascontiguousarray(u, dtype=np.float64)
+    most = len(inputs) * PIECES_A_PERIOD * int(plant["n_sub"][0]) + 1
+    out = np.empty((most, len(CARRIER_NAMES)))
+    p, x = pointer(plant, "plant_params_t[]"), pointer(state, "plant_state_t[]")
+    lib.plant_start(p, x)
+    n = lib.carrier_run(
+        pointer(sensor, "sensor_params_t[]"),
+        p,
+        x,
+        pointer(inputs, "double[]"),
+        pointer(out, "double[]"),
+        len(inputs),
+    )
+    return out[:n]
+
+
+class ObserverRun:
+    """Both observers and their blend over a recorded log; see ``core/replay.h``.
+
+    Parameters
+    ----------
+    control : record of CONTROL, shape ()
+    theta, omega : float
+        Where both begin, electrical [rad, rad/s].
+    k_s : float
+        First weight.
+    """
+
+    def __init__(self, control: Array, theta: float, omega: float, k_s: float) -> None:
+        self._control = control.reshape(1).copy()
+        self._state = np.zeros(1, dtype=struct_dtype("replay_t"))
+        lib.replay_init(*self._pointers(), theta, omega, k_s)
+
+    def _pointers(self) -> tuple[Any, Any]:
+        control = pointer(self._control, "drive_params_t[]")
+        return control, pointer(self._state, "replay_t[]")
+
+    def advance(self, rows: Array, k_s: float) -> tuple[Array, Array]:
+        """Take in ``rows`` of REPLAY_IN under one weight.
+
+        Returns
+        -------
+        array of float32, shape (n, len(REPLAY_NAMES))
+        array of float32, shape (SIGNAL_N,)
+            Signals after the last row.
+        """
+        out = np.empty((len(rows), len(REPLAY_NAMES)), dtype=np.float32)
+        obs = np.empty(SIGNAL_N, dtype=np.float32)
+        inputs = pointer(np.ascontiguousarray(rows), "replay_in_t[]")
+        into, signals = pointer(out, "float[]"), pointer(obs, "float[]")
+        lib.replay_run(*self._pointers(), inputs, len(rows), k_s, into, signals)
+        return out, obs

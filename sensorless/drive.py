@@ -82,6 +82,8 @@ class DriveDesign:
     """Cross-coupling compensation: none, line, table, or a file of identify cross-coupling."""
     mtpa: bool = True
     """d current of maximum torque per ampere instead of zero."""
+    carrier: bool = False
+    """Inverter with the switching instants of a carrier instead of its mean voltage."""
 
     def __post_init__(self) -> None:
         """Check every number against its range.

@@ -19,7 +19,17 @@ LAYERS = (
     ("rollout", "*metrics", "objective", "suites", "steady"),
     ("baselines", "agents"),
     ("aggregate", "results", "evaluate", "report", "tuning*"),
-    ("export*", "pil*", "plant_*", "trace*", "plots", "options", "identify*", "reproduce*"),
+    (
+        "export*",
+        "pil*",
+        "plant_*",
+        "trace*",
+        "plots",
+        "options",
+        "identify*",
+        "reproduce*",
+        "replay*",
+    ),
     ("demo", "cli*", "__main__"),
 )
 

@@ -17,7 +17,15 @@ from sensorless.envs.stress import stress_scenarios
 from sensorless.motor import Motor
 
 CORE = Path(__file__).parents[2] / "core"
-HOST_ONLY = {"plant.h", "simulate.h", "sim_period.h", "noise.h", "profile.h", "inverter.h"}
+HOST_ONLY = {
+    "plant.h",
+    "simulate.h",
+    "sim_period.h",
+    "noise.h",
+    "profile.h",
+    "inverter.h",
+    "carrier.h",
+}
 
 
 def scramble(record: Array) -> None:

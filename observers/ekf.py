@@ -1,0 +1,131 @@
+"""Extended Kalman filter over recorded voltages and currents: an estimator of another kind.
+
+Stator flux and rotor are the state, the phase currents are the measurement; the machine's own flux
+map with its saturation stands between them, so that saliency and magnet both show the angle:
+
+    d(psi)/dt = u - R_s i,   domega/dt = 0 + noise,   dtheta/dt = omega
+    i = P(theta) f(P(-theta) psi),   P a rotation, f the flux map
+
+Built on filterpy. It is independent of the drive's observers and of the sign of an injection, and
+far too slow for a drive; see R. Labbe, Kalman and Bayesian Filters in Python, chapter 11.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from filterpy.kalman import ExtendedKalmanFilter
+
+from sensorless.core_api import Array, flux_map_currents
+from sensorless.magnetics import Floats, flux, flux_map_record
+from sensorless.motor import Motor
+
+TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
+FLUX_STEP = 1e-6
+
+
+@dataclass(frozen=True)
+class EkfDesign:
+    """How far the filter trusts model and measurement; standard deviations."""
+
+    voltage: float = 10.0
+    """of the stator voltage, from period to period [V]"""
+    acceleration: float = 100.0
+    """of the change of speed over a second, electrical [rad/s^2 in sqrt(s)]"""
+    current: float = 0.005
+    """of a current sample [A]"""
+    theta_0: float = 0.5
+    """of the first angle [rad]"""
+    omega_0: float = 30.0
+    """of the first speed, electrical [rad/s]"""
+
+
+class _Filter(ExtendedKalmanFilter):  # type: ignore[misc]
+    """The library's filter with its state moved by what the model says."""
+
+    def predict_x(self, u: Array) -> None:
+        """Add the change of the state (4, 1)."""
+        self.x: Array = self.x + u
+
+
+class MachineEkf:
+    """The filter of one machine.
+
+    Parameters
+    ----------
+    motor : Motor
+        Its resistance, flux map and period.
+    theta, omega : float
+        First angle and speed, electrical [rad, rad/s]; the machine is without current.
+    """
+
+    def __init__(
+        self, motor: Motor, theta: float, omega: float, design: EkfDesign | None = None
+    ) -> None:
+        d = EkfDesign() if design is None else design
+        self.motor = motor
+        self._map, self._bridge = flux_map_record(motor.saturation), motor.saturation.a_b > 0.0
+        psi_f = flux(motor.saturation, np.zeros((1, 2)))[0, 0]
+        f = self.filter = _Filter(dim_x=4, dim_z=2)
+        f.x = np.array([[psi_f * np.cos(theta)], [psi_f * np.sin(theta)], [omega], [theta]])
+        # a flux without current points along the rotor: both angles err together
+        along = np.array([-psi_f * np.sin(theta), psi_f * np.cos(theta), 0.0, 1.0])
+        own = np.array([0.01 * psi_f, 0.01 * psi_f, d.omega_0, 0.0])
+        f.P = d.theta_0**2 * np.outer(along, along) + np.diag(own**2)
+        T_s = motor.T_s
+        f.Q = np.diag([(T_s * d.voltage) ** 2] * 2 + [T_s * d.acceleration**2, 0.0])
+        f.R = np.eye(2) * d.current**2
+
+    def step(self, u: Floats, i: Floats) -> tuple[float, float]:
+        """Take in stator voltage u (2,) [V] over the last period and current i (2,) [A] at its end.
+
+        Returns
+        -------
+        theta_e, omega_e : float
+            Estimate at the sample [rad, rad/s].
+        """
+        f, T_s, R_s = self.filter, self.motor.T_s, self.motor.R_s
+        i_hat, slope = self.measured(f.x)
+        f.F = np.eye(4)
+        f.F[:2] -= T_s * R_s * slope
+        f.F[3, 2] = T_s
+        change = np.zeros((4, 1))
+        change[:2] = T_s * (u[:, None] - R_s * i_hat)
+        change[3] = T_s * f.x[2]
+        f.predict(change)
+        i_hat, slope = self.measured(f.x)
+        f.update(i[:, None], lambda _: slope, lambda _: i_hat)
+        f.x[3] = np.remainder(f.x[3] + np.pi, 2.0 * np.pi) - np.pi
+        return float(f.x[3, 0]), float(f.x[2, 0])
+
+    def measured(self, x: Array) -> tuple[Array, Array]:
+        """Stator current (2, 1) [A] of a state (4, 1), and its Jacobian (2, 4)."""
+        c, s = np.cos(x[3, 0]), np.sin(x[3, 0])
+        rotate = np.array([[c, -s], [s, c]])
+        psi = rotate.T @ x[:2, 0]
+        steps = FLUX_STEP * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+        i = flux_map_currents(self._map, self._bridge, psi + steps)
+        gamma = np.stack([i[1] - i[2], i[3] - i[4]], axis=-1) / (2.0 * FLUX_STEP)
+        jacobian = np.zeros((2, 4))
+        jacobian[:, :2] = rotate @ gamma @ rotate.T
+        jacobian[:, 3] = rotate @ (TURN @ i[0] - gamma @ TURN @ psi)
+        return (rotate @ i[0])[:, None], jacobian
+
+
+def run_ekf(
+    motor: Motor, u: Floats, i: Floats, theta: float, omega: float, design: EkfDesign | None = None
+) -> tuple[Floats, Floats]:
+    """Filter a whole log.
+
+    Parameters
+    ----------
+    u : (n, 2) stator voltage [V] over the period before each sample
+    i : (n, 2) stator current at each sample [A]
+    theta, omega : first angle and speed, electrical [rad, rad/s]
+
+    Returns
+    -------
+    theta_e (n,) [rad], omega_e (n,) [rad/s]
+    """
+    ekf = MachineEkf(motor, theta, omega, design)
+    out = np.array([ekf.step(u_k, i_k) for u_k, i_k in zip(u, i, strict=True)])
+    return out[:, 0], out[:, 1]
