@@ -1,13 +1,14 @@
 """From numbers per scenario to a mean and how sure it is: rates, means, paired differences."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest, bootstrap
 
+from sensorless.core_api import Array
 from sensorless.rollout import CAUSES, Floats
 
 RESAMPLES = 2000
@@ -104,3 +105,62 @@ def paired(
         "lost_rate_ci": mean_interval(difference, seed),
         **mean_of({name: x - reference[name] for name, x in metrics.items()}, both, seed),
     }
+
+
+def by_place(places: Array, survived: Bools) -> dict[str, list[Any]]:
+    """Lost rate and errors in each of p places, lists of p.
+
+    ``came``: scenarios that were in the place; ``lost``: those of them that were lost there, with
+    its rate and Wilson interval (NaN where none came). ``time_share`` and errors: over the
+    scenarios survived, RMS over the time that they were there.
+
+    Parameters
+    ----------
+    places : (n, p) of ``place_metrics.PLACE``
+    survived : (n,)
+    """
+    came, lost = (places["periods"] > 0), places["lost"]
+    kept = places[survived]
+    count = kept["periods"].sum(axis=0)
+    known = np.where(count > 0, count, np.nan)
+
+    def rms(name: str) -> Floats:
+        return np.asarray(np.sqrt(np.maximum(kept[name].sum(axis=0), 0.0) / known))
+
+    return {
+        "came": came.sum(axis=0).tolist(),
+        "lost": lost.sum(axis=0).tolist(),
+        "lost_rate": [
+            float(np.mean(x[c])) if c.any() else math.nan for x, c in _columns(lost, came)
+        ],
+        "lost_ci": [
+            rate_interval(x[c]) if c.any() else (math.nan, math.nan)
+            for x, c in _columns(lost, came)
+        ],
+        "time_share": (count / max(int(count.sum()), 1)).tolist(),
+        "angle_err_rms_deg": np.rad2deg(rms("err_sq")).tolist(),
+        "torque_dev_rms": rms("dev_sq").tolist(),
+        "torque_ripple_rms": rms("ripple_sq").tolist(),
+    }
+
+
+def _columns(*arrays: Bools) -> Iterator[tuple[Bools, ...]]:
+    return zip(*(x.T for x in arrays), strict=True)
+
+
+def worst(lost: NDArray[np.int32], time: Floats, deviation: Floats, count: int) -> list[int]:
+    """Indices of the ``count`` worst scenarios, worst first.
+
+    First those lost, the earliest first, but those in which the twin gave up, which no policy can
+    hold, behind the others; then the survivors by ``deviation``, largest first.
+
+    Parameters
+    ----------
+    lost : (n,) bits of ``CAUSES``
+    time : (n,) time lived [s]
+    deviation : (n,)
+    """
+    twin = lost & CAUSES["twin"] != 0
+    group = np.where(lost == 0, 2, np.where(twin, 1, 0))
+    within = np.where(lost == 0, -np.nan_to_num(deviation), time)
+    return [int(i) for i in np.lexsort((within, group))[:count]]

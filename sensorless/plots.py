@@ -26,13 +26,26 @@ COLOURS = {
 RPM = 30.0 / np.pi
 
 
-def _figure(**options: Any) -> Any:
-    """Return figure and axes of matplotlib, without a display."""
+def require_matplotlib() -> None:
+    """Find out before the work whether there can be figures.
+
+    Raises
+    ------
+    UserError
+        Matplotlib is missing.
+    """
     try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
+        import matplotlib  # noqa: F401
     except ImportError:
         raise UserError("plots need matplotlib: pip install 'sensorless[plot]'") from None
+
+
+def _figure(**options: Any) -> Any:
+    """Return figure and axes of matplotlib, without a display."""
+    require_matplotlib()
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     size = options.pop("figsize")
     figure = Figure(figsize=size, layout="constrained")
     FigureCanvasAgg(figure)
