@@ -1,12 +1,10 @@
 """A policy judged, drawn and written down: one HTML page with its pictures, and them as files."""
 
-import io
 import shlex
 from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from sensorless.baselines import shipped
 from sensorless.baselines.linear import EQ25_BAND, linear_table
@@ -17,7 +15,7 @@ from sensorless.evaluate import PolicyProgress, evaluate
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.motor import Motor
 from sensorless.options import scenario_from
-from sensorless.plots import require_matplotlib, waveforms
+from sensorless.plots import png, require_matplotlib, waveforms
 from sensorless.report_cases import Case, cases
 from sensorless.report_envelope import envelope_maps
 from sensorless.report_figures import curves_of, learning_curves, lost_by_place, schedule_maps
@@ -25,12 +23,8 @@ from sensorless.report_page import Figure, Section, render
 from sensorless.results import Results
 from sensorless.trace import trace
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawing
-
 PAGE = "index.html"
 SUITES = ("stress", "handoff")
-DPI = 100
 
 
 class Report:
@@ -101,7 +95,7 @@ class Report:
             sections,
             figures,
             self._commands(command),
-            {**results[0].versions, "matplotlib": version("matplotlib")},
+            self._versions(results[0]),
             asdict(self.design),
         )
         for result in results:
@@ -206,6 +200,13 @@ class Report:
         facts["compared with"] = ", ".join(self.others)
         return facts
 
+    def _versions(self, results: Results) -> dict[str, str]:
+        out = {**results.versions, "matplotlib": version("matplotlib")}
+        if isinstance(self.policy, TablePolicy):
+            trained = dict(self.policy.table.provenance.get("versions", {}))
+            out |= {f"{name}, in training": str(number) for name, number in trained.items()}
+        return out
+
     def _commands(self, command: str) -> list[tuple[str, str]]:
         out = [("This page:", command)]
         if isinstance(self.policy, TablePolicy) and self.policy.table.provenance.get("command"):
@@ -215,10 +216,3 @@ class Report:
 
     def _command(self, *words: str) -> str:
         return shlex.join(["sensorless", *words, *self.options])
-
-
-def png(drawing: "Drawing") -> bytes:
-    """Return the picture as a PNG file."""
-    buffer = io.BytesIO()
-    drawing.savefig(buffer, format="png", dpi=DPI)
-    return buffer.getvalue()

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PROGRESS = "progress.csv"
+MOST = 8
+"""Policies in a figure."""
 CURVES = (
     ("lost_rate", "lost in validation [%]"),
     ("torque_dev", "torque deviation [% of rated]"),
@@ -26,16 +28,22 @@ CURVES = (
 
 
 def lost_by_place(results: Results) -> "Figure":
-    """Share lost in each quadrant and at each speed, with Wilson intervals, one colour a policy."""
+    """Share lost in each quadrant and at each speed, with Wilson intervals, one colour a policy.
+
+    Of many policies ``MOST`` are shown: the first two, the bounds, and the best of the others.
+    """
+    shown = _shown(results.policies)
     figure, axes = _figure(figsize=(11.0, 6.4), nrows=2)
     for ax, key in zip(axes, ("by_quadrant", "by_speed"), strict=True):
         labels: list[str] = []
-        for j, (name, policy) in enumerate(results.policies.items()):
+        for j, (name, policy) in enumerate(shown.items()):
             block = policy[key]
-            labels = list(block.get("place", ())) or speed_labels(block["from_rated_speed"])
+            labels = list(block.get("place", ())) or [
+                label.removeprefix("speed ") for label in speed_labels(block["from_rated_speed"])
+            ]
             rate = 100.0 * np.array(block["lost_rate"])
             low, high = 100.0 * np.array(block["lost_ci"]).T
-            shift = 0.7 * ((j + 0.5) / len(results.policies) - 0.5)
+            shift = 0.7 * ((j + 0.5) / len(shown) - 0.5)
             ax.errorbar(
                 np.arange(len(labels)) + shift,
                 rate,
@@ -43,7 +51,7 @@ def lost_by_place(results: Results) -> "Figure":
                 fmt="o",
                 ms=4,
                 lw=1.2,
-                color=f"C{j}" if j < 10 else None,
+                color=f"C{j}",
                 label=name + (" (bound)" if policy["bound"] else ""),
             )
         ax.set_xticks(range(len(labels)), labels, fontsize=9)
@@ -56,6 +64,14 @@ def lost_by_place(results: Results) -> "Figure":
     axes[1].set_xlabel("speed over rated speed, of the sensored twin")
     axes[0].legend(ncols=5, fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
     return figure  # type: ignore[no-any-return]
+
+
+def _shown(policies: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    kept = [*list(policies)[:2], *(name for name, policy in policies.items() if policy["bound"])]
+    rest = [name for name in policies if name not in kept]
+    rest.sort(key=lambda name: policies[name]["lost_rate"])
+    kept += rest[: max(0, MOST - len(kept))]
+    return {name: policy for name, policy in policies.items() if name in kept}
 
 
 def schedule_maps(name: str, table: KsTable, reference: KsTable, motor: Motor) -> "Figure":
@@ -132,9 +148,12 @@ def _label(axis: Axis, motor: Motor) -> str:
 
 
 def curves_of(folder: Path) -> dict[str, dict[str, Any]]:
-    """Validation over training time of a run and of the runs inside its folder, columns by name."""
+    """Validation over training time of the runs inside a folder or else of its own, columns by name.
+
+    A folder with runs in it is a copy of one of them.
+    """
     out = {}
-    for path in [folder / PROGRESS, *sorted(folder.glob(f"*/{PROGRESS}"))]:
+    for path in sorted(folder.glob(f"*/{PROGRESS}")) or [folder / PROGRESS]:
         if path.is_file():
             with path.open(encoding="utf-8", newline="") as file:
                 rows = list(csv.DictReader(file))

@@ -16,6 +16,7 @@ from sensorless.results_tables import PLACE_COLUMNS, number, rate, speed_labels
 
 TEMPLATE = "report.html.j2"
 
+LOST = ("lost_rate", "lost [%]", 100.0, 1)
 COLUMNS = (
     ("torque_dev_rms", "torque deviation [%]", 100.0, 2),
     ("torque_ripple_rms", "torque ripple [%]", 100.0, 2),
@@ -105,7 +106,10 @@ def _section(section: Section) -> dict[str, Any]:
         "setting": f"seed {results.seed}, {results.size} scenarios",
         "command": section.command,
         "rows": [_row(name, policy) for name, policy in results.policies.items()],
-        "pairs": [_pair(name, pair) for name, pair in results.paired.items()],
+        "pairs": [
+            _pair(name, results.policies[name]["bound"], pair)
+            for name, pair in results.paired.items()
+        ],
         "places": [(name, _places(policy)) for name, policy in results.policies.items()],
         "worst": [
             (name, [_case(case) for case in policy["worst"]])
@@ -119,10 +123,13 @@ def _row(name: str, policy: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "name": name,
         "bound": policy["bound"],
-        "lost": rate(policy["lost_rate"], policy["lost_ci"]),
         "cells": [
-            _cell(factor * policy[key], [factor * x for x in policy[f"{key}_ci"]], decimals)
-            for key, _, factor, decimals in COLUMNS
+            _cell(
+                factor * policy[key],
+                [factor * x for x in policy["lost_ci" if key == "lost_rate" else f"{key}_ci"]],
+                decimals,
+            )
+            for key, _, factor, decimals in (LOST, *COLUMNS)
         ],
     }
 
@@ -135,15 +142,14 @@ def _cell(value: float, interval: Sequence[float], decimals: int) -> tuple[str, 
     return number(value, decimals), f"{low} … {high}"
 
 
-def _pair(name: str, pair: Mapping[str, Any]) -> dict[str, Any]:
+def _pair(name: str, bound: bool, pair: Mapping[str, Any]) -> dict[str, Any]:
     """Differences of the report's policy to this one: the other way round than in the results."""
-    columns = (("lost_rate", "", 100.0, 1), *COLUMNS)
     cells = []
-    for key, _, factor, decimals in columns:
+    for key, _, factor, decimals in (LOST, *COLUMNS):
         low, high = (-factor * x for x in reversed(pair[f"{key}_ci"]))
         text = _cell(-factor * pair[key], (low, high), decimals)
         cells.append((*text, "less" if high < 0.0 else "more" if low > 0.0 else ""))
-    return {"name": name, "both": pair["survived_both"], "cells": cells}
+    return {"name": name, "bound": bound, "both": pair["survived_both"], "cells": cells}
 
 
 def _places(policy: Mapping[str, Any]) -> list[list[str]]:

@@ -103,4 +103,6 @@ def rate(value: float, interval: tuple[float, float]) -> str:
 
 def number(value: float, decimals: int) -> str:
     """Return the number, or a dash for none."""
-    return f"{value:.{decimals}f}" if math.isfinite(value) else "–"
+    if not math.isfinite(value):
+        return "–"
+    return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−")
