@@ -20,7 +20,6 @@ JUDGED := eq25 hfi smo hysteresis fuzzy $(TUNED) $(SEEDS:%=$(OUT)/seed-%) oracle
 
 .PHONY: all
 .DELETE_ON_ERROR:
-.SECONDARY:
 
 all: $(OUT)/report/index.html
 

@@ -12,7 +12,7 @@ from sensorless.results import Results
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SHOWN = 15.0
+SHOWN = 12.0
 """End of the colour scale [deg]."""
 LOST, BEYOND = "#3d1020", "#9aa0a6"
 

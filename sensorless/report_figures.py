@@ -148,7 +148,7 @@ def _label(axis: Axis, motor: Motor) -> str:
 
 
 def curves_of(folder: Path) -> dict[str, dict[str, Any]]:
-    """Validation over training time of the runs inside a folder or else of its own, columns by name.
+    """Validation over training time, columns by name, of the runs inside a folder or of its own.
 
     A folder with runs in it is a copy of one of them.
     """

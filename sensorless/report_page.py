@@ -28,6 +28,9 @@ COLUMNS = (
 )
 """Of the results table: metric, heading, factor, decimals."""
 
+PLACE_HEADINGS = ("torque deviation [%]", "torque ripple [%]", "angle error [°]")
+"""Of ``results_tables.PLACE_COLUMNS``, in words."""
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -92,7 +95,7 @@ def render(
         figures=figures,
         columns=[heading for _, heading, _, _ in COLUMNS],
         formulas=[(heading, _formula(key)) for key, heading, _, _ in COLUMNS],
-        place_columns=[heading.replace("\n", " ") for _, heading, _, _ in PLACE_COLUMNS],
+        place_columns=PLACE_HEADINGS,
         commands=commands,
         versions=versions,
         design=design,

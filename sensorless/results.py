@@ -74,7 +74,7 @@ class Results:
         for _, heading, _, _ in COLUMNS:
             table.add_column(heading, justify="right")
         for name, policy in self.policies.items():
-            label = escape(name) + (" (bound)" if policy["bound"] else "")
+            label = escape(name) + ("\n(bound)" if policy["bound"] else "")
             table.add_row(label, *(_cell(policy, *column) for column in COLUMNS))
         return table
 

@@ -10,22 +10,26 @@ from rich.table import Table
 from sensorless.results import COLUMNS, Results
 
 PLACE_COLUMNS = (
-    ("torque_dev_rms", "torque\ndev. [%]", 100.0, 2),
-    ("torque_ripple_rms", "torque\nripple [%]", 100.0, 2),
-    ("angle_err_rms_deg", "angle\nerror [°]", 1.0, 2),
+    ("torque_dev_rms", "dev.\n[%]", 100.0, 2),
+    ("torque_ripple_rms", "ripple\n[%]", 100.0, 2),
+    ("angle_err_rms_deg", "angle\n[°]", 1.0, 2),
 )
 """Of a table by place: name, heading, factor, decimals."""
 
 
 def worst_table(results: Results, count: int) -> Table:
-    """The ``count`` worst scenarios of each policy, each as a word for ``simulate --scenario``."""
+    """The ``count`` worst scenarios of each policy, each as a word for ``simulate --scenario``.
+
+    Bounds are left out.
+    """
     table = Table(title="worst cases", caption="replay one: sensorless simulate --scenario ...")
-    for heading in ("policy", "scenario", "lost by"):
-        table.add_column(heading, overflow="fold")
+    table.add_column("policy", overflow="fold")
+    table.add_column("scenario", no_wrap=True)
+    table.add_column("lost by")
     for heading in ("lived\n[s]", "torque\ndev. [%]", "largest angle\nerror [°]"):
         table.add_column(heading, justify="right")
     for name, policy in results.policies.items():
-        for j, case in enumerate(policy["worst"][:count]):
+        for j, case in enumerate([] if policy["bound"] else policy["worst"][:count]):
             where = f", {case['quadrant']}" if case["quadrant"] else ""
             table.add_row(
                 escape(name) if j == 0 else "",
@@ -59,17 +63,17 @@ def paired_table(results: Results) -> Table:
 def difference(pair: dict[str, Any], key: str, factor: float, decimals: int) -> str:
     """One paired difference with its interval, on two lines."""
     low, high = (number(factor * x, decimals) for x in pair[f"{key}_ci"])
-    return f"{number(factor * pair[key], decimals)}\n({low} to {high})"
+    return f"{number(factor * pair[key], decimals)}\n{low} … {high}"
 
 
 def place_table(name: str, policy: dict[str, Any]) -> Table:
     """Lost rate and errors of one policy by quadrant and by speed."""
     caption = (
         "lost: of the scenarios that came there, the share lost there (95 % interval); "
-        "others: RMS over the time survivors were there"
+        "others: RMS torque deviation, torque ripple and angle error while survivors were there"
     )
     table = Table(title=escape(name), caption=caption)
-    table.add_column("where the sensored twin is", overflow="fold")
+    table.add_column("the twin's\nplace", no_wrap=True)
     for heading in ("time\n[%]", "came", "lost\n[%]", *(c[1] for c in PLACE_COLUMNS)):
         table.add_column(heading, justify="right")
     quadrants, speeds = policy["by_quadrant"], policy["by_speed"]
@@ -89,7 +93,7 @@ def place_table(name: str, policy: dict[str, Any]) -> Table:
 
 def speed_labels(edges: tuple[float, ...]) -> list[str]:
     """Bins of speed in words, of their lower edges over rated speed."""
-    ends = [f"{100 * low:.0f} to {100 * high:.0f} %" for low, high in pairwise(edges)]
+    ends = [f"{100 * low:.0f}–{100 * high:.0f} %" for low, high in pairwise(edges)]
     return [f"speed {end}" for end in [*ends, f"above {100 * edges[-1]:.0f} %"]]
 
 
