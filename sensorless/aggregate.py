@@ -92,18 +92,25 @@ def paired(
 ) -> dict[str, Any]:
     """Differences to a reference, scenario by scenario: negative where this one has less.
 
-    Lost rates over all scenarios, ``metrics`` over those that both survived.
+    Lost rates over all scenarios, ``metrics`` over those that both survived; ``there`` has the
+    means of the reference over the same scenarios.
     """
     here, there = lost != 0, reference_lost != 0
     both = ~(here | there)
     difference = here.astype(np.float64) - there.astype(np.float64)
+    apart = {name: x - reference[name] for name, x in metrics.items()}
+    base = {name: reference[name][both & np.isfinite(x)] for name, x in apart.items()}
     return {
         "survived_both": int(both.sum()),
         "lost_only_here": int(np.sum(here & ~there)),
         "lost_only_there": int(np.sum(there & ~here)),
         "lost_rate": float(np.mean(difference)),
         "lost_rate_ci": mean_interval(difference, seed),
-        **mean_of({name: x - reference[name] for name, x in metrics.items()}, both, seed),
+        **mean_of(apart, both, seed),
+        "there": {
+            "lost_rate": float(np.mean(there)),
+            **{name: float(np.mean(x)) if len(x) else math.nan for name, x in base.items()},
+        },
     }
 
 

@@ -25,6 +25,8 @@ COLOURS = {
 }
 RPM = 30.0 / np.pi
 DPI = 120
+LARGE = 100_000
+"""Bytes of a picture that is worth a palette: waveforms are, maps with their gradients are not."""
 
 
 def require_matplotlib() -> None:
@@ -59,13 +61,14 @@ def save(figure: "Figure", path: Path) -> None:
 
 
 def png(figure: "Figure") -> bytes:
-    """Return a figure as PNG with a palette of 256 colours: a third of the size of full colour."""
+    """Return a figure as PNG; one above ``LARGE`` with a palette, which is a third of the size."""
     from PIL import Image
 
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="rgba", dpi=DPI)
-    size = tuple(round(DPI * inches) for inches in figure.get_size_inches())
-    picture = Image.frombytes("RGBA", size, buffer.getvalue()).convert("RGB")
+    figure.savefig(buffer, format="png", dpi=DPI)
+    if len(buffer.getvalue()) <= LARGE:
+        return buffer.getvalue()
+    picture = Image.open(buffer).convert("RGB")
     small = io.BytesIO()
     picture.quantize(256, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
     return small.getvalue()

@@ -151,8 +151,17 @@ def _pair(name: str, bound: bool, pair: Mapping[str, Any]) -> dict[str, Any]:
     for key, _, factor, decimals in (LOST, *COLUMNS):
         low, high = (-factor * x for x in reversed(pair[f"{key}_ci"]))
         text = _cell(-factor * pair[key], (low, high), decimals)
-        cells.append((*text, "less" if high < 0.0 else "more" if low > 0.0 else ""))
+        share = _share(-pair[key], pair["there"][key] + pair[key])
+        cells.append((*text, share, "less" if high < 0.0 else "more" if low > 0.0 else ""))
     return {"name": name, "bound": bound, "both": pair["survived_both"], "cells": cells}
+
+
+def _share(difference: float, base: float) -> str:
+    """Difference in percent of what it is a difference to, with its sign."""
+    if not math.isfinite(difference) or not abs(base) > 1e-12:
+        return ""
+    text = number(100.0 * difference / base, 0)
+    return f"{'' if text.startswith('−') or text == '0' else '+'}{text} %"
 
 
 def _places(policy: Mapping[str, Any]) -> list[list[str]]:

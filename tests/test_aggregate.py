@@ -89,6 +89,7 @@ def test_pairs_are_scenarios_that_both_survive() -> None:
     assert out["x_ci"] == (2.0, 3.0)
     assert out["defined"] == {"x": 2}
     assert out["lost_rate"] == 0.0
+    assert out["there"] == {"lost_rate": 2 / 6, "x": 1.5}
 
 
 def test_pairing_sees_a_difference_that_means_apart_would_hide() -> None:

@@ -135,6 +135,11 @@ def test_pairs_are_ours_minus_theirs(run: Path, page: Page) -> None:
     deviation = results.paired["eq25"]["torque_dev_rms"]
     assert row[1] == str(results.paired["eq25"]["survived_both"])
     assert row[3].startswith(number(-100.0 * deviation, 2))
+    rows = [results.policies[name]["scenarios"] for name in results.policies]
+    both = ~np.array(rows[0]["lost"]) & ~np.array(rows[1]["lost"])
+    ours, theirs = (np.mean(np.array(x["torque_dev_rms"])[both]) for x in rows)
+    share = number(100.0 * (ours / theirs - 1.0), 0)
+    assert row[3].endswith(f"{share} %")
 
 
 def test_commands_and_versions_are_there(run: Path, page: Page) -> None:
