@@ -40,4 +40,5 @@ $(OUT)/table.json: $(RUNS)
 	echo "best in validation: $$best"; cp $$best/config.json $$best/progress.csv $$best/table.json $(OUT)
 
 $(OUT)/report/index.html: $(OUT)/table.json $(TUNED)
+	@rm -rf $(@D)
 	$(SENSORLESS) report $(OUT) --size $(SIZE) --seed $(SEED) --grid $(GRID) $(JUDGED:%=--policy %)

@@ -101,15 +101,16 @@ def waveforms(traces: dict[str, Trace]) -> "Figure":
             _shade_start(ax, t)
         for ax in column[:3]:
             place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
-            ax.legend(ncols=4, fontsize=8, **place)
+            for line in ax.legend(ncols=4, fontsize=8, **place).get_lines():
+                line.set(linewidth=2.0, alpha=1.0)
     labels = (
         "speed [r/min]",
         "torque [N m]",
         "angle error [° el.]\ntruth − estimate",
-        "$k_s$\n1 = HFI, 0 = SMO",
+        "$k_s$\n1 HFI, 0 SMO",
     )
     for ax, label in zip(axes[:, 0], labels, strict=True):
-        ax.set_ylabel(label)
+        ax.set_ylabel(label, fontsize=9)
     return figure  # type: ignore[no-any-return]
 
 
