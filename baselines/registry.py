@@ -20,12 +20,13 @@ from sensorless.baselines import (
     quadratic,
     ramp,
     sensored,
+    shipped,
     sine,
     smoothstep,
 )
 from sensorless.baselines.rule import Rule
 from sensorless.baselines.tuned import Tuned
-from sensorless.envs.policy import Policy
+from sensorless.envs.policy import Policy, TablePolicy
 from sensorless.errors import UserError
 from sensorless.motor import Motor
 
@@ -65,6 +66,7 @@ def known() -> dict[str, str]:
     """Every policy that ``make_policy`` understands, and what it is."""
     return {
         **{rule.usage: rule.doc for rule in RULES.values()},
+        **shipped.docs(),
         TUNED: "result of sensorless tune; also FILE.json alone",
         RUN: "folder of a training run, by its path",
     }
@@ -97,13 +99,24 @@ def make_policy(spec: str, motor: Motor) -> Policy:
     if word in RULES:
         rule = RULES[word]
         return rule.build(spec, rule.parse(spec, text if colon else None, motor), motor)
+    if word.endswith(shipped.SUFFIX) and shipped.tuned_file(word).is_file() and not colon:
+        return load_tuned(shipped.tuned_file(word), motor)
+    run = shipped.reference_run()
+    if spec == shipped.RUN and run is not None:
+        return TablePolicy(shipped.RUN, load_run(run, motor).table)
     if word == "tuned" and text:
         return load_tuned(Path(text), motor)
     if Path(spec).is_dir():
         return load_run(Path(spec), motor)
     if spec.endswith(".json"):
         return load_tuned(Path(spec), motor)
-    names = ", ".join((*RULES, TUNED, RUN))
+    names = ", ".join((*RULES, *shipped.tuned_names(), TUNED, RUN))
+    rule_name = spec.removesuffix(shipped.SUFFIX)
+    if rule_name in RULES:
+        raise UserError(
+            f"policy: {spec!r}: no results/reference/tuned/{spec}.json; allowed: a file that "
+            f"'sensorless tune {rule_name} --out FILE.json' writes, or {names}"
+        )
     raise UserError(
         f"policy: {spec!r}: no such rule, folder or file; allowed: {names} (see evaluate --list)"
     )

@@ -1,13 +1,14 @@
 """From numbers per scenario to a mean and how sure it is: rates, means, paired differences."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest, bootstrap
 
+from sensorless.core_api import Array
 from sensorless.rollout import CAUSES, Floats
 
 RESAMPLES = 2000
@@ -91,16 +92,82 @@ def paired(
 ) -> dict[str, Any]:
     """Differences to a reference, scenario by scenario: negative where this one has less.
 
-    Lost rates over all scenarios, ``metrics`` over those that both survived.
+    Lost rates over all scenarios, ``metrics`` over those that both survived; ``there`` has the
+    means of the reference over the same scenarios.
     """
     here, there = lost != 0, reference_lost != 0
     both = ~(here | there)
     difference = here.astype(np.float64) - there.astype(np.float64)
+    apart = {name: x - reference[name] for name, x in metrics.items()}
+    base = {name: reference[name][both & np.isfinite(x)] for name, x in apart.items()}
     return {
         "survived_both": int(both.sum()),
         "lost_only_here": int(np.sum(here & ~there)),
         "lost_only_there": int(np.sum(there & ~here)),
         "lost_rate": float(np.mean(difference)),
         "lost_rate_ci": mean_interval(difference, seed),
-        **mean_of({name: x - reference[name] for name, x in metrics.items()}, both, seed),
+        **mean_of(apart, both, seed),
+        "there": {
+            "lost_rate": float(np.mean(there)),
+            **{name: float(np.mean(x)) if len(x) else math.nan for name, x in base.items()},
+        },
     }
+
+
+def by_place(places: Array, survived: Bools) -> dict[str, list[Any]]:
+    """Lost rate and errors in each of p places, lists of p.
+
+    ``came``: scenarios that were in the place; ``lost``: those of them that were lost there, with
+    its rate and Wilson interval (NaN where none came). ``time_share`` and errors: over the
+    scenarios survived, RMS over the time that they were there.
+
+    Parameters
+    ----------
+    places : (n, p) of ``place_metrics.PLACE``
+    survived : (n,)
+    """
+    came, lost = (places["periods"] > 0), places["lost"]
+    kept = places[survived]
+    count = kept["periods"].sum(axis=0)
+    known = np.where(count > 0, count, np.nan)
+
+    def rms(name: str) -> Floats:
+        return np.asarray(np.sqrt(np.maximum(kept[name].sum(axis=0), 0.0) / known))
+
+    return {
+        "came": came.sum(axis=0).tolist(),
+        "lost": lost.sum(axis=0).tolist(),
+        "lost_rate": [
+            float(np.mean(x[c])) if c.any() else math.nan for x, c in _columns(lost, came)
+        ],
+        "lost_ci": [
+            rate_interval(x[c]) if c.any() else (math.nan, math.nan)
+            for x, c in _columns(lost, came)
+        ],
+        "time_share": (count / max(int(count.sum()), 1)).tolist(),
+        "angle_err_rms_deg": np.rad2deg(rms("err_sq")).tolist(),
+        "torque_dev_rms": rms("dev_sq").tolist(),
+        "torque_ripple_rms": rms("ripple_sq").tolist(),
+    }
+
+
+def _columns(*arrays: Bools) -> Iterator[tuple[Bools, ...]]:
+    return zip(*(x.T for x in arrays), strict=True)
+
+
+def worst(lost: NDArray[np.int32], time: Floats, deviation: Floats, count: int) -> list[int]:
+    """Indices of the ``count`` worst scenarios, worst first.
+
+    First those lost, the earliest first, but those in which the twin gave up, which no policy can
+    hold, behind the others; then the survivors by ``deviation``, largest first.
+
+    Parameters
+    ----------
+    lost : (n,) bits of ``CAUSES``
+    time : (n,) time lived [s]
+    deviation : (n,)
+    """
+    twin = lost & CAUSES["twin"] != 0
+    group = np.where(lost == 0, 2, np.where(twin, 1, 0))
+    within = np.where(lost == 0, -np.nan_to_num(deviation), time)
+    return [int(i) for i in np.lexsort((within, group))[:count]]

@@ -2,22 +2,21 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
+from sensorless.cli_evaluate import evaluate_command
 from sensorless.cli_identify import app as identify_app
+from sensorless.cli_options import MotorOption, SetOption, console, errors, policy_progress
 from sensorless.cli_pil import pil_command
 from sensorless.cli_replay import replay_command
+from sensorless.cli_report import report_command
 from sensorless.cli_reproduce import reproduce
 from sensorless.cli_train import train_command
-from sensorless.cli_tune import list_policies, tune_command
+from sensorless.cli_tune import tune_command
 from sensorless.errors import StaleCoreError, UserError
 
 app = typer.Typer(
@@ -38,27 +37,6 @@ drives ship, and export it as C:
     sensorless export runs/first --out firmware_first
 """,
 )
-console = Console()
-errors = Console(stderr=True)
-
-MotorOption = Annotated[str, typer.Option("--motor", help="Shipped motor by name, or a TOML file.")]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30; repeatable."
-    ),
-]
-ListOption = Annotated[
-    bool, typer.Option("--list", help="Name all policies.", is_eager=True, callback=list_policies)
-]
-PolicyOption = Annotated[
-    list[str],
-    typer.Option(
-        "--policy",
-        help="Rule by name (see evaluate --list), file of sensorless tune, or folder of a training "
-        "run; repeatable.",
-    ),
-]
 
 
 @app.command()
@@ -76,7 +54,8 @@ def simulate(
     scenario: Annotated[
         str | None,
         typer.Option(
-            help="SUITE:SEED:INDEX instead of the plans, e.g. stress:7:12 from a results file."
+            help="SUITE:SEED:INDEX[:SIZE] instead of the plans, as evaluate lists its worst cases, "
+            "e.g. stress:7:12; SIZE for envelope only."
         ),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the measurement noise.")] = 0,
@@ -150,44 +129,6 @@ def simulate(
 
 
 @app.command()
-def evaluate(
-    policy: PolicyOption,
-    motor: MotorOption = "paper",
-    suite: Annotated[
-        str, typer.Option(help="paper, nominal, handoff, stress, envelope, motors or starts.")
-    ] = "stress",
-    seed: Annotated[int, typer.Option(min=0, help="Draws the scenarios.")] = 1,
-    size: Annotated[int, typer.Option(min=1, help="Number of scenarios.")] = 200,
-    settings: SetOption = None,
-    out: Annotated[Path | None, typer.Option(help="Results as JSON.")] = None,
-    listed: ListOption = False,
-) -> None:
-    """Judge policies on a suite: lost rates, torque, speed and angle, with 95 % intervals.
-
-    The same suite, seed and size give the same file to the bit. Training and tuning never see these
-    scenarios. Every policy is compared with the first one, scenario by scenario.
-    """
-    from sensorless.evaluate import evaluate as run
-    from sensorless.motor import Motor
-    from sensorless.options import design_from
-
-    with policy_progress() as report:
-        results = run(
-            Motor.load(motor),
-            design_from(settings),
-            suite,
-            seed,
-            size,
-            policy,
-            out=out,
-            progress=report,
-        )
-    console.print(results.table())
-    if out is not None:
-        console.print(f"wrote {out}")
-
-
-@app.command()
 def export(
     run: Annotated[
         str,
@@ -252,36 +193,14 @@ def demo(
     console.print(f"firmware: {folder} ({said})", soft_wrap=True)
 
 
+app.command("evaluate")(evaluate_command)
+app.command("report")(report_command)
 app.command("train")(train_command)
 app.command("tune")(tune_command)
 app.command("pil")(pil_command)
 app.add_typer(identify_app, name="identify")
 app.command("reproduce")(reproduce)
 app.command("replay")(replay_command)
-
-
-@contextmanager
-def policy_progress() -> Iterator[Callable[[str, float], None]]:
-    """Progress of several policies: bars on a terminal, else a line when one is done."""
-    bar = Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:.0f} %"),
-        TimeElapsedColumn(),
-        console=errors,
-        disable=not errors.is_terminal,
-    )
-    tasks: dict[str, TaskID] = {}
-
-    def report(name: str, done: float) -> None:
-        if name not in tasks:
-            tasks[name] = bar.add_task(name, total=1.0)
-        bar.update(tasks[name], completed=done)
-        if done >= 1.0 and not errors.is_terminal:
-            errors.print(f"evaluated {name}", markup=False, highlight=False)
-
-    with bar:
-        yield report
 
 
 def main() -> None:

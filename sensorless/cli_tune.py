@@ -16,17 +16,6 @@ console = Console()
 errors = Console(stderr=True)
 
 
-def list_policies(wanted: bool) -> None:
-    """Print every policy with one line about it, and end."""
-    if not wanted:
-        return
-    from sensorless.baselines.registry import known
-
-    for name, doc in known().items():
-        console.print(f"{name}\n    {doc}", markup=False, highlight=False, soft_wrap=True)
-    raise typer.Exit
-
-
 def tune_command(
     name: Annotated[str, typer.Argument(help="Rule with parameters, see evaluate --list.")],
     out: Annotated[Path, typer.Option(help="JSON file to write.")],

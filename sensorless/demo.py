@@ -10,10 +10,9 @@ from sensorless.errors import UserError
 from sensorless.evaluate import PolicyProgress, evaluate
 from sensorless.export import export, table_of
 from sensorless.motor import Motor
-from sensorless.options import plan_from
+from sensorless.options import plan_from, scenario_from
 from sensorless.plots import save, schedules, waveforms
 from sensorless.results import Results
-from sensorless.suites import suite
 from sensorless.trace import trace
 
 MARK = ".sensorless-demo"
@@ -61,22 +60,14 @@ def draw(folder: Path, run: str, results: Results) -> list[Path]:
     save(waveforms({"Fig. 9 under Eq. 25, no load": run_9}), paths[0])
     tables = {p.name: p.table for p in (eq25, learned) if isinstance(p, TablePolicy)}
     save(schedules(tables, motor), paths[1])
-    index = worst_of(results, eq25.name)
-    case = suite("stress", motor, results.seed, index + 1)[index : index + 1]
+    word = results.policies[eq25.name]["worst"][0]["scenario"]
+    case = scenario_from(word, motor)
     traces = {
-        f"stress:{results.seed}:{index} under {policy.name}": trace(policy, case, motor, design)
+        f"{word} under {policy.name}": trace(policy, case, motor, design)
         for policy in (eq25, learned)
     }
     save(waveforms(traces), paths[2])
     return paths
-
-
-def worst_of(results: Results, name: str) -> int:
-    """Scenario a policy lost first, or, if it lost none, that of its largest torque deviation."""
-    rows = results.policies[name]["scenarios"]
-    order = range(len(rows["lost"]))
-    return max(order, key=lambda i: (rows["lost"][i], -rows["time_s"][i] if rows["lost"][i] else
-                                     rows["torque_dev_rms"][i]))  # fmt: skip
 
 
 def hand_over(folder: Path, run: str) -> tuple[Path, str]:

@@ -10,21 +10,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.aggregate import paired, summary
+from sensorless.aggregate import by_place, paired, summary, worst
 from sensorless.baselines.registry import make_policy
-from sensorless.core_api import ffi, lib
+from sensorless.core_api import Array, ffi, lib
 from sensorless.drive import DriveDesign
-from sensorless.envs.policy import Policy
+from sensorless.envs.policy import Policy, PrivilegedPolicy
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
-from sensorless.metrics import METRICS, SPEED_EDGES, angle_by_speed
+from sensorless.metrics import METRICS
 from sensorless.motor import Motor
+from sensorless.place_metrics import QUADRANTS, SPEED_EDGES
+from sensorless.place_metrics import by_place as sums_by_place
 from sensorless.results import Results, check_writable
 from sensorless.rollout import CAUSES, CHUNK, Floats, Progress, rollouts
+from sensorless.suites import scenario_word
 from sensorless.suites import suite as scenarios_of
 
 PolicyProgress = Callable[[str, float], None]
 """Called with the name of a policy and the share of its scenarios that is done."""
+
+
+WORST = 10
+"""Scenarios of each policy that are listed as its worst."""
+WORST_METRICS = ("torque_dev_rms", "angle_err_max_deg")
 
 
 @dataclass(frozen=True)
@@ -37,9 +45,8 @@ class Scores:
     """(n,) time lived [s]"""
     metrics: dict[str, Floats]
     """(n,) each, all of ``METRICS``"""
-    speed_err_sq: Floats
-    """(n, bins) of ``angle_by_speed``"""
-    speed_periods: NDArray[np.int64]
+    places: dict[str, Array]
+    """(n, p) each, of ``place_metrics.by_place``"""
 
 
 def evaluate(
@@ -51,6 +58,7 @@ def evaluate(
     policies: Sequence[str],
     *,
     out: Path | None = None,
+    every: bool = True,
     progress: PolicyProgress | None = None,
 ) -> Results:
     """Run every policy over the same scenarios and compare each with the first one.
@@ -63,6 +71,8 @@ def evaluate(
         As in ``sensorless.baselines.registry.known``.
     out : Path, optional
         Results file to write; whether it can be written is found out before the run.
+    every : bool
+        The file holds the numbers of every single scenario.
 
     Raises
     ------
@@ -86,11 +96,14 @@ def evaluate(
         motor_digest=motor.digest,
         design=asdict(design),
         versions=versions(),
-        policies={name: _entry(s, scenarios, seed) for name, s in scores.items()},
+        policies={
+            name: _entry(s, scenarios, suite, seed, _is_bound(named[name]))
+            for name, s in scores.items()
+        },
         paired=_paired(scores, seed),
     )
     if out is not None:
-        results.write(out)
+        results.write(out, every)
     return results
 
 
@@ -106,13 +119,12 @@ def score(
     for r in rollouts(policy, scenarios, factory, progress, chunk):
         metrics = {name: metric(r) for name, metric in METRICS.items()}
         time = np.asarray(r.periods * r.motor.T_s, dtype=np.float64)
-        parts.append(Scores(r.lost, time, metrics, *angle_by_speed(r)))
+        parts.append(Scores(r.lost, time, metrics, sums_by_place(r)))
     return Scores(
         np.concatenate([p.lost for p in parts]),
         np.concatenate([p.time for p in parts]),
         {name: np.concatenate([p.metrics[name] for p in parts]) for name in METRICS},
-        np.concatenate([p.speed_err_sq for p in parts]),
-        np.concatenate([p.speed_periods for p in parts]),
+        {name: np.concatenate([p.places[name] for p in parts]) for name in parts[0].places},
     )
 
 
@@ -130,16 +142,24 @@ def _named(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
     return out
 
 
+def _is_bound(policy: Policy) -> bool:
+    """It knows the truth: something to compare with, no rule for a drive."""
+    return policy.sensored or isinstance(policy, PrivilegedPolicy)
+
+
 def _report(progress: PolicyProgress, name: str) -> Progress:
     return lambda done: progress(name, done)
 
 
-def _entry(s: Scores, scenarios: Scenarios, seed: int) -> dict[str, Any]:
+def _entry(s: Scores, scenarios: Scenarios, suite: str, seed: int, bound: bool) -> dict[str, Any]:
     """Block of a policy in the results."""
     survived = s.lost == 0
     return {
+        "bound": bound,
         **summary(s.lost, s.metrics, seed),
-        "by_speed": _by_speed(s.speed_err_sq[survived], s.speed_periods[survived]),
+        "by_quadrant": {"place": QUADRANTS, **by_place(s.places["quadrant"], survived)},
+        "by_speed": {"from_rated_speed": SPEED_EDGES, **by_place(s.places["speed"], survived)},
+        "worst": _worst(s, suite, seed),
         "scenarios": {
             "seed": scenarios.seed.tolist(),
             "lost": (~survived).tolist(),
@@ -150,15 +170,19 @@ def _entry(s: Scores, scenarios: Scenarios, seed: int) -> dict[str, Any]:
     }
 
 
-def _by_speed(err_sq: Floats, periods: NDArray[np.int64]) -> dict[str, list[float]]:
-    """Angle error by speed over all scenarios survived."""
-    count = periods.sum(axis=0)
-    known = np.where(count > 0, count, np.nan)
-    return {
-        "from_rated_speed": list(SPEED_EDGES),
-        "time_share": (count / max(int(count.sum()), 1)).tolist(),
-        "angle_err_rms_deg": np.rad2deg(np.sqrt(err_sq.sum(axis=0) / known)).tolist(),
-    }
+def _worst(s: Scores, suite: str, seed: int) -> list[dict[str, Any]]:
+    """The worst scenarios, each with the word that replays it."""
+    return [
+        {
+            "scenario": scenario_word(suite, seed, i, len(s.lost)),
+            "lost_cause": _cause(int(s.lost[i])),
+            "time_s": float(s.time[i]),
+            "quadrant": next((q for q, x in zip(QUADRANTS, there, strict=True) if x), None),
+            **{name: float(s.metrics[name][i]) for name in WORST_METRICS},
+        }
+        for i in worst(s.lost, s.time, s.metrics["torque_dev_rms"], WORST)
+        for there in [s.places["quadrant"]["lost"][i]]
+    ]
 
 
 def _paired(scores: dict[str, Scores], seed: int) -> dict[str, dict[str, Any]]:

@@ -7,7 +7,6 @@ lost); NaN where a metric has no meaning. Sums run over the PWM periods k of tha
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 
 from sensorless.rollout import Floats, Rollout
@@ -22,9 +21,6 @@ from sensorless.step_metrics import (
 
 RIPPLE_WINDOW = 0.02
 """Moving mean that torque ripple is measured against, and width of a peak-to-peak window [s]."""
-
-SPEED_EDGES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0)
-"""Lower edges of the bins of ``angle_by_speed`` over rated speed; the last bin is open."""
 
 
 def torque_dev_rms(r: Rollout) -> Floats:
@@ -157,17 +153,21 @@ METRICS: dict[str, Callable[[Rollout], Floats]] = {
 """All metrics by name, in the order in which they are reported."""
 
 
-def angle_by_speed(r: Rollout) -> tuple[Floats, NDArray[np.int64]]:
-    """Sum of err^2 [rad^2] and number of periods in each bin of the true speed, two (n, bins)."""
-    rated = r.motor.omega_rated / r.motor.n_p
-    which = np.digitize(np.abs(r.mean("omega_m")) / rated, SPEED_EDGES) - 1
-    err_sq = np.zeros((len(r.lost), len(SPEED_EDGES)))
-    periods = np.zeros((len(r.lost), len(SPEED_EDGES)), dtype=np.int64)
-    for b in range(len(SPEED_EDGES)):
-        inside = r.alive & (which == b)
-        err_sq[:, b] = np.where(inside, r.sums["err_sq"], 0.0).sum(axis=0, dtype=np.float64)
-        periods[:, b] = np.where(inside, r.sums["n"], 0.0).sum(axis=0, dtype=np.float64)
-    return err_sq, periods
+def ripple_sq(r: Rollout, square: str) -> Floats:
+    """(d, n) sum over the periods of each decision of (tau - tau_mean)^2 [(N m)^2].
+
+    As in ``torque_ripple_rms``; ``square`` names the sum Q, ``tau_sq`` or ``tau_lf_sq``. Single
+    decisions may come out below zero by rounding.
+    """
+    h = _half_window(r)
+    weights = np.ones(2 * h + 1)
+    weights[[0, -1]] = 0.5
+    tau, count = (np.asarray(r.sums[name], dtype=np.float64) for name in ("tau", "n"))
+    if not len(tau):
+        return np.zeros(tau.shape)
+    mean = convolve1d(tau, weights, axis=0, mode="constant")
+    mean /= np.maximum(convolve1d(count, weights, axis=0, mode="constant"), 0.5)
+    return np.asarray(r.sums[square] - 2.0 * mean * tau + count * mean**2)
 
 
 def _half_window(r: Rollout) -> int:
@@ -176,15 +176,7 @@ def _half_window(r: Rollout) -> int:
 
 
 def _ripple(r: Rollout, square: str) -> Floats:
-    h = _half_window(r)
-    weights = np.ones(2 * h + 1)
-    weights[[0, -1]] = 0.5
-    tau, count = (np.asarray(r.sums[name], dtype=np.float64) for name in ("tau", "n"))
-    if not len(tau):
-        return np.full(len(r.lost), np.nan)
-    mean = convolve1d(tau, weights, axis=0, mode="constant")
-    mean /= np.maximum(convolve1d(count, weights, axis=0, mode="constant"), 0.5)
-    total = (r.sums[square] - 2.0 * mean * tau + count * mean**2).sum(axis=0)
+    total = ripple_sq(r, square).sum(axis=0)
     periods = np.where(r.periods > 0, r.periods, np.nan)
     return np.asarray(np.sqrt(np.maximum(total, 0.0) / periods) / r.motor.tau_rated)
 

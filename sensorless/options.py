@@ -51,20 +51,23 @@ def _value(name: str, text: str, default: object) -> float | bool | str:
 
 
 def scenario_from(word: str, motor: Motor) -> Scenarios:
-    """One scenario from SUITE:SEED:INDEX, as listed by an evaluation.
+    """One scenario from SUITE:SEED:INDEX[:SIZE], as an evaluation lists it.
 
     Raises
     ------
     UserError
-        Not of that form, or no such suite.
+        Not of that form, no such suite, or a size where none is needed or none where it is.
     """
-    match = re.fullmatch(r"([a-z]+):(\d+):(\d+)", word)
+    match = re.fullmatch(r"([a-z]+):(\d+):(\d+)(?::(\d+))?", word)
     if match is None:
-        raise UserError(f"scenario: {word!r}; allowed: SUITE:SEED:INDEX, e.g. stress:7:12")
+        raise UserError(f"scenario: {word!r}; allowed: SUITE:SEED:INDEX[:SIZE], e.g. stress:7:12")
     name, seed, index = match[1], int(match[2]), int(match[3])
-    if name == "envelope":
-        raise UserError("scenario: the grid of envelope depends on its size; allowed: other suites")
-    return suite(name, motor, seed, index + 1)[index : index + 1]
+    size = int(match[4]) if match[4] else index + 1
+    if name == "envelope" and match[4] is None:
+        raise UserError(f"scenario: {word!r}; allowed for envelope: with its SIZE at the end")
+    if index >= size:
+        raise UserError(f"scenario: {word!r}; allowed: INDEX below SIZE")
+    return suite(name, motor, seed, size)[index : index + 1]
 
 
 def plan_from(

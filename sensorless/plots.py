@@ -24,15 +24,31 @@ COLOURS = {
     "ref": "#f2a541",
 }
 RPM = 30.0 / np.pi
+DPI = 120
+LARGE = 100_000
+"""Bytes of a picture that is worth a palette: waveforms are, maps with their gradients are not."""
+
+
+def require_matplotlib() -> None:
+    """Find out before the work whether there can be figures.
+
+    Raises
+    ------
+    UserError
+        Matplotlib is missing.
+    """
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise UserError("plots need matplotlib: pip install 'sensorless[plot]'") from None
 
 
 def _figure(**options: Any) -> Any:
     """Return figure and axes of matplotlib, without a display."""
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise UserError("plots need matplotlib: pip install 'sensorless[plot]'") from None
+    require_matplotlib()
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     size = options.pop("figsize")
     figure = Figure(figsize=size, layout="constrained")
     FigureCanvasAgg(figure)
@@ -41,9 +57,21 @@ def _figure(**options: Any) -> Any:
 
 def save(figure: "Figure", path: Path) -> None:
     """Write a figure as PNG, whole or not at all."""
+    write_atomic(path, png(figure))
+
+
+def png(figure: "Figure") -> bytes:
+    """Return a figure as PNG; one above ``LARGE`` with a palette, which is a third of the size."""
+    from PIL import Image
+
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=120)
-    write_atomic(path, buffer.getvalue())
+    figure.savefig(buffer, format="png", dpi=DPI)
+    if len(buffer.getvalue()) <= LARGE:
+        return buffer.getvalue()
+    picture = Image.open(buffer).convert("RGB")
+    small = io.BytesIO()
+    picture.quantize(256, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
+    return small.getvalue()
 
 
 def waveforms(traces: dict[str, Trace]) -> "Figure":
@@ -73,15 +101,16 @@ def waveforms(traces: dict[str, Trace]) -> "Figure":
             _shade_start(ax, t)
         for ax in column[:3]:
             place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
-            ax.legend(ncols=4, fontsize=8, **place)
+            for line in ax.legend(ncols=4, fontsize=8, **place).get_lines():
+                line.set(linewidth=2.0, alpha=1.0)
     labels = (
         "speed [r/min]",
         "torque [N m]",
         "angle error [° el.]\ntruth − estimate",
-        "$k_s$\n1 = HFI, 0 = SMO",
+        "$k_s$\n1 HFI, 0 SMO",
     )
     for ax, label in zip(axes[:, 0], labels, strict=True):
-        ax.set_ylabel(label)
+        ax.set_ylabel(label, fontsize=9)
     return figure  # type: ignore[no-any-return]
 
 

@@ -39,15 +39,23 @@ class Results:
     design: dict[str, Any]
     versions: dict[str, str]
     policies: dict[str, dict[str, Any]]
-    """by name: rates, means over the scenarios survived, intervals, and ``scenarios``"""
+    """by name: rates, means over the scenarios survived, intervals, ``by_quadrant`` and
+    ``by_speed``, ``worst`` cases, and ``scenarios``; ``bound`` where it knows the truth"""
     paired: dict[str, dict[str, Any]]
     """by name: differences to the first policy"""
 
-    def to_json(self) -> str:
-        """Text of the file, the same for the same results; null where there is no number."""
-        return _text(asdict(self)) + "\n"
+    def to_json(self, scenarios: bool = True) -> str:
+        """Text of the file, the same for the same results; null where there is no number.
 
-    def write(self, path: Path) -> None:
+        Without ``scenarios`` the numbers of every single scenario are left out.
+        """
+        data = asdict(self)
+        if not scenarios:
+            for policy in data["policies"].values():
+                del policy["scenarios"]
+        return _text(data) + "\n"
+
+    def write(self, path: Path, scenarios: bool = True) -> None:
         """Write the file as a whole or not at all.
 
         Raises
@@ -55,7 +63,7 @@ class Results:
         UserError
             The file cannot be written there.
         """
-        write_atomic(path, self.to_json())
+        write_atomic(path, self.to_json(scenarios))
 
     def table(self) -> Table:
         """Lost rate over all scenarios, means over those survived, each with its 95 % interval."""
@@ -66,7 +74,8 @@ class Results:
         for _, heading, _, _ in COLUMNS:
             table.add_column(heading, justify="right")
         for name, policy in self.policies.items():
-            table.add_row(escape(name), *(_cell(policy, *column) for column in COLUMNS))
+            label = escape(name) + ("\n(bound)" if policy["bound"] else "")
+            table.add_row(label, *(_cell(policy, *column) for column in COLUMNS))
         return table
 
 

@@ -243,3 +243,11 @@ def suite(name: str, motor: Motor, seed: int, size: int, role: str = "test") -> 
     if name == "envelope" and (size < 4 or int(np.sqrt(size)) ** 2 != size):
         raise UserError(f"size: {size}; allowed for envelope: a square number of at least 4")
     return SUITES[name](motor, combine(ROLES[role], seed, np.arange(size)))
+
+
+def scenario_word(name: str, seed: int, index: int, size: int) -> str:
+    """SUITE:SEED:INDEX[:SIZE], which names one scenario of a suite for ``sensorless simulate``.
+
+    The size is there only where a scenario depends on it: in the grid of ``envelope``.
+    """
+    return f"{name}:{seed}:{index}" + (f":{size}" if name == "envelope" else "")

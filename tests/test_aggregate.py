@@ -5,7 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from sensorless.aggregate import mean_interval, mean_of, paired, rate_interval, summary
+from sensorless.aggregate import (
+    by_place,
+    mean_interval,
+    mean_of,
+    paired,
+    rate_interval,
+    summary,
+    worst,
+)
+from sensorless.place_metrics import PLACE
 
 
 def wilson(hits: int, n: int, z: float = 1.959964) -> tuple[float, float]:
@@ -80,6 +89,7 @@ def test_pairs_are_scenarios_that_both_survive() -> None:
     assert out["x_ci"] == (2.0, 3.0)
     assert out["defined"] == {"x": 2}
     assert out["lost_rate"] == 0.0
+    assert out["there"] == {"lost_rate": 2 / 6, "x": 1.5}
 
 
 def test_pairing_sees_a_difference_that_means_apart_would_hide() -> None:
@@ -99,3 +109,31 @@ def test_one_policy_twice_differs_by_nothing() -> None:
     out = paired(lost, x, lost, x, 0)
     assert out["x"] == 0.0 and out["x_ci"] == (0.0, 0.0)
     assert out["lost_rate"] == 0.0 and out["lost_rate_ci"] == (0.0, 0.0)
+
+
+def test_places_count_who_came_and_who_was_lost_there() -> None:
+    places = np.zeros((4, 2), dtype=PLACE)
+    places["periods"] = [[10, 0], [10, 10], [5, 10], [30, 0]]
+    places["err_sq"] = np.deg2rad(2.0) ** 2 * places["periods"]
+    places["dev_sq"][3] = [0.09 * 30, 0.0]
+    places["lost"][2, 1] = True
+    out = by_place(places, np.array([True, True, False, True]))
+    assert (out["came"], out["lost"], out["lost_rate"]) == ([4, 2], [0, 1], [0.0, 0.5])
+    assert out["lost_ci"][1] == pytest.approx(wilson(1, 2), abs=1e-6)
+    assert out["time_share"] == pytest.approx([50 / 60, 10 / 60])
+    assert out["angle_err_rms_deg"] == pytest.approx([2.0, 2.0])
+    assert out["torque_dev_rms"] == pytest.approx([math.sqrt(2.7 / 50), 0.0])
+
+
+def test_a_place_where_nobody_came_has_no_rate() -> None:
+    out = by_place(np.zeros((3, 1), dtype=PLACE), np.ones(3, dtype=bool))
+    assert out["came"] == [0]
+    assert math.isnan(out["lost_rate"][0]) and math.isnan(out["angle_err_rms_deg"][0])
+
+
+def test_worst_first_the_lost_then_the_hopeless_then_the_rough() -> None:
+    lost = np.array([0, 1, 0, 8, 2, 0], dtype=np.int32)
+    time = np.array([2.0, 1.5, 2.0, 0.1, 0.5, 2.0])
+    deviation = np.array([0.1, 9.0, 0.3, 9.0, 9.0, np.nan])
+    assert worst(lost, time, deviation, 10) == [4, 1, 3, 2, 0, 5]
+    assert worst(lost, time, deviation, 2) == [4, 1]

@@ -22,7 +22,9 @@ def run(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize("command", ["", "simulate", "train", "evaluate", "export", "demo"])
+@pytest.mark.parametrize(
+    "command", ["", "simulate", "train", "evaluate", "report", "export", "demo"]
+)
 def test_help_teaches(command: str, tmp_path: Path) -> None:
     done = run(*([command] if command else []), "--help", cwd=tmp_path)
     assert done.returncode == 0
@@ -45,6 +47,10 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["simulate", "--start", "--theta-err", "200"], "theta_err"),
         (["simulate", "--spin", "4000"], "spin"),
         (["simulate", "--start", "--motor", "ipmsm_2200w"], "does not saturate"),
+        (["simulate", "--scenario", "envelope:1:3"], "SIZE"),
+        (["evaluate", "--policy", "linear:1,2", "--plot", "x.png"], "envelope"),
+        (["evaluate", "--policy", "ramp-tune"], "ramp-tune"),
+        (["report", "eq25"], "--out"),
         (["simulate", "--plant", "none.json"], "plant"),
         (["export", "hysteresis", "--out", "folder"], "hysteresis"),
         (["export", "eq25", "--out", "/proc/nowhere"], "/proc"),

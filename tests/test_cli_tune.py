@@ -1,4 +1,4 @@
-"""``sensorless tune`` and ``sensorless evaluate --list`` as a user meets them."""
+"""``sensorless tune`` as a user meets it."""
 
 import json
 import sys
@@ -8,7 +8,6 @@ import pytest
 from typer.testing import CliRunner
 
 from sensorless import tuning
-from sensorless.baselines.registry import RULES
 from sensorless.cli import app
 from sensorless.envs.scenario import Scenarios
 from sensorless.errors import UserError
@@ -16,14 +15,6 @@ from sensorless.motor import Motor
 from sensorless.suites import suite
 
 RUN = CliRunner()
-
-
-def test_the_list_names_every_policy() -> None:
-    done = RUN.invoke(app, ["evaluate", "--list"])
-    assert done.exit_code == 0
-    lines = done.stdout.splitlines()
-    assert [line.split("[")[0].split(":")[0] for line in lines[::2]][: len(RULES)] == list(RULES)
-    assert all(line.startswith("    ") for line in lines[1::2])
 
 
 def short(name: str, motor: Motor, seed: int, size: int, role: str) -> Scenarios:

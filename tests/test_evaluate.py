@@ -82,7 +82,23 @@ def test_the_policies_are_told_apart(data: dict[str, Any]) -> None:
     assert sensored["angle_err_rms_deg"] == sensored["injection_share"] == 0.0
     assert eq25["torque_dev_rms"] > 0.001
     assert eq25["angle_err_rms_deg"] > 0.2
-    assert sum(eq25["by_speed"]["time_share"]) == pytest.approx(1.0)
+    assert [p["bound"] for p in (eq25, smo, sensored)] == [False, False, True]
+
+
+def test_places_add_up_to_the_whole(data: dict[str, Any]) -> None:
+    for policy in data["policies"].values():
+        rows = policy["scenarios"]
+        for block, label in (("by_quadrant", "place"), ("by_speed", "from_rated_speed")):
+            places = policy[block]
+            assert {len(x) for x in places.values()} == {len(places[label])}
+            assert sum(places["lost"]) == sum(rows["lost"])
+            if policy["survived"]:
+                assert sum(places["time_share"]) == pytest.approx(1.0)
+            for lost, came, ci in zip(
+                places["lost"], places["came"], places["lost_ci"], strict=True
+            ):
+                assert lost <= came <= SIZE
+                assert came == 0 or 0.0 <= ci[0] <= lost / came <= ci[1] <= 1.0
 
 
 def test_pairs_compare_with_the_first_policy(data: dict[str, Any]) -> None:
@@ -123,8 +139,9 @@ def test_chunks_change_nothing() -> None:
     assert a.time.tolist() == b.time.tolist()
     for name in METRICS:
         np.testing.assert_allclose(a.metrics[name], b.metrics[name], rtol=1e-12, atol=1e-15)
-    np.testing.assert_allclose(a.speed_err_sq, b.speed_err_sq, rtol=1e-12)
-    assert np.array_equal(a.speed_periods, b.speed_periods)
+    for name, places in a.places.items():
+        for field in places.dtype.names or ():
+            np.testing.assert_allclose(places[field], b.places[name][field], rtol=1e-9, atol=1e-12)
 
 
 def test_progress_names_the_policy() -> None:

@@ -18,18 +18,8 @@ LAYERS = (
     ("envs",),
     ("rollout", "*metrics", "objective", "suites", "steady"),
     ("baselines", "agents"),
-    ("aggregate", "results", "evaluate", "report", "tuning*"),
-    (
-        "export*",
-        "pil*",
-        "plant_*",
-        "trace*",
-        "plots",
-        "options",
-        "identify*",
-        "reproduce*",
-        "replay*",
-    ),
+    ("aggregate", "results*", "evaluate", "tuning*"),
+    ("export*", "pil*", "plant_*", "trace*", "plots", "options", "identify*", "rep*"),
     ("demo", "cli*", "__main__"),
 )
 

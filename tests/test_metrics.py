@@ -12,8 +12,6 @@ from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.envs.stress import stress_scenarios
 from sensorless.metrics import (
     METRICS,
-    SPEED_EDGES,
-    angle_by_speed,
     angle_err_max_deg,
     angle_err_mean_deg,
     angle_err_p999_deg,
@@ -190,15 +188,6 @@ def test_only_the_life_of_a_drive_counts() -> None:
     assert angle_err_max_deg(r)[0] == pytest.approx(np.rad2deg(0.1), rel=1e-6)
     assert injection_share(r)[0] == pytest.approx(1.0)
     assert speed_dev_rms(r)[0] == 0.0
-
-
-def test_angle_error_by_speed() -> None:
-    omega = np.repeat([-0.03, 0.03, 0.07, -1.3], 250) * RATED
-    err_sq = np.repeat([1.0, 3.0, 5.0, 7.0], 250)
-    total, count = angle_by_speed(made_up(1000, omega_m=omega, err_sq=err_sq))
-    assert count[0].tolist() == [500, 250, 0, 0, 0, 0, 250]
-    assert len(SPEED_EDGES) == count.shape[1]
-    np.testing.assert_allclose(total[0], [1000.0, 1250.0, 0, 0, 0, 0, 1750.0])
 
 
 def test_a_drive_without_a_period_has_no_metrics() -> None:

@@ -25,11 +25,13 @@ RESULTS = Results(
     versions={"numpy": "2"},
     policies={
         "eq25": {
+            "bound": False,
             **ROW,
             **INTERVALS,
             "scenarios": {"seed": [2**64 - 1, 3], "lost": [True, False], "x": [1.0, math.nan]},
         },
         "other": {
+            "bound": True,
             **ROW,
             **INTERVALS,
             "overshoot_pct": math.nan,
@@ -80,6 +82,14 @@ def test_a_file_is_replaced_as_a_whole(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["results.json"]
 
 
+def test_single_scenarios_can_be_left_out(tmp_path: Path) -> None:
+    RESULTS.write(tmp_path / "r.json", scenarios=False)
+    data = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    assert data["policies"]["eq25"]["lost_rate"] == 0.123456789
+    assert all("scenarios" not in policy for policy in data["policies"].values())
+    assert "scenarios" in RESULTS.policies["eq25"], "the results themselves keep them"
+
+
 def test_a_failure_leaves_the_old_file(tmp_path: Path) -> None:
     path = tmp_path / "results.json"
     path.write_text("old")
@@ -113,6 +123,7 @@ def test_the_table_fits_on_a_terminal_and_shows_every_policy() -> None:
     console.print(RESULTS.table())
     text = console.export_text()
     assert "eq25" in text and "other" in text
+    assert text.count("(bound)") == 1
     assert "12.3 (10–20)" in text
     assert "12.35 ±5.00" in text and "0.12 ±0.05" in text
     assert "–" in text and "nan" not in text

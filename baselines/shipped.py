@@ -1,0 +1,43 @@
+"""What the package brings along ready to use: the reference run, and rules that were tuned."""
+
+from pathlib import Path
+
+from sensorless.baselines.tuned import Tuned
+
+FOLDER = Path(__file__).absolute().parents[1] / "reference"
+"""``results/reference`` of the repository."""
+RUN = "reference"
+SUFFIX = "-tuned"
+
+
+def reference_run() -> Path | None:
+    """Folder of the reference run, if it is there."""
+    return FOLDER if (FOLDER / "table.json").is_file() else None
+
+
+def tuned_file(name: str) -> Path:
+    """Where the tuned rule of that name, ``linear-tuned`` for one, is kept if it is there."""
+    return FOLDER / "tuned" / f"{name}.json"
+
+
+def tuned_names() -> list[str]:
+    """Names of all tuned rules."""
+    return sorted(path.stem for path in (FOLDER / "tuned").glob(f"*{SUFFIX}.json"))
+
+
+def docs() -> dict[str, str]:
+    """One line about each of them.
+
+    Raises
+    ------
+    UserError
+        A file is damaged.
+    """
+    lines = {}
+    for name in tuned_names():
+        tuned = Tuned.load(tuned_file(name))
+        budget = tuned.provenance.get("budget_s", "?")
+        lines[name] = f"{tuned.rule} with parameters found by CMA-ES in {budget} s simulated"
+    if reference_run() is not None:
+        lines[RUN] = "the schedule of results/reference, learned by PPO"
+    return lines

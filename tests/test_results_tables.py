@@ -1,0 +1,64 @@
+"""The tables behind ``evaluate --details``."""
+
+import io
+from typing import Any
+
+import pytest
+from rich.console import Console
+from rich.table import Table
+
+from sensorless.drive import DriveDesign
+from sensorless.evaluate import evaluate
+from sensorless.motor import Motor
+from sensorless.results import Results
+from sensorless.results_tables import number, paired_table, place_table, rate, worst_table
+
+
+@pytest.fixture(scope="module")
+def results() -> Results:
+    words = ("eq25", "smo", "sensored")
+    return evaluate(Motor.load("paper"), DriveDesign(), "stress", 7, 8, words)
+
+
+def text_of(table: Table) -> str:
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(table)
+    return console.export_text()
+
+
+def cells(text: str, first: str) -> list[str]:
+    """Cells of the row that begins with a word."""
+    line = next(line for line in text.splitlines() if line.startswith(f"│ {first}"))
+    return [cell.strip() for cell in line.strip("│").split("│")]
+
+
+def test_numbers_and_rates() -> None:
+    assert (number(-0.04, 1), number(-1.26, 1), number(float("nan"), 1)) == ("0.0", "−1.3", "–")
+    assert rate(0.031, (0.0123, 0.084)) == "3.1 (1–8)"
+    assert rate(float("nan"), (float("nan"), float("nan"))) == "–"
+
+
+def test_places_of_a_policy(results: Results) -> None:
+    policy = results.policies["smo"]
+    text = text_of(place_table("smo", policy))
+    assert max(map(len, text.splitlines())) <= 80
+    for block, j, label in (("by_quadrant", 1, "forward regen"), ("by_speed", 0, "speed 0–5 %")):
+        row, x = cells(text, label), policy[block]
+        assert row[2] == str(x["came"][j])
+        assert row[3] == rate(x["lost_rate"][j], x["lost_ci"][j])
+        assert row[-1] == number(x["angle_err_rms_deg"][j], 2)
+
+
+def test_worst_cases_of_every_policy_but_bounds(results: Results) -> None:
+    text = text_of(worst_table(results, 2))
+    assert max(map(len, text.splitlines())) <= 80
+    listed: list[dict[str, Any]] = results.policies["smo"]["worst"]
+    assert all(case["scenario"] in text for case in listed[:2])
+    assert cells(text, "smo")[1] == listed[0]["scenario"]
+    assert "sensored" not in text
+
+
+def test_pairs_are_differences_to_the_first(results: Results) -> None:
+    text = text_of(paired_table(results))
+    assert "difference to eq25" in text
+    assert cells(text, "smo")[1] == number(100.0 * results.paired["smo"]["lost_rate"], 1)
