@@ -60,7 +60,7 @@ venv:
 	@touch $(VENV)/.installing
 	@set -o pipefail; trap 'exit 130' INT TERM; \
 	$(VENV)/bin/python -m pip --require-virtualenv install --progress-bar off \
-	  -e '.[plot,tune,fuzzy,dev]' 2>&1 | tee $(VENV)/install.log \
+	  -e '.[plot,tune,fuzzy,scale,dev]' 2>&1 | tee $(VENV)/install.log \
 	| while read -r step name _; do name=$${name##*/}; name=$${name%%-[0-9]*}; \
 	    case "$$step $$name" in \
 	    Collecting*|Processing*) printf ' %s' "$${name%%[!a-zA-Z0-9_.-]*}";; \

@@ -16,7 +16,7 @@ from sensorless.cli_identify import app as identify_app
 from sensorless.cli_pil import pil_command
 from sensorless.cli_reproduce import reproduce
 from sensorless.cli_train import train_command
-from sensorless.cli_tune import list_policies, tune_command
+from sensorless.cli_tune import EngineOption, RayAddressOption, list_policies, tune_command
 from sensorless.errors import StaleCoreError, UserError
 
 app = typer.Typer(
@@ -150,18 +150,21 @@ def evaluate(
     size: Annotated[int, typer.Option(min=1, help="Number of scenarios.")] = 200,
     settings: SetOption = None,
     out: Annotated[Path | None, typer.Option(help="Results as JSON.")] = None,
+    engine: EngineOption = "local",
+    ray_address: RayAddressOption = None,
     listed: ListOption = False,
 ) -> None:
     """Judge policies on a suite: lost rates, torque, speed and angle, with 95 % intervals.
 
-    The same suite, seed and size give the same file to the bit. Training and tuning never see these
-    scenarios. Every policy is compared with the first one, scenario by scenario.
+    The same suite, seed and size give the same file to the bit, on any engine. Training and tuning
+    never see these scenarios. Every policy is compared with the first one, scenario by scenario.
     """
+    from sensorless.engine import engine_named
     from sensorless.evaluate import evaluate as run
     from sensorless.motor import Motor
     from sensorless.options import design_from
 
-    with policy_progress() as report:
+    with engine_named(engine, ray_address) as where, policy_progress() as report:
         results = run(
             Motor.load(motor),
             design_from(settings),
@@ -171,6 +174,7 @@ def evaluate(
             policy,
             out=out,
             progress=report,
+            engine=where,
         )
     console.print(results.table())
     if out is not None:

@@ -15,6 +15,16 @@ if TYPE_CHECKING:
 console = Console()
 errors = Console(stderr=True)
 
+EngineOption = Annotated[
+    str, typer.Option(help="local: this process; ray: a cluster, see --ray-address.")
+]
+RayAddressOption = Annotated[
+    str | None,
+    typer.Option(
+        help="HOST:PORT of a running Ray cluster; default: one of this machine's processors."
+    ),
+]
+
 
 def list_policies(wanted: bool) -> None:
     """Print every policy with one line about it, and end."""
@@ -37,16 +47,20 @@ def tune_command(
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30."),
     ] = None,
+    engine: EngineOption = "local",
+    ray_address: RayAddressOption = None,
 ) -> None:
     """Tune the parameters of a hand-over rule by CMA-ES.
 
     Makes 10 lost_rate + torque deviation + torque ripple least, on stress scenarios that training
-    and judging never see. The same words give the same file. Ctrl-C keeps the best found so far.
+    and judging never see. The same words give the same file, on any engine. Ctrl-C keeps the best
+    found so far.
 
         sensorless tune linear --budget 20000 --out linear-tuned.json
 
         sensorless evaluate --policy eq25 --policy linear-tuned.json
     """
+    from sensorless.engine import engine_named
     from sensorless.motor import Motor
     from sensorless.options import check_output, design_from
     from sensorless.tuning import tune
@@ -61,7 +75,7 @@ def tune_command(
     def report(done: float, best: "Cost", start: "Cost") -> None:
         bar.update(task, completed=done, description=f"best: {_words(best)}")
 
-    with bar:
+    with engine_named(engine, ray_address) as where, bar:
         found = tune(
             name,
             machine,
@@ -70,6 +84,7 @@ def tune_command(
             seed,
             command=shlex.join(["sensorless", *sys.argv[1:]]),
             progress=report,
+            engine=where,
         )
     found.save(out)
     known = found.provenance

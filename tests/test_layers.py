@@ -18,7 +18,7 @@ LAYERS = (
     ("envs",),
     ("rollout", "*metrics", "objective", "suites", "steady"),
     ("baselines", "agents"),
-    ("aggregate", "results", "evaluate", "report", "tuning*"),
+    ("aggregate", "results", "evaluate", "engine*", "report", "tuning*"),
     ("export*", "pil*", "plant_*", "trace*", "plots", "options", "identify*", "reproduce*"),
     ("demo", "cli*", "__main__"),
 )
