@@ -9,10 +9,10 @@ CORE  := $(wildcard core/*.c core/*.h) core/binding.py
 C_WARNINGS := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra \
               -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror -fsyntax-only -Icore -Ibuild/generated
 
-.PHONY: help install demo test check core bench clean venv extension c-warnings c-lint force
+.PHONY: help install demo test check core bench bench-peers clean venv extension c-warnings c-lint force
 
 help: ## List the commands
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
 
 install: ## Build a fresh .venv with everything in it
 	@rm -f $(READY) $(VENV)/pyvenv.cfg
@@ -33,6 +33,9 @@ core: $(READY) ## Rebuild the compiled core in place
 
 bench: $(READY) ## Measure speed, write build/bench.json
 	$(VENV)/bin/python benchmarks/bench.py
+
+bench-peers: $(READY) ## Measure speed beside other simulators
+	$(VENV)/bin/python benchmarks/peers.py
 
 clean: ## Remove all that was built, keep the libraries in .venv
 	rm -rf build dist *.egg-info core/*.o sensorless/_core* $(READY)

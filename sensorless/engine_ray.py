@@ -74,8 +74,11 @@ def _task() -> Callable[[dict[str, str], bytes, bytes], tuple[str | None, Any]]:
     """What a worker runs; being local it travels as code, to workers without the package too."""
 
     def run(wanted: dict[str, str], function: bytes, chunk: bytes) -> tuple[str | None, Any]:
+        import os
+
         import ray
 
+        os.environ.setdefault("SENSORLESS_THREADS", "1")  # Ray counts one processor for a task
         node = f"ray node {ray.util.get_node_ip_address()}"
         try:
             from sensorless.engine_code import code, difference
