@@ -9,10 +9,10 @@ CORE  := $(wildcard core/*.c core/*.h) core/binding.py
 C_WARNINGS := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra \
               -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror -fsyntax-only -Icore -Ibuild/generated
 
-.PHONY: help install demo test check core bench reference clean venv extension c-warnings c-lint force
+.PHONY: help install demo test check core bench bench-peers reference clean venv extension c-warnings c-lint force
 
 help: ## List the commands
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
 
 install: ## Build a fresh .venv with everything in it
 	@rm -f $(READY) $(VENV)/pyvenv.cfg
@@ -33,6 +33,9 @@ core: $(READY) ## Rebuild the compiled core in place
 
 bench: $(READY) ## Measure speed, write build/bench.json
 	$(VENV)/bin/python benchmarks/bench.py
+
+bench-peers: $(READY) ## Measure speed beside other simulators
+	$(VENV)/bin/python benchmarks/peers.py
 
 reference: $(READY) ## Make what is missing of results/reference (hours)
 	@$(MAKE) --no-print-directory -f results/reference.mk
@@ -63,7 +66,7 @@ venv:
 	@touch $(VENV)/.installing
 	@set -o pipefail; trap 'exit 130' INT TERM; \
 	$(VENV)/bin/python -m pip --require-virtualenv install --progress-bar off \
-	  -e '.[plot,tune,fuzzy,dev]' 2>&1 | tee $(VENV)/install.log \
+	  -e '.[plot,tune,fuzzy,scale,dev]' 2>&1 | tee $(VENV)/install.log \
 	| while read -r step name _; do name=$${name##*/}; name=$${name%%-[0-9]*}; \
 	    case "$$step $$name" in \
 	    Collecting*|Processing*) printf ' %s' "$${name%%[!a-zA-Z0-9_.-]*}";; \

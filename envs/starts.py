@@ -1,6 +1,7 @@
 """Starts from an unknown angle: standing and spinning shafts, under load."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sensorless.envs.counter_random import Draws, Seeds
 from sensorless.envs.scenario import Scenarios
@@ -12,7 +13,9 @@ BEGIN = 0.1
 """Speed target after the start sequence [s]."""
 
 
-def starts_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+def starts_scenarios(
+    motor: Motor, seeds: Seeds, indices: NDArray[np.int64], *_: object
+) -> Scenarios:
     """The rotor at any angle; every second row has its first estimate 180 degrees off.
 
     Eight rows in turn, two of each: at rest without load; at rest with a load of up to half of
@@ -26,13 +29,12 @@ def starts_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, 1.2)
     omega_rated = motor.omega_rated / motor.n_p
-    row = np.arange(len(s))
-    active, passive, spins = (row // 2 % 4 == kind for kind in (1, 2, 3))
+    active, passive, spins = (indices // 2 % 4 == kind for kind in (1, 2, 3))
 
     s.seek[:] = True
     s.passive[:] = passive
     s.theta_0 = d.uniform(-np.pi, np.pi)
-    s.theta_err_0 = d.uniform(-0.5, 0.5) * np.pi + np.where(row % 2 == 1, np.pi, 0.0)
+    s.theta_err_0 = d.uniform(-0.5, 0.5) * np.pi + np.where(indices % 2 == 1, np.pi, 0.0)
     load = d.uniform(0.0, HALF_LOAD) * motor.tau_rated
     sign = np.where(d.chance(0.5), 1.0, -1.0)
     s.tau[:] = np.where(active | spins, sign * load, np.where(passive, load, 0.0))[:, None]

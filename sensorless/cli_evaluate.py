@@ -5,7 +5,14 @@ from typing import Annotated
 
 import typer
 
-from sensorless.cli_options import MotorOption, SetOption, console, policy_progress
+from sensorless.cli_options import (
+    EngineOption,
+    MotorOption,
+    RayAddressOption,
+    SetOption,
+    console,
+    policy_progress,
+)
 from sensorless.errors import UserError
 
 
@@ -55,14 +62,17 @@ def evaluate_command(
     plot: Annotated[
         Path | None, typer.Option(help="PNG of what holds lock; with --suite envelope.")
     ] = None,
+    engine: EngineOption = "local",
+    ray_address: RayAddressOption = None,
     listed: ListOption = False,
 ) -> None:
     """Judge policies on a suite: lost rates, torque, speed and angle, with 95 % intervals.
 
-    The same suite, seed and size give the same file to the bit. Training and tuning never see these
-    scenarios. Every policy is compared with the first one, scenario by scenario. The worst cases of
-    each are listed with a word that `sensorless simulate --scenario` replays.
+    The same suite, seed and size give the same file to the bit, on any engine. Training and tuning
+    never see these scenarios. Every policy is compared with the first one, scenario by scenario. The
+    worst cases of each are listed with a word that `sensorless simulate --scenario` replays.
     """
+    from sensorless.engine import engine_named
     from sensorless.evaluate import WORST
     from sensorless.evaluate import evaluate as run
     from sensorless.motor import Motor
@@ -73,7 +83,7 @@ def evaluate_command(
     if plot is not None and suite != "envelope":
         raise UserError(f"plot: with suite {suite!r}; allowed: with --suite envelope")
     machine = Motor.load(motor)
-    with policy_progress() as report:
+    with engine_named(engine, ray_address) as where, policy_progress() as report:
         results = run(
             machine,
             design_from(settings),
@@ -84,6 +94,7 @@ def evaluate_command(
             out=out,
             every=every,
             progress=report,
+            engine=where,
         )
     console.print(results.table())
     if details:

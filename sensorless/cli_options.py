@@ -19,6 +19,16 @@ SetOption = Annotated[
     ),
 ]
 
+EngineOption = Annotated[
+    str, typer.Option(help="local: this process; ray: a cluster, see --ray-address.")
+]
+RayAddressOption = Annotated[
+    str | None,
+    typer.Option(
+        help="HOST:PORT of a running Ray cluster; default: one of this machine's processors."
+    ),
+]
+
 
 @contextmanager
 def policy_progress() -> Iterator[Callable[[str, float], None]]:

@@ -6,14 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from sensorless.cli_options import EngineOption, RayAddressOption, console, errors
 
 if TYPE_CHECKING:
     from sensorless.objective import Cost
-
-console = Console()
-errors = Console(stderr=True)
 
 
 def tune_command(
@@ -26,16 +24,20 @@ def tune_command(
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30."),
     ] = None,
+    engine: EngineOption = "local",
+    ray_address: RayAddressOption = None,
 ) -> None:
     """Tune the parameters of a hand-over rule by CMA-ES.
 
     Makes 10 lost_rate + torque deviation + torque ripple least, on stress scenarios that training
-    and judging never see. The same words give the same file. Ctrl-C keeps the best found so far.
+    and judging never see. The same words give the same file, on any engine. Ctrl-C keeps the best
+    found so far.
 
         sensorless tune linear --budget 20000 --out linear-tuned.json
 
         sensorless evaluate --policy eq25 --policy linear-tuned.json
     """
+    from sensorless.engine import engine_named
     from sensorless.motor import Motor
     from sensorless.options import check_output, design_from
     from sensorless.tuning import tune
@@ -50,7 +52,7 @@ def tune_command(
     def report(done: float, best: "Cost", start: "Cost") -> None:
         bar.update(task, completed=done, description=f"best: {_words(best)}")
 
-    with bar:
+    with engine_named(engine, ray_address) as where, bar:
         found = tune(
             name,
             machine,
@@ -59,6 +61,7 @@ def tune_command(
             seed,
             command=shlex.join(["sensorless", *sys.argv[1:]]),
             progress=report,
+            engine=where,
         )
     found.save(out)
     known = found.provenance

@@ -3,6 +3,7 @@
 import platform
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from sensorless.aggregate import by_place, paired, summary, worst
 from sensorless.baselines.registry import make_policy
 from sensorless.core_api import Array, ffi, lib
 from sensorless.drive import DriveDesign
+from sensorless.engine import LOCAL, Engine
 from sensorless.envs.policy import Policy, PrivilegedPolicy
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
@@ -22,9 +24,11 @@ from sensorless.motor import Motor
 from sensorless.place_metrics import QUADRANTS, SPEED_EDGES
 from sensorless.place_metrics import by_place as sums_by_place
 from sensorless.results import Results, check_writable
-from sensorless.rollout import CAUSES, CHUNK, Floats, Progress, rollouts
-from sensorless.suites import scenario_word
-from sensorless.suites import suite as scenarios_of
+from sensorless.rollout import CAUSES, CHUNK, Floats, rollout
+from sensorless.suites import SuiteRows, scenario_word
+
+Progress = Callable[[float], None]
+"""Called now and then with the share that is done, 0 to 1."""
 
 PolicyProgress = Callable[[str, float], None]
 """Called with the name of a policy and the share of its scenarios that is done."""
@@ -60,6 +64,7 @@ def evaluate(
     out: Path | None = None,
     every: bool = True,
     progress: PolicyProgress | None = None,
+    engine: Engine = LOCAL,
 ) -> Results:
     """Run every policy over the same scenarios and compare each with the first one.
 
@@ -73,6 +78,8 @@ def evaluate(
         Results file to write; whether it can be written is found out before the run.
     every : bool
         The file holds the numbers of every single scenario.
+    engine : Engine
+        Where the scenarios run; the results are the same to the bit.
 
     Raises
     ------
@@ -82,12 +89,12 @@ def evaluate(
     if out is not None:
         check_writable(out)
     named = _named(policies, motor)
-    scenarios = scenarios_of(suite, motor, seed, size)
+    scenarios = SuiteRows(suite, motor, seed, size)
     factory = SimFactory(motor, design)
     scores = {}
     for name, policy in named.items():
         report = None if progress is None else _report(progress, name)
-        scores[name] = score(policy, scenarios, factory, report)
+        scores[name] = score(policy, scenarios, factory, report, engine)
     results = Results(
         suite=suite,
         seed=seed,
@@ -109,23 +116,34 @@ def evaluate(
 
 def score(
     policy: Policy,
-    scenarios: Scenarios,
+    scenarios: Scenarios | SuiteRows,
     factory: SimFactory,
     progress: Progress | None = None,
+    engine: Engine = LOCAL,
     chunk: int = CHUNK,
 ) -> Scores:
-    """All metrics of a policy on every scenario."""
+    """All metrics of a policy on every scenario, ``chunk`` of them at a time."""
+    total = len(scenarios)
+    chunks = (scenarios[first : first + chunk] for first in range(0, total, chunk))
     parts = []
-    for r in rollouts(policy, scenarios, factory, progress, chunk):
-        metrics = {name: metric(r) for name, metric in METRICS.items()}
-        time = np.asarray(r.periods * r.motor.T_s, dtype=np.float64)
-        parts.append(Scores(r.lost, time, metrics, sums_by_place(r)))
+    for part in engine.map(partial(_score_chunk, policy, factory), chunks):
+        parts.append(part)
+        if progress is not None:
+            progress(min(len(parts) * chunk / total, 1.0))
     return Scores(
         np.concatenate([p.lost for p in parts]),
         np.concatenate([p.time for p in parts]),
         {name: np.concatenate([p.metrics[name] for p in parts]) for name in METRICS},
         {name: np.concatenate([p.places[name] for p in parts]) for name in parts[0].places},
     )
+
+
+def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRows) -> Scores:
+    """All metrics of a policy on some scenarios."""
+    r = rollout(policy, rows.draw() if isinstance(rows, SuiteRows) else rows, factory)
+    metrics = {name: metric(r) for name, metric in METRICS.items()}
+    time = np.asarray(r.periods * r.motor.T_s, dtype=np.float64)
+    return Scores(r.lost, time, metrics, sums_by_place(r))
 
 
 def _named(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
@@ -151,7 +169,7 @@ def _report(progress: PolicyProgress, name: str) -> Progress:
     return lambda done: progress(name, done)
 
 
-def _entry(s: Scores, scenarios: Scenarios, suite: str, seed: int, bound: bool) -> dict[str, Any]:
+def _entry(s: Scores, scenarios: SuiteRows, suite: str, seed: int, bound: bool) -> dict[str, Any]:
     """Block of a policy in the results."""
     survived = s.lost == 0
     return {

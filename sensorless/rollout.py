@@ -1,6 +1,6 @@
 """Drives under a policy from start to end, with the sums of every decision kept."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,9 +14,6 @@ from sensorless.motor import Motor
 
 CHUNK = 256
 """Scenarios at a time: with ``sums_t`` of 80 bytes, 2 s of them keep 41 MB."""
-
-Progress = Callable[[float], None]
-"""Called now and then with the share that is done, 0 to 1."""
 
 Floats = NDArray[np.float64]
 
@@ -64,9 +61,7 @@ class Rollout:
         return np.asarray(self.sums[name].sum(axis=0, dtype=np.float64) / count)
 
 
-def rollout(
-    policy: Policy, scenarios: Scenarios, factory: SimFactory, progress: Progress | None = None
-) -> Rollout:
+def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollout:
     """All scenarios at once, each beside its sensored twin."""
     n = len(scenarios)
     periods = decision_periods(factory.motor)
@@ -82,27 +77,12 @@ def rollout(
             raise ValueError(f"policy {policy.name}: weights of shape {k_s.shape}, wanted ({n},)")
         sim_run(sims, periods, k_s, obs)
         sums[j] = sims["sums"]
-        if progress is not None and (j % 50 == 49 or j == decisions - 1):
-            progress((j + 1) / decisions)
     return Rollout(factory.motor, scenarios, sums, sims["lost"].copy(), sims["k"].astype(np.int64))
 
 
 def rollouts(
-    policy: Policy,
-    scenarios: Scenarios,
-    factory: SimFactory,
-    progress: Progress | None = None,
-    chunk: int = CHUNK,
+    policy: Policy, scenarios: Scenarios, factory: SimFactory, chunk: int = CHUNK
 ) -> Iterator[Rollout]:
     """All scenarios in order, ``chunk`` of them at a time."""
-    total = len(scenarios)
-    for first in range(0, total, chunk):
-        part = scenarios[first : first + chunk]
-        yield rollout(policy, part, factory, _part_of(progress, first / total, len(part) / total))
-
-
-def _part_of(progress: Progress | None, start: float, share: float) -> Progress | None:
-    """Progress of a part as progress of the whole."""
-    if progress is None:
-        return None
-    return lambda done: progress(start + share * done)
+    for first in range(0, len(scenarios), chunk):
+        yield rollout(policy, scenarios[first : first + chunk], factory)

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sensorless.envs.counter_random import Floats, Seeds, combine
 from sensorless.envs.scenario import Scenarios
@@ -21,8 +22,76 @@ ROLES = {"train": 1, "tune": 2, "test": 3}
 
 RPM = np.pi / 30.0
 
+Indices = NDArray[np.int64]
 
-def nominal_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+
+@dataclasses.dataclass(frozen=True)
+class SuiteRows:
+    """Scenarios of a suite that are not drawn yet: a few numbers, however many there are.
+
+    Parameters
+    ----------
+    name : str
+        One of ``SUITES``.
+    motor : Motor
+    suite_seed : int
+        0 to 2^63 - 1; another seed draws other scenarios.
+    size : int
+        Number of scenarios in the suite; for ``envelope``, a grid, a square number.
+    role : str
+        ``train``, ``tune`` or ``test``: keeps the three apart whatever the seeds.
+    rows : range, optional
+        Indices of the scenarios; default: all.
+
+    Raises
+    ------
+    UserError
+        Unknown suite or role, or a seed or size out of range.
+    """
+
+    name: str
+    motor: Motor
+    suite_seed: int
+    size: int
+    role: str = "test"
+    rows: range | None = None
+
+    def __post_init__(self) -> None:
+        name, seed, size = self.name, self.suite_seed, self.size
+        if name not in SUITES:
+            raise UserError(f"suite: {name!r}; allowed: {', '.join(SUITES)}")
+        if self.role not in ROLES:
+            raise UserError(f"role: {self.role!r}; allowed: {', '.join(ROLES)}")
+        if not 0 <= seed < 2**63:
+            raise UserError(f"seed: {seed}; allowed: 0 to 2^63 - 1")
+        if not 1 <= size <= 10_000_000:
+            raise UserError(f"size: {size}; allowed: 1 to 10000000")
+        if name == "envelope" and (size < 4 or int(np.sqrt(size)) ** 2 != size):
+            raise UserError(f"size: {size}; allowed for envelope: a square number of at least 4")
+
+    def __len__(self) -> int:
+        """Return the number of scenarios."""
+        return len(self._range)
+
+    def __getitem__(self, rows: slice) -> "SuiteRows":
+        """Some of them."""
+        return dataclasses.replace(self, rows=self._range[rows])
+
+    @property
+    def _range(self) -> range:
+        return range(self.size) if self.rows is None else self.rows
+
+    @property
+    def seed(self) -> Seeds:
+        """(n,) seeds of the scenarios."""
+        return combine(ROLES[self.role], self.suite_seed, np.asarray(self._range))
+
+    def draw(self) -> Scenarios:
+        """Scenarios themselves."""
+        return SUITES[self.name](self.motor, self.seed, np.asarray(self._range), self.size)
+
+
+def nominal_scenarios(motor: Motor, seeds: Seeds, *_: object) -> Scenarios:
     """The profiles of ``stress`` on a drive that knows its machine and has good sensors."""
     s = stress_scenarios(motor, seeds)
     exact = Scenarios.nominal(motor, seeds, 1.0)
@@ -42,7 +111,7 @@ def nominal_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     return s
 
 
-def paper_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+def paper_scenarios(motor: Motor, seeds: Seeds, indices: Indices, _: int) -> Scenarios:
     """Figs. 9, 13/14 and 11 of doi 10.12177/emca.2025.011 in turn, speeds relative to 1500 r/min.
 
     Fig. 9: 200, 350, 600 r/min in steps without load. Figs. 13/14: 150, 350, 650 and back on ramps
@@ -50,7 +119,7 @@ def paper_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     """
     s = Scenarios.nominal(motor, seeds, 4.0)
     base = motor.n_rated_rpm / 1500.0 * RPM
-    kind = np.arange(len(s)) % 3
+    kind = indices % 3
     steps = kind == 0
     _plan(s, steps, [(0.0, 200), (1.0, 350), (2.0, 600)], base)
     _plan(s, kind == 1, [(0.0, 150), (0.8, 350), (1.6, 650), (2.4, 350), (3.2, 150)], base)
@@ -70,7 +139,7 @@ def _plan(s: Scenarios, rows: Floats, plan: list[tuple[float, float]], base: flo
         s.omega[rows, j:] = rpm * base
 
 
-def handoff_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+def handoff_scenarios(motor: Motor, seeds: Seeds, indices: Indices, _: int) -> Scenarios:
     """Crossings of the hand-over band, one family after the other; noise differs by seed.
 
     Up, dwell at the band's centre with a load step, and down again at three ramps, motoring and
@@ -83,8 +152,8 @@ def handoff_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     holds = list(product((0.5, 1.0), (1.0, -1.0)))
     stops = list(product((-0.5, 0.0, 0.5), (1.0, -1.0)))
     n_kinds = len(crossings) + len(reversals) + len(holds) + len(stops)
-    for i in range(len(s)):
-        j = i % n_kinds
+    for i, index in enumerate(indices.tolist()):
+        j = index % n_kinds
         if j < len(crossings):
             ramp, load, way = crossings[j]
             _cross(
@@ -168,81 +237,55 @@ def _cross(s: Scenarios, i: int, ramp: float, load: float, base: float) -> None:
     s.duration[i] = 0.4 + 2.0 * up + 0.6 + down + 0.3
 
 
-def envelope_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+def envelope_scenarios(motor: Motor, seeds: Seeds, indices: Indices, size: int) -> Scenarios:
     """A square grid of speed (rows) and load (columns) from -100 to 100 %, in row-major order.
 
     The drive starts at its speed, then the load rises within 0.2 s and stays for 0.6 s.
     """
-    side = int(np.sqrt(len(seeds)))
+    side = int(np.sqrt(size))
     grid = np.linspace(-1.0, 1.0, side)
-    speed, load = np.meshgrid(grid, grid, indexing="ij")
+    speed, load = grid[indices // side], grid[indices % side]
     s = Scenarios.nominal(motor, seeds, 1.0)
-    omega = speed.ravel() * motor.omega_rated / motor.n_p
+    omega = speed * motor.omega_rated / motor.n_p
     s.omega_0[:] = omega
     s.omega[:] = omega[:, None]
     s.t[:, 1] = 0.2
-    s.tau[:, 1:] = load.ravel()[:, None] * motor.tau_rated
+    s.tau[:, 1:] = load[:, None] * motor.tau_rated
     s.tau_rate[:] = motor.tau_rated / 0.2
     return s
 
 
-def motors_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+def motors_scenarios(motor: Motor, seeds: Seeds, indices: Indices, size: int) -> Scenarios:
     """``handoff`` (even rows) and ``stress`` (odd rows), for machines that training never saw.
 
     All of a scenario is relative to the machine's own numbers: run it once for each of the shipped
     machines but the one that was trained on.
     """
     s = stress_scenarios(motor, seeds)
-    crossings = handoff_scenarios(motor, seeds[::2])
+    even = indices % 2 == 0
+    crossings = handoff_scenarios(motor, seeds[even], indices[even] // 2, size)
     for f in dataclasses.fields(s):
         rows = np.array(getattr(s, f.name))
-        rows[::2] = getattr(crossings, f.name)
+        rows[even] = getattr(crossings, f.name)
         setattr(s, f.name, rows)
     return s
 
 
-SUITES: dict[str, Callable[[Motor, Seeds], Scenarios]] = {
+SUITES: dict[str, Callable[[Motor, Seeds, Indices, int], Scenarios]] = {
     "paper": paper_scenarios,
     "nominal": nominal_scenarios,
     "handoff": handoff_scenarios,
-    "stress": stress_scenarios,
+    "stress": lambda motor, seeds, *_: stress_scenarios(motor, seeds),
     "envelope": envelope_scenarios,
     "motors": motors_scenarios,
     "starts": starts_scenarios,
 }
+"""From motor, seeds (n,), indices (n,) and the suite's size to n scenarios."""
 
 
 def suite(name: str, motor: Motor, seed: int, size: int, role: str = "test") -> Scenarios:
-    """Scenarios of a suite.
-
-    Parameters
-    ----------
-    name : str
-        One of ``SUITES``.
-    motor : Motor
-    seed : int
-        0 to 2^63 - 1; another seed draws other scenarios.
-    size : int
-        Number of scenarios; for ``envelope``, a grid, a square number.
-    role : str
-        ``train``, ``tune`` or ``test``: keeps the three apart whatever the seeds.
-
-    Raises
-    ------
-    UserError
-        Unknown suite or role, or a seed or size out of range.
-    """
-    if name not in SUITES:
-        raise UserError(f"suite: {name!r}; allowed: {', '.join(SUITES)}")
-    if role not in ROLES:
-        raise UserError(f"role: {role!r}; allowed: {', '.join(ROLES)}")
-    if not 0 <= seed < 2**63:
-        raise UserError(f"seed: {seed}; allowed: 0 to 2^63 - 1")
-    if not 1 <= size <= 10_000_000:
-        raise UserError(f"size: {size}; allowed: 1 to 10000000")
-    if name == "envelope" and (size < 4 or int(np.sqrt(size)) ** 2 != size):
-        raise UserError(f"size: {size}; allowed for envelope: a square number of at least 4")
-    return SUITES[name](motor, combine(ROLES[role], seed, np.arange(size)))
+    """All scenarios of a suite; arguments and errors as in ``SuiteRows``."""
+    return SuiteRows(name, motor, seed, size, role).draw()
 
 
 def scenario_word(name: str, seed: int, index: int, size: int) -> str:

@@ -17,6 +17,7 @@ from sensorless.baselines.registry import RULES, rule_named
 from sensorless.baselines.rule import Rule
 from sensorless.baselines.tuned import Tuned
 from sensorless.drive import DriveDesign
+from sensorless.engine import LOCAL, Engine
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
@@ -48,6 +49,7 @@ class _Search:
     rule: Rule
     motor: Motor
     factory: SimFactory
+    engine: Engine
     best: dict[str, float]
     best_cost: Cost
     start_cost: Cost
@@ -65,6 +67,7 @@ def tune(
     *,
     command: str = "",
     progress: Progress | None = None,
+    engine: Engine = LOCAL,
 ) -> Tuned:
     """Tune a rule; the same arguments give the same result.
 
@@ -78,6 +81,8 @@ def tune(
         Draws scenarios and search.
     command : str
         For the provenance.
+    engine : Engine
+        Where the scenarios run; the result is the same to the bit.
 
     Raises
     ------
@@ -103,8 +108,8 @@ def tune(
 
     factory = SimFactory(motor, design)
     start = rule.defaults()
-    (cost,), used = costs([rule.build(name, start, motor)], judges, factory)
-    search = _Search(rule, motor, factory, start, cost, cost, used)
+    (cost,), used = costs([rule.build(name, start, motor)], judges, factory, engine)
+    search = _Search(rule, motor, factory, engine, start, cost, cost, used)
     try:
         _run(search, es, judges, seed, batch, budget, progress)
     except KeyboardInterrupt:
@@ -152,7 +157,7 @@ def _run(
         if go_on:
             points, values = _ask(es, rule)
             policies = [rule.build(rule.name, v, motor) for v in values]
-            found, seconds = costs(policies, part, search.factory)
+            found, seconds = costs(policies, part, search.factory, search.engine)
             es.tell(points, [cost.objective for cost in found])
             search.used += seconds
             search.generations += 1
@@ -176,7 +181,7 @@ def _scenarios(motor: Motor, seed: int, generation: int, n: int) -> Scenarios:
 def _judge(search: _Search, values: dict[str, float], judges: Scenarios) -> None:
     """Keep these values if they are better than the best."""
     policy = search.rule.build(search.rule.name, values, search.motor)
-    (cost,), seconds = costs([policy], judges, search.factory)
+    (cost,), seconds = costs([policy], judges, search.factory, search.engine)
     search.used += seconds
     if cost.objective < search.best_cost.objective:
         search.best, search.best_cost = values, cost

@@ -1,11 +1,14 @@
 """Several policies on the same scenarios at once, and what each of them costs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core_api import Array
+from sensorless.engine import LOCAL, Engine
 from sensorless.envs.policy import Policy, Signals, decide, estimator_of
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.metrics import torque_dev_rms, torque_ripple_rms
@@ -49,30 +52,58 @@ class SideBySide:
         return np.concatenate(list(parts))
 
 
+@dataclass(frozen=True)
+class _Group:
+    """Policies ``row`` and following on the scenarios ``column`` and following."""
+
+    row: int
+    column: int
+    policies: Sequence[Policy]
+    scenarios: Scenarios
+
+
 def costs(
-    policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory
+    policies: Sequence[Policy],
+    scenarios: Scenarios,
+    factory: SimFactory,
+    engine: Engine = LOCAL,
 ) -> tuple[list[Cost], float]:
     """Cost of every policy over all scenarios, and the time simulated [s]; twins do not count."""
     n, seconds = len(scenarios), 0.0
     alive = np.zeros((len(policies), n), dtype=np.bool_)
     dev, ripple = np.zeros(alive.shape), np.zeros(alive.shape)
-    for column in range(0, n, DRIVES):
-        part = scenarios[column : column + DRIVES]
-        m = len(part)
-        at_once = max(1, DRIVES // m)
-        for row in range(0, len(policies), at_once):
-            group = policies[row : row + at_once]
-            r = rollout(SideBySide(group), part[np.tile(np.arange(m), len(group))], factory)
-            seconds += float(r.periods.sum()) * factory.motor.T_s
-            where = slice(row, row + len(group)), slice(column, column + m)
-            shape = len(group), m
-            alive[where] = (r.lost == 0).reshape(shape)
-            dev[where] = torque_dev_rms(r).reshape(shape)
-            ripple[where] = torque_ripple_rms(r).reshape(shape)
+    groups = list(_groups(policies, scenarios))
+    for group, found in zip(groups, engine.map(partial(_run, factory), groups), strict=True):
+        rows = slice(group.row, group.row + len(group.policies))
+        where = rows, slice(group.column, group.column + len(group.scenarios))
+        seconds += found[0]
+        alive[where], dev[where], ripple[where] = found[1:]
     return [
         Cost(float(np.mean(~kept)), _mean(x, kept), _mean(y, kept))
         for kept, x, y in zip(alive, dev, ripple, strict=True)
     ], seconds
+
+
+def _groups(policies: Sequence[Policy], scenarios: Scenarios) -> Iterator[_Group]:
+    """All policies on all scenarios, about DRIVES drives a group."""
+    for column in range(0, len(scenarios), DRIVES):
+        part = scenarios[column : column + DRIVES]
+        at_once = max(1, DRIVES // len(part))
+        for row in range(0, len(policies), at_once):
+            yield _Group(row, column, policies[row : row + at_once], part)
+
+
+def _run(factory: SimFactory, group: _Group) -> tuple[float, NDArray[np.bool_], Floats, Floats]:
+    """Time simulated [s], and by policy and scenario: survived, deviation, ripple."""
+    shape = len(group.policies), len(group.scenarios)
+    rows = np.tile(np.arange(shape[1]), shape[0])
+    r = rollout(SideBySide(group.policies), group.scenarios[rows], factory)
+    return (
+        float(r.periods.sum()) * factory.motor.T_s,
+        (r.lost == 0).reshape(shape),
+        torque_dev_rms(r).reshape(shape),
+        torque_ripple_rms(r).reshape(shape),
+    )
 
 
 def _mean(x: Floats, rows: NDArray[np.bool_]) -> float:

@@ -18,7 +18,7 @@ LAYERS = (
     ("envs",),
     ("rollout", "*metrics", "objective", "suites", "steady"),
     ("baselines", "agents"),
-    ("aggregate", "results*", "evaluate", "tuning*"),
+    ("aggregate", "results*", "evaluate", "engine*", "tuning*"),
     ("export*", "pil*", "plant_*", "trace*", "plots", "options", "identify*", "rep*"),
     ("demo", "cli*", "__main__"),
 )

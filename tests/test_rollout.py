@@ -146,15 +146,6 @@ def test_a_policy_with_the_wrong_number_of_weights_is_stopped() -> None:
         rollout(Crooked(), short(3), FACTORY)
 
 
-def test_progress_rises_to_one_over_all_chunks() -> None:
-    seen: list[float] = []
-    for _ in rollouts(make_policy("hfi", MOTOR), short(4), FACTORY, seen.append, chunk=2):
-        pass
-    assert seen == sorted(seen)
-    assert seen[-1] == 1.0
-    assert any(0.0 < x < 0.5 for x in seen)
-
-
 def test_totals_are_means_over_all_periods() -> None:
     r = run("eq25", short(3))
     sums: Array = r.sums["tau"].sum(axis=0, dtype=np.float64)

@@ -21,7 +21,7 @@ DESIGN = DriveDesign()
 
 
 def bowl(
-    policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory
+    policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, *_: object
 ) -> tuple[list[Cost], float]:
     """Costs with their least at the band 0.15 to 0.6, without any drive."""
     out = []
@@ -49,7 +49,7 @@ def test_finds_the_least_within_its_budget(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_one_parameter_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     def first_node(
-        policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory
+        policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, *_: object
     ) -> tuple[list[Cost], float]:
         corners = [p.table.axes[0].hi for p in policies if isinstance(p, TablePolicy)]
         return [Cost(0.0, (c - 0.7) ** 2, 0.0) for c in corners], 16.0 * len(policies)
@@ -63,7 +63,7 @@ def test_ctrl_c_keeps_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
     calls = 0
 
     def until_tired(
-        policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory
+        policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, *_: object
     ) -> tuple[list[Cost], float]:
         nonlocal calls
         calls += 1
