@@ -11,12 +11,12 @@ from sensorless.motor import Motor
 
 RPM = np.pi / 30.0
 CORRECTION = 0.5
-"""The leader's own loop moves it by k_p T_s times its noisy error signal in a period, which the other
-one learns a period later [deg]."""
+"""The leader's own loop moves it by k_p T_s times its noisy error signal in a period, which the
+other one learns a period later [deg]."""
 
 
 def wrapped(x: Array) -> Array:
-    return np.abs(np.angle(np.exp(1j * np.asarray(x, dtype=np.float64))))
+    return np.asarray(np.abs(np.angle(np.exp(1j * np.asarray(x, dtype=np.float64)))))
 
 
 def gap(motor: Motor, rpm: Floats, tau: float, k_s: float) -> Floats:
