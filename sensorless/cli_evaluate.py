@@ -69,7 +69,7 @@ def evaluate_command(
     """Judge policies on a suite: lost rates, torque, speed and angle, with 95 % intervals.
 
     The same suite, seed and size give the same file to the bit, on any engine. Training and tuning
-    never see these scenarios. Every policy is compared with the first one, scenario by scenario. The
+    never see these scenarios. Every policy is compared with the first one, pair by pair. The
     worst cases of each are listed with a word that `sensorless simulate --scenario` replays.
     """
     from sensorless.engine import engine_named
