@@ -55,14 +55,43 @@ def create(
     UserError
         The folder holds something already, or cannot be written to.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise UserError(
-            f"name: {str(folder)!r} exists already; allowed: a new name, or --resume {folder}"
-        )
+    fresh(folder)
     ensure_writable(folder / "checkpoints")
     text = json.dumps(describe(config, motor, design, start), indent=1)
     write_atomic(folder / CONFIG, text + "\n")
     start.save(folder / START)
+
+
+def fresh(folder: Path) -> None:
+    """Make a new run folder.
+
+    Raises
+    ------
+    UserError
+        The folder holds something already, or cannot be written to.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise UserError(
+            f"name: {str(folder)!r} exists already; allowed: a new name, or --resume {folder}"
+        )
+    ensure_writable(folder)
+
+
+def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
+    """What a run was trained on.
+
+    Raises
+    ------
+    UserError
+        No run folder, or one whose configuration cannot be read.
+    """
+    try:
+        data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
+        return DriveDesign(**data["design"]), Motor.load(data["train"]["motor"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        if isinstance(error, UserError):
+            raise
+        raise UserError(f"run: {folder / CONFIG}: {error}; allowed: a training run") from None
 
 
 def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:

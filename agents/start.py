@@ -39,19 +39,19 @@ def start_table(axes: str, start: str, motor: Motor, slew_per_s: float) -> KsTab
     if axes == "start":
         return KsTable(source.axes, source.values, slew_per_s=slew_per_s)
     ramp = source.axes[0] if source.values.tolist() == [1.0, 0.0] else None
-    grid = _grid(axes, ramp if ramp is not None and ramp.signal == "speed" else None)
-    known = [axis.signal for axis in grid]
+    shape = grid(axes, ramp if ramp is not None and ramp.signal == "speed" else None)
+    known = [axis.signal for axis in shape]
     for axis in source.axes:
         if axis.signal not in known:
             raise UserError(f"axes: {axes!r}; allowed with start {start!r}: with {axis.signal}")
         if axis is ramp:
-            _check_corners(grid[known.index(axis.signal)], ramp, start, motor)
-    obs = np.zeros((*(axis.n for axis in grid), SIGNAL_N), dtype=np.float32)
-    for a, nodes in enumerate(np.meshgrid(*(axis.nodes for axis in grid), indexing="ij")):
-        obs[..., SIGNAL_NAMES.index(grid[a].signal)] = nodes
+            _check_corners(shape[known.index(axis.signal)], ramp, start, motor)
+    obs = np.zeros((*(axis.n for axis in shape), SIGNAL_N), dtype=np.float32)
+    for a, nodes in enumerate(np.meshgrid(*(axis.nodes for axis in shape), indexing="ij")):
+        obs[..., SIGNAL_NAMES.index(shape[a].signal)] = nodes
     k_s = source.evaluate(obs.reshape(-1, SIGNAL_N)).reshape(obs.shape[:-1])
     # A node of a ramp's end lies a rounding beside it: 0 has to stay 0, which turns injection off.
-    return KsTable(grid, np.round(k_s, 5), slew_per_s=slew_per_s)
+    return KsTable(shape, np.round(k_s, 5), slew_per_s=slew_per_s)
 
 
 def _source(start: str, motor: Motor) -> KsTable:
@@ -69,7 +69,15 @@ def _source(start: str, motor: Motor) -> KsTable:
     return policy.table
 
 
-def _grid(text: str, ramp: Axis | None) -> tuple[Axis, ...]:
+def grid(text: str, ramp: Axis | None = None) -> tuple[Axis, ...]:
+    """Axes from words as in ``start_table``.
+
+    Parameters
+    ----------
+    text : str
+    ramp : Axis, optional
+        Band whose ends ``speed:NODES`` puts on nodes.
+    """
     try:
         words = [word.split(":") for word in text.split(",")]
         return tuple(

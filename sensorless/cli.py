@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
+from sensorless.cli_distill import distill_command
 from sensorless.cli_identify import app as identify_app
 from sensorless.cli_pil import pil_command
 from sensorless.cli_reproduce import reproduce
@@ -234,6 +235,7 @@ def demo(
 
 
 app.command("train")(train_command)
+app.command("distill")(distill_command)
 app.command("tune")(tune_command)
 app.command("pil")(pil_command)
 app.add_typer(identify_app, name="identify")
