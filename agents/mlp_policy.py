@@ -96,7 +96,8 @@ class MlpActorCritic(ActorCriticPolicy):
         nn.init.zeros_(self.action_net.weight)  # type: ignore[arg-type]
         nn.init.zeros_(self.action_net.bias)  # type: ignore[arg-type]
         self.value_net = Scaled(self._hidden, self._scale)
-        self.optimizer = torch.optim.Adam(self.parameters(), lr=lr_schedule(1), eps=1e-8)
+        self._lr = lr_schedule(1)
+        self.optimizer = torch.optim.Adam(self.parameters(), lr=self._lr, eps=1e-8)
         self.optimizer.register_step_pre_hook(self._before_step)
 
     def _actor(self) -> list[Tensor]:
@@ -113,6 +114,10 @@ class MlpActorCritic(ActorCriticPolicy):
         features, start = latent_pi[:, :-1], latent_pi[:, -1:]
         mean = self.action_net(features) + start
         return self.action_dist.proba_distribution(mean, self.log_std, features)
+
+    def steps(self) -> list[float]:
+        """Learning rate of the optimiser's group at the start."""
+        return [self._lr]
 
     def vector(self) -> Tensor:
         """All numbers of the actor, a copy."""

@@ -76,6 +76,7 @@ class TableActorCritic(ActorCriticPolicy):
 
     def _build(self, lr_schedule: Callable[[float], float]) -> None:
         s = self._settings
+        self._lr_critic = lr_schedule(1)
         self._build_mlp_extractor()
         self.actor = TableModule(s["table"])
         self.value_net = nn.Sequential(  # type: ignore[assignment]
@@ -92,7 +93,7 @@ class TableActorCritic(ActorCriticPolicy):
         self.optimizer = torch.optim.Adam(
             [
                 {"params": list(self.actor.parameters()), "lr": s["lr_nodes"]},
-                {"params": list(self.value_net.parameters()), "lr": lr_schedule(1)},
+                {"params": list(self.value_net.parameters()), "lr": self._lr_critic},
             ],
             eps=1e-8,
         )
@@ -115,6 +116,10 @@ class TableActorCritic(ActorCriticPolicy):
         nodes, frac, finite = self.actor.corners(latent_pi)
         mean = 2.0 * self.actor.at(nodes, frac, finite)[:, None] - 1.0
         return self.exploration.at(mean, self.std, nodes, frac, self.actor.weights(frac))
+
+    def steps(self) -> list[float]:
+        """Learning rates of the optimiser's groups at the start."""
+        return [self._settings["lr_nodes"], self._lr_critic]
 
     def vector(self) -> Tensor:
         """Values of the nodes, a copy."""

@@ -51,6 +51,8 @@ class Watch(BaseCallback):
 
     def _on_training_start(self) -> None:
         self._first_step = self.model.num_timesteps
+        policy: Any = self.model.policy
+        self._steps = policy.steps()
         self.judge()
 
     def _on_step(self) -> bool:
@@ -65,6 +67,9 @@ class Watch(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         policy: Any = self.model.policy
+        left = 1.0 - (1.0 - self._config.lr_end) * min(self.share, 1.0)
+        for group, whole in zip(policy.optimizer.param_groups, self._steps, strict=True):
+            group["lr"] = left * whole
         policy.learn_actor = self._updates >= self._config.warm_up
         self._updates += 1
         now = policy.vector()
