@@ -69,8 +69,11 @@ class TrainConfig:
     """updates of the critic alone before the table moves"""
     decision_ms: float = _number(5.0, 0.1, 100.0)
     """time between two decisions in training [ms]"""
-    lost_penalty: float = _number(150.0, 0.0, 1e6)
+    lost_penalty: float = _number(400.0, 0.0, 1e6)
     """reward lost with lock; must exceed the running cost over the whole horizon"""
+    angle_cost: float = _number(0.0, 0.0, 1.0)
+    """worst cost of the angle error per 1 ms; above 0 it draws to injection, whose angle is better
+    and whose torque is rougher"""
     eval_freq: int = _number(400_000, 1, 10**12)
     """decisions, over all environments, from one validation to the next"""
     validate_size: int = _number(512, 16, 10**6)

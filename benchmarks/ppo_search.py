@@ -36,7 +36,7 @@ JUDGED = 2
 
 SEARCHED = (
     "gae_lambda", "n_steps", "n_epochs", "batch_size", "lr_nodes", "lr_critic", "noise",
-    "smoothness", "average", "lost_penalty",
+    "smoothness", "average", "lost_penalty", "angle_cost", "lr_end",
 )  # fmt: skip
 """Fields of ``TrainConfig``; gamma goes by its horizon."""
 
@@ -56,7 +56,9 @@ def suggested(trial: optuna.Trial, base: TrainConfig) -> TrainConfig:
         noise=trial.suggest_float("noise", 0.03, 0.2, log=True),
         smoothness=trial.suggest_float("smoothness", 0.0, 4.0),
         average=trial.suggest_categorical("average", [10, 20, 50, 100]),
-        lost_penalty=trial.suggest_float("lost_penalty", 50.0, 500.0, log=True),
+        lost_penalty=trial.suggest_float("lost_penalty", 100.0, 2000.0, log=True),
+        angle_cost=trial.suggest_categorical("angle_cost", [0.0, 0.002, 0.008]),
+        lr_end=trial.suggest_categorical("lr_end", [1.0, 0.3, 0.02]),
     )
 
 
