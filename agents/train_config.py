@@ -26,8 +26,8 @@ class TrainConfig:
     minutes: float = _number(5.0, 0.0, 1e5)
     """time to train [min]; not repeatable, see `steps`"""
     steps: int = _number(0, 0, 10**12)
-    """decisions to train, over all environments, whatever time that takes: the same seed and steps
-    give the same table to the bit; 0: train for `minutes`"""
+    """decisions to train, over all environments, whatever time that takes; repeatable to the bit;
+    0: train for `minutes`"""
     seed: int = _number(1, 0, 2**32 - 1)
     """of scenarios, exploration and critic"""
     policy_kind: str = "table"
