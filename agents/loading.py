@@ -1,32 +1,46 @@
-"""A trained schedule from its run folder: numbers as JSON, no pickle and no torch."""
+"""A trained schedule from its run folder: no pickle, no torch."""
 
 from pathlib import Path
+from typing import Any
 
+from sensorless.agents.mlp_schedule import MlpSchedule
 from sensorless.envs.policy import TablePolicy
 from sensorless.errors import UserError
 from sensorless.ks_table import KsTable
 from sensorless.motor import Motor
 
-TABLE = "table.json"
+TABLE, MLP = "table.json", "mlp.npz"
 
 
-def load_run(folder: str | Path, motor: Motor) -> TablePolicy:
+def load_run(folder: str | Path, motor: Motor) -> TablePolicy | MlpSchedule:
     """Policy of a run folder, for the machine it was trained on.
 
     Raises
     ------
     UserError
-        No table in the folder, a damaged one, or one of another machine.
+        No schedule in the folder, a damaged one, or one of another machine.
     """
-    path = Path(folder) / TABLE
-    if not path.is_file():
-        raise UserError(f"run: {str(folder)!r}: no {TABLE} in it; allowed: a training run's folder")
-    table = KsTable.load(path)
-    made_for = table.provenance.get("motor_digest", motor.digest)
+    path, name = Path(folder), Path(folder).resolve().name
+    policy: TablePolicy | MlpSchedule
+    if (path / TABLE).is_file():
+        policy = TablePolicy(name, KsTable.load(path / TABLE))
+    elif (path / MLP).is_file():
+        policy = MlpSchedule.load(path / MLP, name)
+    else:
+        raise UserError(
+            f"run: {str(folder)!r}: no {TABLE} or {MLP} in it; allowed: a training run's folder"
+        )
+    known = provenance(policy)
+    made_for = str(known.get("motor_digest", motor.digest))
     if made_for != motor.digest:
         raise UserError(
-            f"run: {str(folder)!r} was trained on motor {table.provenance.get('motor', '?')!r}, "
-            f"digest {str(made_for)[:16]}; allowed: motor {motor.name!r}, digest "
+            f"run: {str(folder)!r} was trained on motor {known.get('motor', '?')!r}, "
+            f"digest {made_for[:16]}; allowed: motor {motor.name!r}, digest "
             f"{motor.digest[:16]}"
         )
-    return TablePolicy(Path(folder).resolve().name, table)
+    return policy
+
+
+def provenance(policy: TablePolicy | MlpSchedule) -> dict[str, Any]:
+    """Where a schedule comes from."""
+    return dict(policy.table.provenance if isinstance(policy, TablePolicy) else policy.provenance)

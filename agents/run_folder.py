@@ -8,14 +8,19 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from sensorless.agents.loading import MLP, TABLE
+from sensorless.agents.mlp_schedule import MlpSchedule
 from sensorless.agents.train_config import TrainConfig
 from sensorless.drive import DriveDesign
+from sensorless.envs.policy import TablePolicy
 from sensorless.errors import UserError
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.ks_table import KsTable
 from sensorless.motor import Motor
 
-CONFIG, TABLE, PROGRESS = "config.json", "table.json", "progress.csv"
+CONFIG, PROGRESS = "config.json", "progress.csv"
+START = "start.json"
+"""Schedule that training started from."""
 LATEST = "checkpoints/latest.zip"
 
 
@@ -25,20 +30,40 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version(), **{name: version(name) for name in names}}
 
 
-def describe(config: TrainConfig, motor: Motor, design: DriveDesign) -> dict[str, Any]:
+def describe(
+    config: TrainConfig, motor: Motor, design: DriveDesign, start: KsTable
+) -> dict[str, Any]:
     """Content of ``config.json``."""
     return {
         "command": " ".join(["sensorless", *sys.argv[1:]]),
         "motor": motor.name,
         "motor_digest": motor.digest,
+        "start_digest": start.digest,
         "train": dataclasses.asdict(config),
         "design": dataclasses.asdict(design),
         "versions": versions(),
     }
 
 
-def create(folder: Path, config: TrainConfig, motor: Motor, design: DriveDesign) -> None:
-    """Make a new run folder with its configuration.
+def create(
+    folder: Path, config: TrainConfig, motor: Motor, design: DriveDesign, start: KsTable
+) -> None:
+    """Make a new run folder with its configuration and its start.
+
+    Raises
+    ------
+    UserError
+        The folder holds something already, or cannot be written to.
+    """
+    fresh(folder)
+    ensure_writable(folder / "checkpoints")
+    text = json.dumps(describe(config, motor, design, start), indent=1)
+    write_atomic(folder / CONFIG, text + "\n")
+    start.save(folder / START)
+
+
+def fresh(folder: Path) -> None:
+    """Make a new run folder.
 
     Raises
     ------
@@ -49,13 +74,28 @@ def create(folder: Path, config: TrainConfig, motor: Motor, design: DriveDesign)
         raise UserError(
             f"name: {str(folder)!r} exists already; allowed: a new name, or --resume {folder}"
         )
-    ensure_writable(folder / "checkpoints")
-    text = json.dumps(describe(config, motor, design), indent=1)
-    write_atomic(folder / CONFIG, text + "\n")
+    ensure_writable(folder)
 
 
-def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str]:
-    """Configuration of a run to go on with, and the digest of its motor.
+def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
+    """What a run was trained on.
+
+    Raises
+    ------
+    UserError
+        No run folder, or one whose configuration cannot be read.
+    """
+    try:
+        data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
+        return DriveDesign(**data["design"]), Motor.load(data["train"]["motor"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        if isinstance(error, UserError):
+            raise
+        raise UserError(f"run: {folder / CONFIG}: {error}; allowed: a training run") from None
+
+
+def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:
+    """Configuration of a run to go on with, the digest of its motor, and its start.
 
     Raises
     ------
@@ -68,13 +108,21 @@ def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str]:
         )
     try:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
-        return TrainConfig(**data["train"]), DriveDesign(**data["design"]), data["motor_digest"]
+        config, design = TrainConfig(**data["train"]), DriveDesign(**data["design"])
+        return config, design, data["motor_digest"], KsTable.load(folder / START)
     except (ValueError, KeyError, TypeError) as error:
+        if isinstance(error, UserError):
+            raise
         raise UserError(f"{folder / CONFIG}: {error}; allowed: as training wrote it") from None
 
 
-def save_table(folder: Path, table: KsTable, config: dict[str, Any], **facts: Any) -> None:
-    """Write the schedule with its provenance."""
+def save_schedule(
+    folder: Path, policy: TablePolicy | MlpSchedule, config: dict[str, Any], **facts: Any
+) -> None:
+    """Write the schedule with its provenance, under the name that ``load_run`` looks for."""
     origin = {key: config[key] for key in ("command", "motor", "motor_digest", "versions")}
     origin["seed"] = config["train"]["seed"]
-    table.save(folder / TABLE, {**origin, **facts})
+    if isinstance(policy, TablePolicy):
+        policy.table.save(folder / TABLE, {**origin, **facts})
+    else:
+        policy.save(folder / MLP, {**origin, **facts})

@@ -41,6 +41,7 @@ class TableModule(nn.Module):
         self._table = table
         self.shape = tuple(axis.n for axis in axes)
         self._columns = [SIGNAL_NAMES.index(axis.signal) for axis in axes]
+        self._speed = SIGNAL_NAMES.index("speed")
         self._strides = [int(np.prod(self.shape[a + 1 :])) for a in range(len(axes))]
         k_s = torch.tensor(table.values.reshape(-1))
         beyond = MARGIN * ((k_s >= 1.0).float() - (k_s <= 0.0).float())
@@ -98,9 +99,23 @@ class TableModule(nn.Module):
         return out
 
     @torch.no_grad()
-    def project(self) -> None:
-        """Node values back to where they are allowed."""
+    def project(self, *, monotone: bool = False) -> None:
+        """Node values back to where they are allowed.
+
+        Parameters
+        ----------
+        monotone : bool
+            Also not rising along the axis of speed: the mean of the running minimum from below and
+            the running maximum from above, which leaves a falling line as it is.
+        """
         self.values.clamp_(-MARGIN, 1.0 + MARGIN)
+        if not monotone or self._speed not in self._columns:
+            return
+        axis = self._columns.index(self._speed)
+        grid = self.values.view(self.shape)
+        least = grid.cummin(dim=axis).values
+        most = grid.flip(axis).cummax(dim=axis).values.flip(axis)
+        grid.copy_(0.5 * (least + most))
 
     def table(self, values: Tensor | None = None) -> KsTable:
         """Return the table as it stands, or with other ``values``."""

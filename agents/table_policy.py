@@ -12,6 +12,7 @@ from torch import Tensor, nn
 from sensorless.agents.node_kernel import NodeKernel
 from sensorless.agents.node_noise import NodeNoise
 from sensorless.agents.table_module import TableModule
+from sensorless.envs.policy import TablePolicy
 from sensorless.ks_table import KsTable
 
 
@@ -31,6 +32,8 @@ class TableActorCritic(ActorCriticPolicy):
         Standard deviation of the exploration in k_s.
     smoothness : float
         Distance over which nodes are explored and moved together [nodes], see ``NodeKernel``.
+    monotone : bool
+        Keep k_s from rising with speed.
     value_scale : float
         Size of a typical return: the critic's network works in units of it.
     hidden : int
@@ -49,6 +52,7 @@ class TableActorCritic(ActorCriticPolicy):
         smoothness: float,
         value_scale: float,
         hidden: int,
+        monotone: bool = False,
         use_sde: bool = True,
     ) -> None:
         self._settings: dict[str, Any] = {
@@ -58,8 +62,9 @@ class TableActorCritic(ActorCriticPolicy):
             "smoothness": smoothness,
             "value_scale": value_scale,
             "hidden": hidden,
+            "monotone": monotone,
         }
-        self.learn_nodes = True
+        self.learn_actor = True
         nets: dict[str, list[int]] = {"pi": [], "vf": []}
         super().__init__(observation_space, action_space, lr_schedule, net_arch=nets)
         self.use_sde = use_sde
@@ -71,6 +76,7 @@ class TableActorCritic(ActorCriticPolicy):
 
     def _build(self, lr_schedule: Callable[[float], float]) -> None:
         s = self._settings
+        self._lr_critic = lr_schedule(1)
         self._build_mlp_extractor()
         self.actor = TableModule(s["table"])
         self.value_net = nn.Sequential(  # type: ignore[assignment]
@@ -87,7 +93,7 @@ class TableActorCritic(ActorCriticPolicy):
         self.optimizer = torch.optim.Adam(
             [
                 {"params": list(self.actor.parameters()), "lr": s["lr_nodes"]},
-                {"params": list(self.value_net.parameters()), "lr": lr_schedule(1)},
+                {"params": list(self.value_net.parameters()), "lr": self._lr_critic},
             ],
             eps=1e-8,
         )
@@ -97,10 +103,10 @@ class TableActorCritic(ActorCriticPolicy):
     def _before_step(self, *_: object) -> None:
         nodes = self.actor.values
         if nodes.grad is not None:
-            nodes.grad = self.kernel.smooth(nodes.grad) if self.learn_nodes else None
+            nodes.grad = self.kernel.smooth(nodes.grad) if self.learn_actor else None
 
     def _after_step(self, *_: object) -> None:
-        self.actor.project()
+        self.actor.project(monotone=self._settings["monotone"])
 
     def reset_noise(self, n_envs: int = 1) -> None:
         """Draw the noise of the next rollout."""
@@ -110,6 +116,18 @@ class TableActorCritic(ActorCriticPolicy):
         nodes, frac, finite = self.actor.corners(latent_pi)
         mean = 2.0 * self.actor.at(nodes, frac, finite)[:, None] - 1.0
         return self.exploration.at(mean, self.std, nodes, frac, self.actor.weights(frac))
+
+    def steps(self) -> list[float]:
+        """Learning rates of the optimiser's groups at the start."""
+        return [self._settings["lr_nodes"], self._lr_critic]
+
+    def vector(self) -> Tensor:
+        """Values of the nodes, a copy."""
+        return self.actor.values.detach().clone()
+
+    def schedule(self, vector: Tensor) -> TablePolicy:
+        """Schedule with other values at the nodes."""
+        return TablePolicy("table", self.actor.table(vector))
 
 
 class Scaled(nn.Linear):

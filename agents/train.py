@@ -1,4 +1,4 @@
-"""PPO (stable-baselines3) on the schedule table."""
+"""PPO (stable-baselines3) on the schedule table, or on a network in its place."""
 
 import dataclasses
 import json
@@ -11,6 +11,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.save_util import load_from_zip_file
 
+from sensorless.agents.mlp_policy import MlpActorCritic
 from sensorless.agents.run_folder import LATEST, create, reopen
 from sensorless.agents.sb3_adapter import SB3VecEnv
 from sensorless.agents.table_policy import TableActorCritic
@@ -29,10 +30,10 @@ VALUE_SCALE = 20.0
 
 
 class TablePPO(PPO):
-    """PPO that leaves the learning rates to the policy's own two parameter groups."""
+    """PPO that leaves the learning rates to the policy's own optimiser."""
 
     def _update_learning_rate(self, optimizers: Any) -> None:
-        """Keep what ``TableActorCritic`` set."""
+        """Keep what the policy set."""
 
 
 def train(
@@ -43,7 +44,7 @@ def train(
     resume: bool = False,
     report: Progress | None = None,
 ) -> Cost:
-    """Train into a run folder; returns what the best table reached in validation.
+    """Train into a run folder; returns what the best schedule reached in validation.
 
     A run that is resumed goes on counting its steps with the same settings but for ``minutes`` and
     ``steps``; it is not bit-identical to one that was never interrupted, because the environments
@@ -54,12 +55,12 @@ def train(
     UserError
         A setting out of range, a folder in use, or a checkpoint of another motor.
     KeyboardInterrupt
-        After checkpoint and best table were saved.
+        After checkpoint and best schedule were saved.
     """
     torch.set_num_threads(1)
     motor = Motor.load(config.motor)
     if resume:
-        old, design, digest = reopen(folder)
+        old, design, digest, table = reopen(folder)
         if config.motor == TrainConfig.motor:
             motor = Motor.load(old.motor)
         if digest != motor.digest:
@@ -68,12 +69,13 @@ def train(
                 f"{digest[:16]}; allowed: motor {motor.name!r}, digest {motor.digest[:16]}"
             )
         config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)
-    table = config.start_table(motor, design.k_s_slew)
+    else:
+        table = config.start_table(motor, design.k_s_slew)
     model = _model(config, table, training_env(config, design, motor))
     if resume:
         _restore(model, folder / LATEST)
     else:
-        create(folder, config, motor, design)
+        create(folder, config, motor, design, table)
     model.env.seed(stream(config.seed, model.num_timesteps))  # type: ignore[union-attr]
     model.set_logger(configure(str(folder / "tb"), ["tensorboard"]))
     watch = Watch(folder, config, SimFactory(motor, design), report)
@@ -90,8 +92,18 @@ def train(
 
 
 def _model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
+    actor: type[TableActorCritic] | type[MlpActorCritic] = TableActorCritic
+    kwargs = {"table": table, "noise": config.noise, "value_scale": VALUE_SCALE, "hidden": 64}
+    if config.policy_kind == "table":
+        kwargs |= {
+            "lr_nodes": config.lr_nodes,
+            "smoothness": config.smoothness,
+            "monotone": config.monotone,
+        }
+    else:
+        actor = MlpActorCritic
     return TablePPO(
-        TableActorCritic,
+        actor,
         env,
         learning_rate=config.lr_critic,
         n_steps=config.n_steps,
@@ -105,14 +117,7 @@ def _model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
         use_sde=True,
         seed=config.seed,
         device="cpu",
-        policy_kwargs={
-            "table": table,
-            "lr_nodes": config.lr_nodes,
-            "noise": config.noise,
-            "smoothness": config.smoothness,
-            "value_scale": VALUE_SCALE,
-            "hidden": 64,
-        },
+        policy_kwargs=kwargs,
     )
 
 

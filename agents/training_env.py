@@ -43,7 +43,7 @@ def training_env(config: TrainConfig, design: DriveDesign, motor: Motor) -> SB3V
         design=design,
         decision_period=1e-3 * config.decision_ms,
         scenarios=TrainingScenarios(),
-        weights=RewardWeights(lost=config.lost_penalty),
+        weights=RewardWeights(lost=config.lost_penalty, angle=config.angle_cost),
     )
     return SB3VecEnv(env, privileged=True)
 

@@ -2,20 +2,19 @@
 
 import numpy as np
 
-from sensorless.envs.policy import TablePolicy
+from sensorless.envs.policy import Policy
 from sensorless.envs.scenario import SimFactory
-from sensorless.ks_table import KsTable
 from sensorless.metrics import torque_dev_rms, torque_ripple_rms
 from sensorless.objective import Cost
 from sensorless.rollout import rollouts
 from sensorless.suites import suite
 
 
-def validate(table: KsTable, factory: SimFactory, size: int, seed: int = 0) -> Cost:
-    """Cost of a table over ``size`` stress scenarios with the role ``tune``."""
+def validate(policy: Policy, factory: SimFactory, size: int, seed: int = 0) -> Cost:
+    """Cost of a policy over ``size`` stress scenarios with the role ``tune``."""
     scenarios = suite("stress", factory.motor, seed, size, role="tune")
     lost, dev, ripple = [], [], []
-    for r in rollouts(TablePolicy("validated", table), scenarios, factory):
+    for r in rollouts(policy, scenarios, factory):
         kept = r.lost == 0
         lost.append(~kept)
         dev.append(torque_dev_rms(r)[kept])

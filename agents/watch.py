@@ -1,4 +1,4 @@
-"""What happens beside the updates of PPO: validation, the best table, checkpoints, the end."""
+"""What happens beside the updates of PPO: validation, the best schedule, checkpoints, the end."""
 
 import csv
 import dataclasses
@@ -12,12 +12,13 @@ from typing import Any
 from stable_baselines3.common.callbacks import BaseCallback
 from torch import Tensor
 
-from sensorless.agents.run_folder import CONFIG, LATEST, PROGRESS, TABLE, save_table
+from sensorless.agents.loading import MLP, TABLE, load_run, provenance
+from sensorless.agents.run_folder import CONFIG, LATEST, PROGRESS, save_schedule
 from sensorless.agents.train_config import TrainConfig
 from sensorless.agents.validation import validate
 from sensorless.envs.scenario import SimFactory
 from sensorless.files import write_atomic
-from sensorless.ks_table import KsTable
+from sensorless.motor import Motor
 from sensorless.objective import Cost
 
 Progress = Callable[[float, int, Cost | None], None]
@@ -27,9 +28,9 @@ COLUMNS = ("steps", "seconds", "lost_rate", "torque_dev", "torque_ripple", "obje
 
 
 class Watch(BaseCallback):
-    """Ends the training in time, validates, and keeps checkpoint and best table on disk.
+    """Ends the training in time, validates, and keeps checkpoint and best schedule on disk.
 
-    What is validated, and kept if it is the best so far, is the mean of the nodes over the last
+    What is validated, and kept if it is the best so far, is the mean of the actor over the last
     ``config.average`` updates: the step of the optimiser has a size of its own even where the
     gradient is nothing but noise, and the mean takes most of that out.
     """
@@ -40,16 +41,18 @@ class Watch(BaseCallback):
         super().__init__()
         self._folder, self._config, self._factory, self._report = folder, config, factory, report
         self._facts: dict[str, Any] = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
-        self._start = self._last = time.monotonic()
+        self._start = time.monotonic()
         self._updates, self._judged = 0, -1
-        self._first_step = 0
+        self._first_step = self._last_step = 0
         self._mean: Tensor | None = None
         self._rows = _rows(folder / PROGRESS)
         self._before = float(self._rows[-1]["seconds"]) if self._rows else 0.0
-        self.best = _kept(folder)
+        self.best = _kept(folder, factory.motor)
 
     def _on_training_start(self) -> None:
         self._first_step = self.model.num_timesteps
+        policy: Any = self.model.policy
+        self._steps = policy.steps()
         self.judge()
 
     def _on_step(self) -> bool:
@@ -58,41 +61,44 @@ class Watch(BaseCallback):
     @property
     def share(self) -> float:
         """Part of the budget that is used up."""
-        done = self.model.num_timesteps - self._first_step
-        seconds = time.monotonic() - self._start
-        return max(seconds / max(60.0 * self._config.minutes, 1e-9), done / self._config.steps)
+        if self._config.steps:
+            return (self.model.num_timesteps - self._first_step) / self._config.steps
+        return (time.monotonic() - self._start) / max(60.0 * self._config.minutes, 1e-9)
 
     def _on_rollout_start(self) -> None:
         policy: Any = self.model.policy
-        policy.learn_nodes = self._updates >= self._config.warm_up
+        left = 1.0 - (1.0 - self._config.lr_end) * min(self.share, 1.0)
+        for group, whole in zip(policy.optimizer.param_groups, self._steps, strict=True):
+            group["lr"] = left * whole
+        policy.learn_actor = self._updates >= self._config.warm_up
         self._updates += 1
-        nodes = policy.actor.values.detach()
+        now = policy.vector()
         window = min(self._updates, self._config.average)
-        mean = nodes.clone() if self._mean is None else self._mean
-        self._mean = mean + (nodes - mean) / window
-        if time.monotonic() - self._last >= self._config.validate_seconds:
+        mean = now if self._mean is None else self._mean
+        self._mean = mean + (now - mean) / window
+        if self.model.num_timesteps - self._last_step >= self._config.eval_freq:
             self.judge()
         elif self._report is not None:
             self._report(min(self.share, 1.0), self.model.num_timesteps, None)
 
     def judge(self) -> None:
-        """Validate the mean table, unless it just was, keep the best, and save a checkpoint."""
+        """Validate the mean actor, unless it just was, keep the best, and save a checkpoint."""
         if self._judged == self._updates:
             return
         self._judged = self._updates
         policy: Any = self.model.policy
-        table: KsTable = policy.actor.table(self._mean)
-        found = validate(table, self._factory, self._config.validate_size)
+        schedule = policy.schedule(policy.vector() if self._mean is None else self._mean)
+        found = validate(schedule, self._factory, self._config.validate_size)
         better = self.best is None or found.objective < self.best.objective
         if better:
             self.best = found
             facts = {"steps": self.model.num_timesteps, "validation": dataclasses.asdict(found)}
-            save_table(self._folder, table, self._facts, **facts)
+            save_schedule(self._folder, schedule, self._facts, **facts)
         self._log(found, better)
         self.checkpoint()
         if self._report is not None:
             self._report(min(self.share, 1.0), self.model.num_timesteps, found)
-        self._last = time.monotonic()
+        self._last_step = self.model.num_timesteps
 
     def _log(self, found: Cost, better: bool) -> None:
         """Add a row to the learning curve: TensorBoard, and a file that a resumed run keeps."""
@@ -123,8 +129,8 @@ def _rows(path: Path) -> list[dict[str, Any]]:
         return list(csv.DictReader(file))
 
 
-def _kept(folder: Path) -> Cost | None:
-    """Validation of the best table so far."""
-    if not (folder / TABLE).is_file():
+def _kept(folder: Path, motor: Motor) -> Cost | None:
+    """Validation of the best schedule so far."""
+    if not any((folder / name).is_file() for name in (TABLE, MLP)):
         return None
-    return Cost(**KsTable.load(folder / TABLE).provenance["validation"])
+    return Cost(**provenance(load_run(folder, motor))["validation"])

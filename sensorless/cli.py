@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
+from sensorless.cli_distill import distill_command
 from sensorless.cli_evaluate import evaluate_command
 from sensorless.cli_identify import app as identify_app
 from sensorless.cli_options import MotorOption, SetOption, console, errors, policy_progress
@@ -196,6 +197,7 @@ def demo(
 app.command("evaluate")(evaluate_command)
 app.command("report")(report_command)
 app.command("train")(train_command)
+app.command("distill")(distill_command)
 app.command("tune")(tune_command)
 app.command("pil")(pil_command)
 app.add_typer(identify_app, name="identify")

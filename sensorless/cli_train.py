@@ -63,10 +63,16 @@ def _train(
 ) -> None:
     """Train a schedule with PPO; the table is the policy, and starts as a copy of Eq. 25.
 
-    The run folder gets config.json (settings, command, versions, seed), table.json (the best
-    schedule found in validation, usable as --policy), checkpoints, progress.csv and TensorBoard
-    logs below tb/. Ctrl-C keeps a checkpoint; go on with --resume FOLDER (--minutes and --steps
-    then count from there; not bit-identical to a run never interrupted).
+    The run folder gets config.json (settings, command, versions, seed), start.json, the best
+    schedule found in validation (table.json, or mlp.npz with --policy-kind mlp; the folder is
+    usable as --policy), checkpoints, progress.csv and TensorBoard logs below tb/. The same --seed
+    and --steps give the same schedule to the bit on the same machine; --minutes does not. Ctrl-C
+    keeps a checkpoint; go on with --resume FOLDER (--minutes and --steps then count from there; not
+    bit-identical to a run never interrupted).
+
+        sensorless tune linear --out linear.json
+
+        sensorless train --name better --start linear.json --axes speed:16 --steps 4000000
     """
     from sensorless.options import design_from
 
@@ -103,7 +109,7 @@ def run_training(config: TrainConfig, design: Any, folder: Path, *, resume: bool
     except KeyboardInterrupt:
         errors.print(f"interrupted; go on with: sensorless train --resume {folder}")
         raise typer.Exit(130) from None
-    console.print(f"best schedule: {folder / 'table.json'}")
+    console.print(f"best schedule: {folder}")
 
 
 train_command = with_options(TrainConfig, _train)

@@ -174,7 +174,18 @@ class KsTable:
         except (OSError, UnicodeDecodeError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             raise UserError(f"{path}: {reason}; allowed: a table in JSON") from None
-        fields, provenance, crc = from_text(text, str(path))
+        return cls.from_json(text, str(path))
+
+    @classmethod
+    def from_json(cls, text: str, where: str) -> "KsTable":
+        """Read what ``to_json`` returned; ``where`` names it in messages.
+
+        Raises
+        ------
+        UserError
+            As ``load``.
+        """
+        fields, provenance, crc = from_text(text, where)
         try:
             table = cls(
                 axes=tuple(Axis(**axis) for axis in fields["axes"]),
@@ -182,8 +193,8 @@ class KsTable:
                 provenance=provenance,
             )
         except UserError as error:
-            raise UserError(f"{path}: {error}") from None
-        check_crc(table.fields(), crc, str(path))
+            raise UserError(f"{where}: {error}") from None
+        check_crc(table.fields(), crc, where)
         return table
 
 

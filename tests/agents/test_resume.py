@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 
-from sensorless.agents.run_folder import LATEST, PROGRESS, TABLE
+from sensorless.agents.loading import TABLE
+from sensorless.agents.run_folder import LATEST, PROGRESS
 from sensorless.agents.train import train
 from sensorless.agents.train_config import TrainConfig
 from sensorless.agents.training_env import stream

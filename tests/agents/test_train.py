@@ -1,6 +1,7 @@
 """Training from start to a usable schedule, interrupted and resumed."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from sensorless.agents.loading import load_run
 from sensorless.agents.table_module import TableModule
+from sensorless.agents.table_policy import TableActorCritic
 from sensorless.agents.train import train
 from sensorless.agents.train_config import TrainConfig
 from sensorless.baselines.linear import EQ25_BAND, linear_table
@@ -85,6 +87,24 @@ def test_interrupt_keeps_a_checkpoint(tmp_path: Path) -> None:
     load_run(folder, MOTOR)
     assert not list(folder.rglob("*part*"))
     train(SMALL, DriveDesign(), folder, resume=True)
+
+
+def test_steps_of_the_optimiser_end_where_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[list[float]] = []
+    before = TableActorCritic._before_step
+
+    def watched(self: TableActorCritic, *_: object) -> None:
+        seen.append([group["lr"] for group in self.optimizer.param_groups])
+        before(self)
+
+    monkeypatch.setattr(TableActorCritic, "_before_step", watched)
+    train(replace(SMALL, lr_end=0.1), DriveDesign(), tmp_path / "run")
+    np.testing.assert_allclose(seen[0], [SMALL.lr_nodes, SMALL.lr_critic])
+    # Of the four rollouts the last one ends the training without an update.
+    np.testing.assert_allclose(np.array(seen[-1]) / seen[0], 1.0 - 0.9 * 0.5)
+    assert (np.diff(np.array(seen), axis=0) <= 0.0).all()
 
 
 def other_motor(folder: Path) -> Path:

@@ -1,0 +1,154 @@
+"""A network as a table: fitted on the states that the table itself visits (DAgger).
+
+The first round runs the network and fits a table to its decisions; every later one runs the table
+of the last round on new scenarios, asks the network what it would have done, and fits to all
+samples so far (Ross et al. 2011, arXiv 1011.0686).
+"""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.agents.mlp_schedule import MlpSchedule
+from sensorless.agents.table_fit import TableFit
+from sensorless.agents.validation import validate
+from sensorless.core_api import Array
+from sensorless.envs.counter_random import combine
+from sensorless.envs.policy import Policy, Signals, TablePolicy
+from sensorless.envs.scenario import SimFactory
+from sensorless.ks_table import Axis, KsTable
+from sensorless.objective import Cost
+from sensorless.rollout import rollouts
+from sensorless.suites import suite
+
+STRIDE = 5
+"""Decisions from one sample of a drive to the next."""
+
+Progress = Callable[[int, float, Cost], None]
+"""Called after a round with its number, the RMS difference of k_s and the table's cost."""
+
+
+@dataclass(frozen=True)
+class Distilled:
+    """A table, and what it lost."""
+
+    table: KsTable
+    rms: float
+    """RMS of k_s minus the network's, on states that the table visits in scenarios that it was not
+    fitted on"""
+    network: Cost
+    cost: Cost
+    """Both on the scenarios of validation."""
+
+    def facts(self) -> dict[str, Any]:
+        """Fidelity as JSON types."""
+        return {
+            "k_s_rms": self.rms,
+            "network_validation": asdict(self.network),
+            "validation": asdict(self.cost),
+        }
+
+
+class _Taught:
+    """Runs one policy and asks the teacher about what it sees."""
+
+    sensored = False
+    privileged = True
+
+    def __init__(self, policy: Policy, teacher: MlpSchedule, fit: TableFit) -> None:
+        self.name, self._policy, self._teacher, self._fit = policy.name, policy, teacher, fit
+        self._count, self._sum, self._n = 0, 0.0, 0
+
+    def reset(self, n: int) -> None:
+        """Begin with sampling anew."""
+        self._policy.reset(n)
+        self._count = 0
+
+    def act(self, obs: Signals) -> NDArray[np.float32]:
+        """Weights of the policy."""
+        return self._policy.act(obs)
+
+    def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
+        """Weights of the policy; only looks at ``sims`` to leave out drives at their end."""
+        k_s = self._policy.act(obs)
+        if self._count % STRIDE == 0:
+            moving = (sims["lost"] == 0) & (sims["k"] < sims["k_end"])
+            rows = moving & np.isfinite(obs).all(axis=1)
+            wanted = self._teacher.act(obs[rows])
+            self._fit.add(obs[rows], wanted)
+            self._sum += float(np.sum(np.square(k_s[rows] - wanted, dtype=np.float64)))
+            self._n += len(wanted)
+        self._count += 1
+        return k_s
+
+    @property
+    def rms(self) -> float:
+        """RMS difference to the teacher over all samples."""
+        return float(np.sqrt(self._sum / max(self._n, 1)))
+
+
+def distill(
+    teacher: MlpSchedule,
+    axes: tuple[Axis, ...],
+    factory: SimFactory,
+    *,
+    rounds: int,
+    size: int,
+    seed: int,
+    smoothness: float,
+    validate_size: int,
+    report: Progress | None = None,
+) -> Distilled:
+    """Fit a table to a network; the same arguments give the same table.
+
+    Parameters
+    ----------
+    axes : tuple of Axis
+        Of the table.
+    factory : SimFactory
+        Machine and design.
+    rounds : int
+        Fits; the table of the round that validates best is taken.
+    size : int
+        Stress scenarios of a round, role ``train``.
+    smoothness : float
+        See ``TableFit``.
+    validate_size : int
+        Stress scenarios that network and tables are judged on, role ``tune``.
+    """
+    fit = TableFit(axes, smoothness)
+    running: Policy = teacher
+    best: Distilled | None = None
+    judged = validate(teacher, factory, validate_size)
+    _visit(running, teacher, fit, factory, seed, 0, size)
+    for j in range(1, rounds + 1):
+        table = fit.solve(factory.design.k_s_slew)
+        running = TablePolicy("distilled", table)
+        cost = validate(running, factory, validate_size)
+        rms = _visit(running, teacher, fit, factory, seed, j, size)
+        if best is None or cost.objective < best.cost.objective:
+            best = Distilled(table, rms, judged, cost)
+        if report is not None:
+            report(j, rms, cost)
+    assert best is not None
+    return best
+
+
+def _visit(
+    policy: Policy,
+    teacher: MlpSchedule,
+    fit: TableFit,
+    factory: SimFactory,
+    seed: int,
+    number: int,
+    size: int,
+) -> float:
+    """Run a policy on the scenarios of a round; RMS difference to the teacher."""
+    taught = _Taught(policy, teacher, fit)
+    drawn = int(combine(seed, number)[0]) >> 1
+    for _ in rollouts(taught, suite("stress", factory.motor, drawn, size, "train"), factory):
+        pass
+    return taught.rms
