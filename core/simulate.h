@@ -76,6 +76,9 @@ typedef struct {
     int32_t reserved;
 } sim_t;
 
+/* Vector instructions, each set including those before. */
+enum { SIMD_NONE = 0, SIMD_AVX2 = 1, SIMD_AVX512 = 2 };
+
 /* Signals of a trace row, one a period. */
 enum {
     TRACE_T = 0,       /* [s] */
@@ -107,8 +110,12 @@ void sim_start(sim_t *s, int32_t n);
 
 /* Advances n drives by up to `periods` periods each with the weight k_s_ref[i] (one a drive), then
  * reads the signals of drive i into obs[i * SIGNAL_N]. Drives that are lost or at their end stay.
- * plain: 1 keeps from running blocks of drives as vector code; the results are the same. */
-void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t plain, const float *k_s_ref, float *obs);
+ * simd: the most that may be used of SIMD_*; threads: likewise. Results depend on neither. */
+void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
+             const float *k_s_ref, float *obs);
+
+/* Most of SIMD_* that this machine has. */
+int32_t sim_simd(void);
 
 /* What the controllers of n drives are about to be given in the coming period; k_s_ref is 0. */
 void sim_inputs(const sim_t *s, int32_t n, drive_in_t *in);
