@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run
+from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run, sums_matrix
 from sensorless.envs.blend_settings import BlendSettings
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.privileged import FIXED, Values, fixed, privileged
@@ -20,8 +20,6 @@ from sensorless.motor import Motor
 
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.intp]
-
-_SUMS = (SIM["sums"], SIM.fields["sums"][1] if SIM.fields else 0)
 
 LOST_TWIN: int = lib.LOST_TWIN
 """Bit of ``lost`` in core/simulate.h: even the sensored twin tripped, no policy is to blame."""
@@ -179,11 +177,8 @@ class BlendBatch:
         return privileged(self._sims, self._sums, self._constant, self.motor)
 
     def _copied_sums(self) -> Array:
-        """Copy of ``sims["sums"]``, as one matrix of numbers: NumPy copies records slowly."""
-        dtype, offset = _SUMS
-        shape = (len(self), dtype.itemsize // 4)
-        matrix: Array = np.ndarray(shape, np.float32, self._sims, offset, strides=(SIM.itemsize, 4))
-        return matrix.copy().view(dtype).reshape(len(self))
+        """Copy of ``sims["sums"]``."""
+        return sums_matrix(self._sims).copy().view(SIM["sums"]).reshape(len(self))
 
     def state(self) -> BatchState:
         """Copy of all memory, for `restore`."""

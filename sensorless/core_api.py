@@ -81,6 +81,8 @@ FLUX_MAP = struct_dtype("flux_map_t")
 PROFILE = struct_dtype("profile_t")
 TABLE = struct_dtype("ks_table_t")
 
+_SUMS_AT = ffi.offsetof("sim_t", "sums")
+
 SIGNAL_N: int = lib.SIGNAL_N
 PROFILE_N = 8
 CURVE_N = 9
@@ -170,6 +172,12 @@ def sim_run(
         pointer(k_s, "float[]"),
         pointer(obs, "float[]"),
     )
+
+
+def sums_matrix(sims: Array) -> Array:
+    """View of ``sims["sums"]`` as numbers (n, fields): NumPy copies records slowly."""
+    shape = (len(sims), SIM["sums"].itemsize // 4)
+    return np.ndarray(shape, np.float32, sims, _SUMS_AT, strides=(SIM.itemsize, 4))
 
 
 def sim_start(sims: Array) -> None:
