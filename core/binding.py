@@ -32,6 +32,7 @@ SOURCES = (
     "ks_selftest.c",
     "ks_table.c",
     "simulate.c",
+    "truth.c",
     "workers.c",
 )
 HEADERS = ("simulate.h", "ks_selftest.h")

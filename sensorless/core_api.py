@@ -180,6 +180,37 @@ def sums_matrix(sims: Array) -> Array:
     return np.ndarray(shape, np.float32, sims, _SUMS_AT, strides=(SIM.itemsize, 4))
 
 
+def sim_truth(sims: Array, u_dc: float, scale: Array, bound: float, out: Array) -> None:
+    """Fill the first columns of ``out`` (n, at least TRUTH_N) with what a critic may see.
+
+    Parameters
+    ----------
+    sims : array of SIM, shape (n,)
+        After a `sim_run`, whose means these are.
+    u_dc : float
+        Nominal DC-link voltage [V].
+    scale : array of float32, shape (TRUTH_N,)
+        Factors on the quantities TRUTH_* of ``core/simulate.h``.
+    bound : float
+        Limit on the magnitude of each product; NaN becomes minus the bound.
+    out : array of float32, shape (n, at least TRUTH_N)
+    """
+    lib.sim_truth(
+        pointer(sims, "sim_t[]"),
+        len(sims),
+        u_dc,
+        pointer(scale, "float[]"),
+        bound,
+        pointer(out, "float[]"),
+        out.shape[1],
+    )
+
+
+def words(sims: Array) -> Array:
+    """View of an array of SIM as plain words (n, size): NumPy copies records slowly."""
+    return sims.view(np.uint64).reshape(len(sims), -1)
+
+
 def sim_start(sims: Array) -> None:
     """Put every drive at the start that its own ``start`` field describes."""
     lib.sim_start(pointer(sims, "sim_t[]"), len(sims))
