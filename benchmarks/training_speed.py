@@ -1,7 +1,7 @@
 """Speed of PPO with the default settings, and the same on an environment that costs nothing.
 
-Steps are decisions of one environment. The free environment has the same spaces and returns the
-same arrays at every step.
+Steps are decisions of one environment. The free environment has the same spaces, returns the same
+arrays at every step, and cuts episodes off after the same time, at which PPO asks its critic.
 """
 
 import time
@@ -21,19 +21,31 @@ from sensorless.agents.train import TablePPO, _model
 from sensorless.agents.train_config import TrainConfig
 from sensorless.agents.training_env import training_env
 from sensorless.drive import DriveDesign
+from sensorless.envs.stress import DURATION
 from sensorless.motor import Motor
 
 
 class FreeVecEnv(SB3VecEnv):
-    """An environment without any work: observations drawn once, rewards 0, no end."""
+    """An environment without any work: observations drawn once, rewards 0.
 
-    def __init__(self, like: SB3VecEnv) -> None:
+    Drive i is cut off at steps i, i + ``length``, ...
+    """
+
+    render_mode = None
+
+    def __init__(self, like: SB3VecEnv, length: int) -> None:
         VecEnv.__init__(self, like.num_envs, like.observation_space, like.action_space)
-        shape = (like.num_envs, *(like.observation_space.shape or ()))
-        self._observation = np.random.default_rng(0).random(shape, dtype=np.float32)
-        self._zeros = np.zeros(like.num_envs, dtype=np.float32)
-        self._never = np.zeros(like.num_envs, dtype=bool)
-        self._infos: list[dict[str, Any]] = [{} for _ in range(like.num_envs)]
+        n, columns = like.num_envs, like.observation_space.shape or ()
+        self._observation = np.random.default_rng(0).random((n, *columns), dtype=np.float32)
+        self._zeros = np.zeros(n, dtype=np.float32)
+        self._steps = [self._ends(j, n, length) for j in range(length)]
+        self._count = 0
+
+    def _ends(self, j: int, n: int, length: int) -> tuple[Any, list[dict[str, Any]]]:
+        """Flags and infos of step j."""
+        over = np.arange(n) % length == j
+        last = {"terminal_observation": self._observation[0], "TimeLimit.truncated": True}
+        return over, [dict(last) if end else {} for end in over]
 
     def reset(self) -> Any:
         """Return the observations."""
@@ -41,7 +53,9 @@ class FreeVecEnv(SB3VecEnv):
 
     def step_wait(self) -> VecEnvStepReturn:
         """Return the observations again."""
-        return self._observation, self._zeros, self._never, self._infos
+        over, infos = self._steps[self._count % len(self._steps)]
+        self._count += 1
+        return self._observation, self._zeros, over, infos
 
 
 def updates(model: TablePPO) -> Run:
@@ -78,7 +92,8 @@ def measure(seconds: float) -> dict[str, Any]:
     env = training_env(config, design, motor)
     env.seed(0)
     model = _model(config, table, env)
-    runs = {"drive": updates(model), "free": updates(_model(config, table, FreeVecEnv(env)))}
+    free = FreeVecEnv(env, round(1e3 * DURATION / config.decision_ms))
+    runs = {"drive": updates(model), "free": updates(_model(config, table, free))}
     rates = best_rates(runs, seconds)
 
     spent: dict[str, float] = defaultdict(float)
