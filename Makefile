@@ -32,7 +32,7 @@ check: $(READY) c-warnings c-lint ## Lint, format, types, and C warnings as erro
 core: $(READY) ## Rebuild the compiled core in place
 
 bench: $(READY) ## Measure speed, write build/bench.json
-	$(VENV)/bin/python benchmarks/bench.py
+	$(VENV)/bin/python -m benchmarks.bench
 
 bench-peers: $(READY) ## Measure speed beside other simulators
 	$(VENV)/bin/python benchmarks/peers.py

@@ -5,13 +5,23 @@
 #include "simulate.h"
 
 #define LANES 16
+#define LANES_WORTH 4 /* drives that pay for a whole block */
 
-/* Whether these LANES drives can run as a block on this machine: an AVX2 processor, twins on, not
- * sensored, one sub-step, no bridge term, no carrier, no passive load, no published scheme or other
- * estimator, none in its start sequence. What does not fit runs drive by drive. */
-int batch_fits(const sim_t *sims);
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define BATCH_BLOCKS /* the compiler knows how to make them */
+#endif
 
-/* Advances LANES drives that fit; their sums must have been cleared. */
-void batch_run(sim_t *sims, int32_t periods, const float *k_s_ref);
+/* Which of the SIMD_* a block of `count` drives can use on this machine, `most` at the most. Vector
+ * code wants: all with or all without twin, not sensored, one sub-step, no bridge term, no carrier,
+ * no passive load, the drive's own scheme and estimator, and none in its start sequence. What does
+ * not fit runs drive by drive. */
+int batch_fits(const sim_t *sims, int32_t count, int most);
+
+/* Advances up to LANES drives that fit; their sums must have been cleared. simd: from batch_fits. */
+void batch_run(sim_t *sims, int32_t count, int32_t periods, int simd, const float *k_s_ref);
+
+/* The same block.h for each set of instructions. */
+void batch_avx2(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref);
+void batch_avx512(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref);
 
 #endif

@@ -1,6 +1,7 @@
 /* Many PWM periods per call. Host only. */
 #include "batch.h"
 #include "sim_period.h"
+#include "workers.h"
 
 /* cos and sin of any angle in [-pi, pi] by halving into the range of the series. */
 static void angle_vector(double theta, double *c, double *s) {
@@ -82,24 +83,45 @@ static void run_one(sim_t *s, int32_t periods, float k_s_ref) {
     }
 }
 
-void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t plain, const float *k_s_ref,
-             float *obs) {
+typedef struct {
+    sim_t *s;
+    int32_t n, periods, simd;
+    const float *k_s_ref;
+    float *obs;
+} run_t;
+
+/* LANES drives, or what is left of them. */
+static void run_piece(void *job, int32_t piece) {
+    const run_t *run = job;
     sums_t none = {0};
-    for (int32_t i = 0; i < n; i++) {
+    int32_t first = piece * LANES;
+    int32_t count = run->n - first < LANES ? run->n - first : LANES;
+    sim_t *s = &run->s[first];
+    for (int32_t i = 0; i < count; i++) {
         s[i].sums = none;
     }
-    for (int32_t i = 0; i < n;) {
-        if (plain == 0 && n - i >= LANES && batch_fits(&s[i])) {
-            batch_run(&s[i], periods, &k_s_ref[i]);
-            i += LANES;
-        } else {
-            run_one(&s[i], periods, k_s_ref[i]);
-            i += 1;
+    int simd = run->periods > 0 ? batch_fits(s, count, run->simd) : SIMD_NONE;
+    if (simd != SIMD_NONE) {
+        batch_run(s, count, run->periods, simd, &run->k_s_ref[first]);
+    } else {
+        for (int32_t i = 0; i < count; i++) {
+            run_one(&s[i], run->periods, run->k_s_ref[first + i]);
         }
     }
-    for (int32_t i = 0; i < n; i++) {
-        signals_read(&s[i].control.signal, &s[i].drive.x.signal, &obs[(long)i * SIGNAL_N]);
+    for (int32_t i = 0; i < count; i++) {
+        float *y = &run->obs[(long)(first + i) * SIGNAL_N];
+        signals_read(&s[i].control.signal, &s[i].drive.x.signal, y);
     }
+}
+
+#define PERIODS_A_THREAD 2000 /* below, starting a thread takes longer than the work it does */
+
+void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
+             const float *k_s_ref, float *obs) {
+    run_t run = {s, n, periods, simd, k_s_ref, obs};
+    int64_t worth = (int64_t)n * periods / PERIODS_A_THREAD;
+    workers_run(run_piece, &run, (n + LANES - 1) / LANES,
+                worth < threads ? (int32_t)worth : threads);
 }
 
 void sim_inputs(const sim_t *s, int32_t n, drive_in_t *in) {

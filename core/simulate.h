@@ -77,6 +77,9 @@ typedef struct {
     uint32_t seed;     /* of the measurement noise */
 } sim_t;
 
+/* Vector instructions, each set including those before. */
+enum { SIMD_NONE = 0, SIMD_AVX2 = 1, SIMD_AVX512 = 2 };
+
 /* Signals of a trace row, one a period. */
 enum {
     TRACE_T = 0,       /* [s] */
@@ -107,13 +110,37 @@ enum {
     TRACE_N
 };
 
+/* What a critic may see, see sim_truth; signed quantities are taken in the direction of motion. */
+enum {
+    TRUTH_ERR = 0,     /* angle errors: of the blend, mean of the last sim_run [rad] */
+    TRUTH_ERR_HFI,     /* of the injection estimator */
+    TRUTH_ERR_SMO,     /* of the sliding-mode observer */
+    TRUTH_OMEGA_M_DEV, /* speed minus the twin's, mean [rad/s] mechanical */
+    TRUTH_TAU_DEV,     /* torque minus the twin's, mean [N m] */
+    TRUTH_TAU,         /* torque, mean [N m] */
+    TRUTH_TAU_LOAD,    /* load torque [N m] */
+    TRUTH_OMEGA_M,     /* [rad/s] */
+    TRUTH_U_DC,        /* DC-link voltage minus the nominal one [V] */
+    TRUTH_ERR_COUNT,   /* periods the error has been beyond its limit */
+    TRUTH_N
+};
+
 /* Puts n drives at the start their own start_t describes, without current. */
 void sim_start(sim_t *s, int32_t n);
 
 /* Advances n drives by up to `periods` periods each with the weight k_s_ref[i] (one a drive), then
  * reads the signals of drive i into obs[i * SIGNAL_N]. Drives that are lost or at their end stay.
- * plain: 1 keeps from running blocks of drives as vector code; the results are the same. */
-void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t plain, const float *k_s_ref, float *obs);
+ * simd: the most that may be used of SIMD_*; threads: likewise. Results depend on neither. */
+void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
+             const float *k_s_ref, float *obs);
+
+/* TRUTH_N numbers of each of n drives times scale[TRUTH_N], limited to +-bound (NaN to -bound), into
+ * the first of the `columns` of each row of out. u_dc: the nominal voltage [V]. */
+void sim_truth(const sim_t *s, int32_t n, float u_dc, const float *scale, float bound, float *out,
+               int32_t columns);
+
+/* Most of SIMD_* that this machine has. */
+int32_t sim_simd(void);
 
 /* What the controllers of n drives are about to be given in the coming period; k_s_ref is 0. */
 void sim_inputs(const sim_t *s, int32_t n, drive_in_t *in);

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run
+from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run, sums_matrix, words
 from sensorless.envs.blend_settings import BlendSettings
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.privileged import FIXED, Values, fixed, privileged
@@ -20,8 +20,6 @@ from sensorless.motor import Motor
 
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.intp]
-
-_SUMS = (SIM["sums"], SIM.fields["sums"][1] if SIM.fields else 0)
 
 LOST_TWIN: int = lib.LOST_TWIN
 """Bit of ``lost`` in core/simulate.h: even the sensored twin tripped, no policy is to blame."""
@@ -47,6 +45,17 @@ class BatchState:
     constant: Values
     seeds: Seeds
     episode: Seeds
+
+
+Rooms = tuple[Array, Observation, Values]
+"""Drives, their signals, and their fixed true quantities."""
+
+
+def _put(to: Rooms, at: Rows, parts: Rooms, source: Rows) -> None:
+    """Copy rows ``source`` of parts to rows ``at``."""
+    words(to[0])[at] = words(parts[0])[source]
+    to[1][at] = parts[1][source]
+    to[2][at] = parts[2][source]
 
 
 class BlendBatch:
@@ -75,8 +84,7 @@ class BlendBatch:
         self._sums = self._copied_sums()
 
     @staticmethod
-    def _rooms(n: int) -> tuple[Array, Observation, Values]:
-        """Drives, their signals, and their fixed true quantities."""
+    def _rooms(n: int) -> Rooms:
         return (
             np.zeros(n, dtype=SIM),
             np.zeros((n, SIGNAL_N), dtype=np.float32),
@@ -107,17 +115,15 @@ class BlendBatch:
                 raise UserError(
                     f"scenarios: {len(drawn)} for {len(missing)} seeds; allowed: one each"
                 )
-            for room, part in zip(self._next, self._built(drawn), strict=True):
-                room[missing] = part
+            _put(self._next, missing, self._built(drawn), np.arange(len(missing)))
             self._ready[missing] = True
         source = rows if given is None else np.arange(len(rows))
-        for room, part in zip((self._sims, self._signals, self._constant), fresh, strict=True):
-            room[rows] = part[source]
+        _put((self._sims, self._signals, self._constant), rows, fresh, source)
         self._ready[rows] = False
         self._episode[rows] += np.uint64(1)
         self._sums = self._copied_sums()
 
-    def _built(self, scenarios: Scenarios) -> tuple[Array, Observation, Values]:
+    def _built(self, scenarios: Scenarios) -> Rooms:
         """Started drives, their first signals, and their fixed true quantities."""
         sims = self._factory.build(scenarios)
         limit = self.settings.max_episode_steps
@@ -176,14 +182,11 @@ class BlendBatch:
 
     def privileged(self) -> Values:
         """What only a critic may see (n, N_PRIVILEGED), a copy."""
-        return privileged(self._sims, self._sums, self._constant, self.motor)
+        return privileged(self._sims, self._constant, self.motor)
 
     def _copied_sums(self) -> Array:
-        """Copy of ``sims["sums"]``, as one matrix of numbers: NumPy copies records slowly."""
-        dtype, offset = _SUMS
-        shape = (len(self), dtype.itemsize // 4)
-        matrix: Array = np.ndarray(shape, np.float32, self._sims, offset, strides=(SIM.itemsize, 4))
-        return matrix.copy().view(dtype).reshape(len(self))
+        """Copy of ``sims["sums"]``."""
+        return sums_matrix(self._sims).copy().view(SIM["sums"]).reshape(len(self))
 
     def state(self) -> BatchState:
         """Copy of all memory, for `restore`."""

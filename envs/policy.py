@@ -64,9 +64,9 @@ def estimator_of(policy: Policy) -> str | None:
 
 def decide(policy: Policy, obs: Signals, sims: Array) -> NDArray[np.float32]:
     """Weights wanted (n,); only a privileged policy gets to see the drives."""
-    if isinstance(policy, PrivilegedPolicy):
-        return policy.act_knowing(obs, sims)
-    return policy.act(obs)
+    knowing = getattr(policy, "act_knowing", None)  # isinstance of a protocol costs 100 times that
+    chosen: NDArray[np.float32] = policy.act(obs) if knowing is None else knowing(obs, sims)
+    return chosen
 
 
 class TablePolicy:

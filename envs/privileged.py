@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core_api import Array
+from sensorless.core_api import Array, sim_truth
 from sensorless.envs.scenario import LOST_TIME, Scenarios
 from sensorless.motor import Motor
 
@@ -29,6 +29,7 @@ class Privileged:
     doc: str
 
 
+# In the order of TRUTH_* in core/simulate.h, where the values are read.
 MOVING = (
     Privileged("theta_e_err", "30 degrees", "angle error of the blend, mean of the decision"),
     Privileged("theta_e_err_hfi", "30 degrees", "angle error of the injection estimator, mean"),
@@ -73,46 +74,26 @@ def fixed(s: Scenarios, motor: Motor) -> Values:
     return np.stack(columns, axis=-1).astype(np.float32)
 
 
-@np.errstate(over="ignore", invalid="ignore")
-def privileged(sims: Array, sums: Array, constant: Values, motor: Motor) -> Values:
+def privileged(sims: Array, constant: Values, motor: Motor) -> Values:
     """All columns (n, N_PRIVILEGED) after a decision or at a start.
 
     Parameters
     ----------
     sims : array of SIM, shape (n,)
-    sums : array of ``SIM["sums"]``, shape (n,)
-        The sums in ``sims``, or a copy of them.
     constant : array, shape (n, len(FIXED))
         From `fixed`.
     motor : Motor
     """
-    rows: Values = np.empty((N_PRIVILEGED, len(sims)), dtype=np.float32)
-    rows[0] = sums["err"]
-    rows[1] = sums["err_hfi"]
-    rows[2] = sums["err_smo"]
-    np.subtract(sums["omega_m"], sums["omega_m_twin"], out=rows[3])
-    np.subtract(sums["tau"], sums["tau_twin"], out=rows[4])
-    rows[5] = sums["tau"]
-    rows[:6] /= np.maximum(sums["n"], np.float32(1.0))
-    still = sums["n"] == 0.0
-    if np.count_nonzero(still):  # no decision yet: all estimators stand at the same angle
-        rows[:3, still] = sims["start"]["theta_err"][still]
-    rows[6] = sims["now"]["tau_load"]
-    rows[7] = sims["drive"]["y"]["omega_m"]
-    rows[:8] *= np.copysign(np.float32(1.0), sims["drive"]["x"]["signal"]["omega"])
-    np.subtract(sims["now"]["u_dc"], np.float32(motor.u_dc), out=rows[8])
-    rows[9] = sims["err_count"]
-    rows[: len(MOVING)] *= _scale(motor)
-    rows[len(MOVING) :] = constant.T
-    np.fmax(rows, np.float32(-BOUND), out=rows)
-    np.fmin(rows, np.float32(BOUND), out=rows)
-    return rows.T.copy()
+    out: Values = np.empty((len(sims), N_PRIVILEGED), dtype=np.float32)
+    sim_truth(sims, motor.u_dc, _scale(motor), BOUND, out)
+    np.clip(constant, -BOUND, BOUND, out=out[:, len(MOVING) :])
+    return out
 
 
 @lru_cache(maxsize=8)
 def _scale(motor: Motor) -> Values:
-    """Factors of ``MOVING``, a column."""
+    """Factors of ``MOVING``."""
     deg_30, speed = 6.0 / np.pi, motor.n_p / motor.omega_rated
     tau, count = 1.0 / motor.tau_rated, motor.T_s / LOST_TIME
     factors = (deg_30, deg_30, deg_30, 10.0 * speed, tau, tau, tau, speed, 10.0 / motor.u_dc, count)
-    return np.array(factors, dtype=np.float32)[:, None]
+    return np.array(factors, dtype=np.float32)

@@ -4,13 +4,14 @@ A drive, its machine and its twin are one record of ``SIM``; an array of them is
 copying, pickling and slicing are NumPy's own.
 """
 
+import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.errors import StaleCoreError
+from sensorless.errors import StaleCoreError, UserError
 
 try:
     from sensorless import _core  # type: ignore[attr-defined]
@@ -81,6 +82,8 @@ PROFILE = struct_dtype("profile_t")
 TABLE = struct_dtype("ks_table_t")
 REPLAY_IN = struct_dtype("replay_in_t")
 
+_SUMS_AT = ffi.offsetof("sim_t", "sums")
+
 SIGNAL_N: int = lib.SIGNAL_N
 PROFILE_N = 8
 CURVE_N = 9
@@ -104,8 +107,46 @@ def pointer(array: Array, ctype: str) -> Any:
     return ffi.from_buffer(ctype, array, require_writable=array.flags.writeable)
 
 
-def sim_run(sims: Array, periods: int, k_s: Array, obs: Array, *, plain: bool = False) -> None:
+THREADS = "SENSORLESS_THREADS"
+"""Environment variable: the most threads a call may use, instead of one for every core."""
+
+SMALL = 4000
+"""Periods of all drives together that one thread does faster than two."""
+
+
+def threads_allowed() -> int:
+    """Threads a call may use: ``SENSORLESS_THREADS``, else the cores open to this process.
+
+    Raises
+    ------
+    UserError
+        If the variable is not a whole number above 0.
+    """
+    value = os.environ.get(THREADS, "")
+    if not value:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else _cores()
+    if not (value.isascii() and value.isdigit() and int(value) > 0):
+        raise UserError(f"{THREADS}: {value!r}; allowed: a whole number above 0")
+    return min(int(value), 2**31 - 1)
+
+
+def _cores() -> int:
+    return os.cpu_count() or 1
+
+
+def sim_run(
+    sims: Array,
+    periods: int,
+    k_s: Array,
+    obs: Array,
+    *,
+    plain: bool = False,
+    simd: int = lib.SIMD_AVX512,
+    threads: int | None = None,
+) -> None:
     """Advance every drive by up to ``periods`` periods; other Python threads run meanwhile.
+
+    The results do not depend on ``plain``, ``simd`` or ``threads``, nor on the drives beside.
 
     Parameters
     ----------
@@ -117,16 +158,61 @@ def sim_run(sims: Array, periods: int, k_s: Array, obs: Array, *, plain: bool = 
     obs : array of float32, shape (n, SIGNAL_N)
         Filled with each drive's signals.
     plain : bool
-        Drive by drive instead of blocks as vector code; the results are the same.
+        Drive by drive instead of blocks as vector code.
+    simd : int
+        The most that blocks may use of ``lib.SIMD_AVX2`` and ``lib.SIMD_AVX512``, where the machine
+        has them.
+    threads : int, optional
+        The most to use; by default `threads_allowed`. Calls too small to gain stay on one.
     """
+    if threads is None:
+        threads = threads_allowed() if len(sims) * periods >= SMALL else 1
     lib.sim_run(
         pointer(sims, "sim_t[]"),
         len(sims),
         periods,
-        int(plain),
+        lib.SIMD_NONE if plain else simd,
+        threads,
         pointer(k_s, "float[]"),
         pointer(obs, "float[]"),
     )
+
+
+def sums_matrix(sims: Array) -> Array:
+    """View of ``sims["sums"]`` as numbers (n, fields): NumPy copies records slowly."""
+    shape = (len(sims), SIM["sums"].itemsize // 4)
+    return np.ndarray(shape, np.float32, sims, _SUMS_AT, strides=(SIM.itemsize, 4))
+
+
+def sim_truth(sims: Array, u_dc: float, scale: Array, bound: float, out: Array) -> None:
+    """Fill the first columns of ``out`` (n, at least TRUTH_N) with what a critic may see.
+
+    Parameters
+    ----------
+    sims : array of SIM, shape (n,)
+        After a `sim_run`, whose means these are.
+    u_dc : float
+        Nominal DC-link voltage [V].
+    scale : array of float32, shape (TRUTH_N,)
+        Factors on the quantities TRUTH_* of ``core/simulate.h``.
+    bound : float
+        Limit on the magnitude of each product; NaN becomes minus the bound.
+    out : array of float32, shape (n, at least TRUTH_N)
+    """
+    lib.sim_truth(
+        pointer(sims, "sim_t[]"),
+        len(sims),
+        u_dc,
+        pointer(scale, "float[]"),
+        bound,
+        pointer(out, "float[]"),
+        out.shape[1],
+    )
+
+
+def words(sims: Array) -> Array:
+    """View of an array of SIM as plain words (n, size): NumPy copies records slowly."""
+    return sims.view(np.uint64).reshape(len(sims), -1)
 
 
 def sim_start(sims: Array) -> None:

@@ -1,13 +1,13 @@
 """Drives under a policy from start to end, with the sums of every decision kept."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run
+from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run, sums_matrix
 from sensorless.envs.policy import Policy, decide, decision_periods, estimator_of
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.motor import Motor
@@ -39,6 +39,8 @@ class Rollout:
     """(n,) bits of ``CAUSES``, 0 for a drive that reached the end"""
     periods: NDArray[np.int64]
     """(n,) PWM periods lived"""
+    kept: dict[str, Array] = field(default_factory=dict, repr=False, compare=False)
+    """Arrays that several metrics need, by name"""
 
     @property
     def decision_time(self) -> float:
@@ -52,8 +54,10 @@ class Rollout:
 
     def mean(self, name: str) -> NDArray[np.float32]:
         """(d, n) mean of a field of ``sums_t`` over each decision; NaN after the end of a drive."""
-        count = np.where(self.alive, self.sums["n"], np.float32(np.nan))
-        return np.asarray(self.sums[name] / count)
+        if name not in self.kept:
+            count = np.where(self.alive, self.sums["n"], np.float32(np.nan))
+            self.kept[name] = self.sums[name] / count
+        return self.kept[name]
 
     def total(self, name: str) -> Floats:
         """(n,) mean of a field of ``sums_t`` over the life of each drive; NaN if it had none."""
@@ -68,6 +72,7 @@ def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollou
     sims = factory.build(scenarios, sensored=policy.sensored, estimator=estimator_of(policy))
     decisions = -(-int(sims["k_end"].max(initial=0)) // periods)
     sums = np.zeros((decisions, n), dtype=SIM["sums"])
+    rows, now = sums.view(np.float32).reshape(decisions, n, -1), sums_matrix(sims)
     obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
     policy.reset(n)
     sim_run(sims, 0, np.ones(n, dtype=np.float32), obs)
@@ -76,7 +81,7 @@ def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollou
         if k_s.shape != (n,):
             raise ValueError(f"policy {policy.name}: weights of shape {k_s.shape}, wanted ({n},)")
         sim_run(sims, periods, k_s, obs)
-        sums[j] = sims["sums"]
+        rows[j] = now
     return Rollout(factory.motor, scenarios, sums, sims["lost"].copy(), sims["k"].astype(np.int64))
 
 

@@ -87,6 +87,8 @@ def dip_excess_pct_s(r: Rollout) -> Floats:
 
 def reference(r: Rollout) -> Floats:
     """(d, n) speed reference at the middle of each decision [rad/s], mechanical."""
+    if "omega_m_ref" in r.kept:
+        return r.kept["omega_m_ref"]
     s = r.scenarios
     t = (np.arange(len(r.sums))[:, None] + 0.5) * r.decision_time
     at_start = _reference_at_starts(r)
@@ -94,6 +96,7 @@ def reference(r: Rollout) -> Floats:
     for j in range(s.t.shape[1]):
         moved = _moved(at_start[:, j], s.omega[:, j], s.omega_rate[:, j], t - s.t[:, j])
         out = np.where(t >= s.t[:, j], moved, out)
+    r.kept["omega_m_ref"] = out
     return out
 
 

@@ -1,0 +1,96 @@
+/* A block of drives in step: sim_period.h over LANES drives at a time, written so that the compiler
+ * turns the loop over drives into vector instructions. Host only.
+ *
+ * Included once for every set of instructions, with BLOCK_RUN the name of the function it makes. Each
+ * lane does the operations of the plain loop in the same order, so results are the same to the bit.
+ */
+#ifndef SENSORLESS_BLOCK_H
+#define SENSORLESS_BLOCK_H
+
+#include "block_copy.h"
+
+#ifdef BLOCK_RUN
+
+#pragma GCC optimize("no-thread-jumps") /* threaded jumps would split the loop body into paths */
+
+#include "sim_period.h"
+
+#define AT(type, path) ((type *)(void *)((char *)block + LANES * offsetof(sim_t, path)))
+#define LOAD(type, path) s.path = AT(type, path)[l];
+#define KEEP(type, path) AT(type, path)[l] = s.path;
+
+/* One period of all lanes, also of those at their end: BLOCK_RUN has taken these out before. */
+CORE_INLINE void block_period(block_t *restrict block, const float *restrict k_s_ref,
+                              int with_twin) {
+#pragma GCC ivdep
+    for (int l = 0; l < LANES; l++) {
+        sim_t s;
+        SIM_PARAM_FIELDS(LOAD)
+        SIM_STATE_FIELDS(LOAD)
+        s.with_twin = with_twin;
+        sim_period(&s, k_s_ref[l], 0, with_twin, 1, 0);
+        SIM_STATE_FIELDS(KEEP)
+    }
+}
+
+CORE_APART void block_period_twin(block_t *restrict block, const float *restrict k_s_ref) {
+    block_period(block, k_s_ref, 1);
+}
+
+CORE_APART void block_period_alone(block_t *restrict block, const float *restrict k_s_ref) {
+    block_period(block, k_s_ref, 0);
+}
+
+/* Drives that must not move any more: bit l for lane l. */
+static uint32_t block_at_end(const block_t *block) {
+    const int32_t *lost = AT(const int32_t, lost);
+    const int32_t *k = AT(const int32_t, k);
+    const int32_t *k_end = AT(const int32_t, k_end);
+    uint32_t bits = 0;
+    for (int l = 0; l < LANES; l++) {
+        bits |= (uint32_t)(lost[l] != 0 || k[l] >= k_end[l]) << l;
+    }
+    return bits;
+}
+
+/* Stores the lanes in `bits`; the others go to `nowhere`. */
+static void block_take(const block_t *block, sim_t *sims, uint32_t bits, sim_t *nowhere) {
+    sim_t *to[LANES];
+    for (int l = 0; l < LANES; l++) {
+        to[l] = (bits >> l & 1U) != 0 ? &sims[l] : nowhere;
+    }
+    block_store(block, to);
+}
+
+/* A drive at its end is stored at once and its lane runs on for nothing; so do the lanes beyond count,
+ * which repeat the first drive. */
+void BLOCK_RUN(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
+    block_t block;
+    sim_t nowhere;
+    float wanted[LANES];
+    const sim_t *from[LANES];
+    for (int l = 0; l < LANES; l++) {
+        int lane = l < count ? l : 0;
+        from[l] = &sims[lane];
+        wanted[l] = k_s_ref[lane];
+    }
+    block_load(&block, from);
+    uint32_t live = ((1U << count) - 1U) & ~block_at_end(&block);
+    int with_twin = sims->with_twin;
+    for (int32_t j = 0; j < periods && live != 0; j++) {
+        if (with_twin) {
+            block_period_twin(&block, wanted);
+        } else {
+            block_period_alone(&block, wanted);
+        }
+        uint32_t over = live & block_at_end(&block);
+        if (over != 0) {
+            block_take(&block, sims, over, &nowhere);
+            live &= ~over;
+        }
+    }
+    block_take(&block, sims, live, &nowhere);
+}
+
+#endif
+#endif

@@ -1,0 +1,122 @@
+/* Drives into a block and back: sim_t in units of 8 bytes, turned 4 by 4. Host only.
+ *
+ * A block holds every number of LANES drives side by side: a field at byte offset o of sim_t starts at
+ * byte LANES * o. A unit of sim_t is one double or a pair of 4-byte numbers; sim_fields.h says which.
+ */
+#ifndef SENSORLESS_BLOCK_COPY_H
+#define SENSORLESS_BLOCK_COPY_H
+
+#include "batch.h"
+
+#ifdef BATCH_BLOCKS
+
+#include <stddef.h>
+
+#include "sim_fields.h"
+
+#define UNITS (sizeof(sim_t) / 8)
+#define UNIT_STATE (offsetof(sim_t, drive) / 8) /* parameters come before, what moves behind */
+
+typedef struct {
+    double units[UNITS][LANES];
+} block_t;
+
+/* Four units; eight 4-byte numbers. They may overlay anything, at any multiple of 8 bytes. */
+typedef long long four_t __attribute__((vector_size(32), may_alias, aligned(8)));
+typedef int eight_t __attribute__((vector_size(32), may_alias, aligned(8)));
+
+static const unsigned char unit_is_pair[UNITS] = SIM_UNIT_IS_PAIR;
+
+/* Rows to columns. */
+CORE_INLINE void turn_4x4(four_t *x) {
+    four_t a = __builtin_shuffle(x[0], x[1], (four_t){0, 4, 2, 6});
+    four_t b = __builtin_shuffle(x[0], x[1], (four_t){1, 5, 3, 7});
+    four_t c = __builtin_shuffle(x[2], x[3], (four_t){0, 4, 2, 6});
+    four_t d = __builtin_shuffle(x[2], x[3], (four_t){1, 5, 3, 7});
+    x[0] = __builtin_shuffle(a, c, (four_t){0, 1, 4, 5});
+    x[1] = __builtin_shuffle(b, d, (four_t){0, 1, 4, 5});
+    x[2] = __builtin_shuffle(a, c, (four_t){2, 3, 6, 7});
+    x[3] = __builtin_shuffle(b, d, (four_t){2, 3, 6, 7});
+}
+
+/* One unit of eight lanes: pairs, as they stand in sim_t, from and to half a row of the block, whose
+ * first numbers of the pair are LANES numbers ahead of the second. */
+CORE_INLINE void pairs_apart(const four_t *x, char *row) {
+    eight_t a = (eight_t)x[0];
+    eight_t b = (eight_t)x[1];
+    *(eight_t *)(void *)row = __builtin_shuffle(a, b, (eight_t){0, 2, 4, 6, 8, 10, 12, 14});
+    *(eight_t *)(void *)(row + 4 * LANES) =
+        __builtin_shuffle(a, b, (eight_t){1, 3, 5, 7, 9, 11, 13, 15});
+}
+
+CORE_INLINE void pairs_together(const char *row, four_t *x) {
+    eight_t a = *(const eight_t *)(const void *)row;
+    eight_t b = *(const eight_t *)(const void *)(row + 4 * LANES);
+    x[0] = (four_t)__builtin_shuffle(a, b, (eight_t){0, 8, 1, 9, 2, 10, 3, 11});
+    x[1] = (four_t)__builtin_shuffle(a, b, (eight_t){4, 12, 5, 13, 6, 14, 7, 15});
+}
+
+/* Units u ... u + 3 of lanes l ... l + 7 into the block. */
+CORE_INLINE void load_4x8(block_t *block, const sim_t *const *from, size_t u, int l) {
+    four_t x[2][4];
+    for (int h = 0; h < 2; h++) {
+        for (int j = 0; j < 4; j++) {
+            x[h][j] = *((const four_t *)(const void *)((const double *)from[l + 4 * h + j] + u));
+        }
+        turn_4x4(x[h]);
+    }
+    for (size_t j = 0; j < 4; j++) {
+        four_t both[2] = {x[0][j], x[1][j]};
+        char *row = (char *)block->units[u + j];
+        if (unit_is_pair[u + j]) {
+            pairs_apart(both, row + 4 * l);
+        } else {
+            *(four_t *)(void *)(row + 8 * l) = both[0];
+            *(four_t *)(void *)(row + 8 * l + 32) = both[1];
+        }
+    }
+}
+
+/* And back. */
+CORE_INLINE void store_4x8(const block_t *block, sim_t *const *to, size_t u, int l) {
+    four_t x[2][4];
+    for (size_t j = 0; j < 4; j++) {
+        four_t both[2];
+        const char *row = (const char *)block->units[u + j];
+        if (unit_is_pair[u + j]) {
+            pairs_together(row + 4 * l, both);
+        } else {
+            both[0] = *(const four_t *)(const void *)(row + 8 * l);
+            both[1] = *(const four_t *)(const void *)(row + 8 * l + 32);
+        }
+        x[0][j] = both[0];
+        x[1][j] = both[1];
+    }
+    for (int h = 0; h < 2; h++) {
+        turn_4x4(x[h]);
+        for (int j = 0; j < 4; j++) {
+            *((four_t *)(void *)((double *)(void *)to[l + 4 * h + j] + u)) = x[h][j];
+        }
+    }
+}
+
+/* All of the drives; from[LANES]. The last four units may overlap those before. */
+static void block_load(block_t *block, const sim_t *const *from) {
+    for (size_t u = 0; u < UNITS; u += 4) {
+        for (int l = 0; l < LANES; l += 8) {
+            load_4x8(block, from, u + 4 <= UNITS ? u : UNITS - 4, l);
+        }
+    }
+}
+
+/* What moves; to[LANES]. */
+static void block_store(const block_t *block, sim_t *const *to) {
+    for (size_t u = UNIT_STATE; u < UNITS; u += 4) {
+        for (int l = 0; l < LANES; l += 8) {
+            store_4x8(block, to, u + 4 <= UNITS ? u : UNITS - 4, l);
+        }
+    }
+}
+
+#endif
+#endif
