@@ -38,9 +38,9 @@ typedef struct {
     float u_inj;   /* amplitude of the injected voltage [V] */
     float i_floor; /* least magnitude the error is divided by [A] */
     float n_hold;  /* periods the injection stays on after it was last asked for */
-    float lead; /* turn of the injected voltage ahead of the angle at k+1 [periods]: 0.5, the middle
-                      of its hold; -1, the angle at k, without compensation of the delay */
-    int scheme; /* HFI_* */
+    float lead;    /* turn of the injected voltage beyond the angle at k+1 [periods]: 0.5, the
+                      middle of its hold; -1, the angle at k, without compensation */
+    int scheme;    /* HFI_* */
 } hfi_params_t;
 
 typedef struct {
