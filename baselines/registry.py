@@ -103,7 +103,9 @@ def make_policy(spec: str, motor: Motor) -> Policy:
         return load_tuned(shipped.tuned_file(word), motor)
     run = shipped.reference_run()
     if spec == shipped.RUN and run is not None:
-        return TablePolicy(shipped.RUN, load_run(run, motor).table)
+        learned = load_run(run, motor)
+        learned.name = shipped.RUN
+        return learned
     if word == "tuned" and text:
         return load_tuned(Path(text), motor)
     if Path(spec).is_dir():

@@ -27,14 +27,14 @@ typedef struct {
 } flux_params_t;
 
 typedef struct {
-    ab_t psi; /* estimated stator flux [Vs] */
+    ab_t psi; /* estimated stator flux [Vs]; 0: none yet, taken from the current */
 } flux_state_t;
 
 /* One period; arguments as for smo_observe. y: angle, speed, EMF and error go there. */
 CORE_INLINE void flux_observe(const flux_params_t *p, flux_state_t *x, smo_state_t *y, ab_t i_ab,
                               ab_t u_ab, float L_q, float omega, float theta_idle, float T_s) {
     int valid = abs_f(omega) >= p->omega_floor;
-    int fresh = !valid || y->valid == 0.0f;
+    int fresh = !valid || (x->psi.a == 0.0f && x->psi.b == 0.0f);
     y->pll.theta = valid ? y->pll.theta : theta_idle;
     y->pll.omega = valid ? y->pll.omega : omega;
     rot_t r = rot_of(y->pll.theta);

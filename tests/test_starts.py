@@ -236,3 +236,13 @@ def test_a_passive_load_only_resists() -> None:
         lowest = np.minimum(lowest, sims["drive"]["y"]["omega_m"])
     assert lowest.min() > -1e-3
     assert np.abs(sims["drive"]["y"]["omega_m"]).max() < 3.0 * RPM
+
+
+@pytest.mark.parametrize("name", ["error_blend", "flux_observer"])
+def test_starts_on_the_other_estimators(name: str) -> None:
+    """They take over from the start sequence like the default, spinning shafts included."""
+    r = rollout(
+        make_policy(name, MOTOR), suite("starts", MOTOR, 2, 64), SimFactory(MOTOR, DriveDesign())
+    )
+    assert (r.lost == 0).all()
+    assert np.nanmax(start_err_deg(r)) < 15.0
