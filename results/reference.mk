@@ -12,7 +12,8 @@ SIZE   ?= 2000
 # Of the scenarios to judge on.
 SEED   ?= 11
 GRID   ?= 41
-RULES  ?= linear smoothstep sine quadratic hysteresis ramp gated emf physics fusion fuzzy logistic grid
+RULES  ?= linear smoothstep sine quadratic hysteresis ramp gated emf physics fusion error_blend \
+          flux_observer fuzzy logistic grid
 
 TUNED := $(RULES:%=$(OUT)/tuned/%-tuned.json)
 RUNS  := $(SEEDS:%=$(OUT)/seed-%/table.json)

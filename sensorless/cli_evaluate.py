@@ -96,6 +96,11 @@ def evaluate_command(
             progress=report,
             engine=where,
         )
+    if plot is not None:
+        from sensorless.plots import save
+        from sensorless.report_envelope import envelope_maps
+
+        save(envelope_maps(results, machine), plot)
     console.print(results.table())
     if details:
         if results.paired:
@@ -103,11 +108,5 @@ def evaluate_command(
         for name, entry in results.policies.items():
             console.print(place_table(name, entry))
     console.print(worst_table(results, WORST if details else 3))
-    if plot is not None:
-        from sensorless.plots import save
-        from sensorless.report_envelope import envelope_maps
-
-        save(envelope_maps(results, machine), plot)
-        console.print(f"wrote {plot}")
-    if out is not None:
-        console.print(f"wrote {out}")
+    for path in filter(None, (plot, out)):
+        console.print(f"wrote {path}")

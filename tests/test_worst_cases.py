@@ -74,8 +74,9 @@ def test_words_that_name_none(word: str) -> None:
 def test_simulate_replays_and_draws(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     picture = tmp_path / "case.png"
-    words = ["simulate", "--scenario", "stress:7:32", "--policy", "hfi", "--plot", str(picture)]
+    case = entry("stress", 7, 33, "hfi")["worst"][0]
+    words = ["simulate", "--scenario", case["scenario"], "--policy", "hfi", "--plot", str(picture)]
     done = CliRunner().invoke(app, words)
     assert done.exit_code == 0, done.output
-    assert "lost (current)" in done.stdout
+    assert f"lost ({case['lost_cause']})" in done.stdout
     assert picture.read_bytes().startswith(b"\x89PNG")
