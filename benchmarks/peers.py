@@ -1,9 +1,10 @@
 """Speed beside gym-electric-motor and motulator, measured in one run: ``make bench-peers``.
 
 Each peer gets a virtual environment of its own in ``build/peers``, with the version pinned here.
-Everything runs one after the other, one thread each. Ratios are of steps per second of processor
-time, core against core; beside them stands the whole machine: our drives on every core at once
-against the peer as it comes, which is one process. Writes ``build/bench-peers.json``.
+Everything runs one after the other, one thread each. Rates are steps per second of processor time,
+which other programs on the machine hardly change. Ratios are core against core; beside them stands
+the whole machine: our drives in one process for every core at once against the peer as it comes,
+which is one process. Writes ``build/bench-peers.json``.
 """
 
 import json
@@ -36,16 +37,25 @@ WHAT = {
     "machine alone": "one saturated IPMSM and its mechanics, Runge-Kutta; a step is 200 us",
     "drive": "256 IPMSM drives in blocks: saturated machine, inverter with dead time, ADC and "
     "sensor errors, injection and sliding-mode observer, blend, control; a period is 200 us",
+    "drive and its sensored twin": "the same, and beside each a drive that knows its angle",
 }
 
 COMPARED = (
     ("plant steps", "machine alone", "gem", "environment, euler", None),
     ("plant steps inside a whole drive", "drive", "gem", "environment, euler", 1000.0),
+    ("plant steps inside a whole drive", "drive", "gem", "environment, scipy", 1000.0),
     ("control periods", "drive", "motulator", "flux observer, averaged", 5000.0),
+    (
+        "control periods, the twin's not counted",
+        "drive and its sensored twin",
+        "motulator",
+        "flux observer, averaged",
+        5000.0,
+    ),
     ("control periods", "drive", "motulator", "injection, PWM and dead time", None),
 )
-"""What is counted, our variant, peer, its variant (for GEM the faster solver), and the ratio that
-the whole machine is to reach."""
+"""What is counted, our variant, peer, its variant (scipy is the default solver of GEM, Euler its
+fastest), and the ratio that the whole machine is to reach."""
 
 
 def pythons() -> Iterator[str]:
@@ -152,7 +162,7 @@ def ratios(found: dict[str, Any]) -> list[dict[str, Any]]:
                 "ours": variant,
                 "peer": f"{peer}: {theirs}",
                 "core_to_core": ours["per_cpu_s"] / other["per_cpu_s"],
-                "machine_to_process": None if whole is None else whole / other["per_s"],
+                "machine_to_process": None if whole is None else whole / other["per_cpu_s"],
                 "wanted": wanted,
             }
         )
@@ -168,7 +178,7 @@ def measure() -> dict[str, Any]:
     cores = len(os.sched_getaffinity(0))
     runners = [start(sys.executable, "peer_ours", "drives") for _ in range(cores)]
     each = [finish("ours", runner)["rates"] for runner in runners]
-    found["all cores"] = {name: sum(r[name]["per_s"] for r in each) for name in each[0]}
+    found["all cores"] = {name: sum(r[name]["per_cpu_s"] for r in each) for name in each[0]}
     return {"machine": platform.machine(), "cores": cores, "what": WHAT, **found}
 
 
@@ -180,7 +190,7 @@ def report(found: dict[str, Any]) -> str:
         lines.append(f"{who} ({versions}), one thread, per second of processor time:")
         for name, told in found[who]["rates"].items():
             lines.append(f"  {name:34} {told['per_cpu_s']:14,.0f}")
-    lines.append(f"ours on {found['cores']} cores at once, per second:")
+    lines.append(f"ours on {found['cores']} cores at once, per second of processor time of each:")
     lines += [f"  {name:34} {value:14,.0f}" for name, value in found["all cores"].items()]
     for row in found["ratios"]:
         whole, wanted = row["machine_to_process"], row["wanted"]
