@@ -53,7 +53,7 @@ class TrainConfig:
     """step of Adam on the table's nodes"""
     lr_critic: float = _number(1e-3, 1e-6, 1.0)
     """step of Adam on the critic, and on the actor of an mlp"""
-    lr_end: float = _number(1.0, 0.0, 1.0)
+    lr_end: float = _number(0.02, 0.0, 1.0)
     """share of both steps that is left at the end, on a straight line from all of them"""
     clip_range: float = _number(0.2, 0.01, 1.0)
     """bound on the probability ratio of an update"""
