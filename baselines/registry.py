@@ -26,7 +26,7 @@ from sensorless.baselines import (
 )
 from sensorless.baselines.rule import Rule
 from sensorless.baselines.tuned import Tuned
-from sensorless.envs.policy import Policy, TablePolicy
+from sensorless.envs.policy import Policy
 from sensorless.errors import UserError
 from sensorless.motor import Motor
 
