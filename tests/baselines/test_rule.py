@@ -11,7 +11,7 @@ PAPER = Motor.load("paper")
 GATED = RULES["gated"]
 
 
-@pytest.mark.parametrize("rule", RULES.values(), ids=str)
+@pytest.mark.parametrize("rule", RULES.values(), ids=lambda rule: rule.name)
 def test_defaults_lie_in_the_range_that_tuning_searches(rule: Rule) -> None:
     assert rule.allows(rule.defaults())
     for p in rule.parameters:
@@ -20,7 +20,7 @@ def test_defaults_lie_in_the_range_that_tuning_searches(rule: Rule) -> None:
         assert p.doc and p.unit in (RPM, "1", "deg", "ms", "%", "1/s")
 
 
-@pytest.mark.parametrize("rule", RULES.values(), ids=str)
+@pytest.mark.parametrize("rule", RULES.values(), ids=lambda rule: rule.name)
 def test_the_word_of_some_values_gives_them_back(rule: Rule) -> None:
     word = rule.spec(rule.defaults(), PAPER)
     name, colon, text = word.partition(":")
