@@ -10,6 +10,7 @@ static void release(const drive_params_t *p, drive_state_t *x, estimate_t next, 
     x->smo.pll.theta = next.theta;
     x->smo.pll.omega = next.omega;
     x->smo.omega_f = next.omega;
+    x->smo.valid = 0.0f; /* an observer that integrates begins anew */
     x->control.i_1 = ab_to_dq(i_ab, rot_of(x->est.theta));
     control_ready(&p->control, &x->control, next.omega);
     start_enter(&x->start, START_DONE);
