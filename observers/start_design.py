@@ -75,8 +75,10 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
     hfi, smo : dict
         The estimators of operation, ``hfi_params_t`` and ``smo_params_t``; the sequence runs them
         with loops of ``PLL_HZ``, and the observer with its sigmoid and no low-pass, whatever is
-        chosen for operation: the EMF has to be read within periods. Without saturation there are no pulses: the core keeps the pole
-        nearer to its first angle and sets a fault bit.
+        chosen for operation: the EMF has to be read within periods.
+
+    Without saturation there are no pulses: the core keeps the pole nearer to its first angle and
+    sets a fault bit.
     """
     omega_max = smo["pll"]["omega_max"]
     loops = []
