@@ -1,23 +1,24 @@
 /* The start sequence on the drive's estimators; see start_sequence.h. */
 #include "drive.h"
 
-/* Parts that are used more than once, as functions of their own: flash counts here, time does not. */
-CORE_APART rot_t unit_of(float theta) { return rot_of(theta); }
+/* Stages that are called from several places, once in the memory of a target. */
+CORE_APART rot_t unit(float theta) { return rot_of(theta); }
 
-CORE_APART void observe_emf(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float omega) {
+CORE_APART void see_emf(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float omega) {
     smo_observe(&p->start.smo, &x->smo, i_ab, x->u_2, p->L_q.y[0], omega, x->est.theta, p->T_s);
 }
 
 void drive_find_rotor(drive_state_t *x) { start_begin(&x->start); }
 
 /* Hands over to control at the estimate for k+1, both estimators on it. */
-CORE_APART void release(const drive_params_t *p, drive_state_t *x, estimate_t next, ab_t i_ab) {
+static void release(const drive_params_t *p, drive_state_t *x, estimate_t next, ab_t i_ab) {
     x->hfi.pll.theta = next.theta;
     x->hfi.pll.omega = next.omega;
     x->smo.pll.theta = next.theta;
     x->smo.pll.omega = next.omega;
     x->smo.omega_f = next.omega;
-    x->control.i_1 = ab_to_dq(i_ab, unit_of(x->est.theta));
+    x->smo.valid = 0.0f; /* an observer that integrates begins anew */
+    x->control.i_1 = ab_to_dq(i_ab, unit(x->est.theta));
     control_ready(&p->control, &x->control, next.omega);
     start_enter(&x->start, START_DONE);
 }
@@ -51,12 +52,12 @@ static void enter_fly(const drive_params_t *p, drive_state_t *x) {
 }
 
 /* The sliding-mode observer alone, the injection estimator on its angle. */
-CORE_APART ab_t fly(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab) {
+static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab) {
     estimate_t own = {x->smo.pll.theta, x->smo.pll.omega};
     show_angle(x, own);
     x->hfi.pll.theta = own.theta;
     x->hfi.pll.omega = own.omega;
-    observe_emf(p, x, i_ab, x->est.omega);
+    see_emf(p, x, i_ab, x->est.omega);
     ab_t u = drive_hold(p, x, in, i_ab, x->est);
     x->start.n += 1;
     if (x->start.n >= p->start.n_fly) {
@@ -94,8 +95,8 @@ static void enter_lock(const drive_params_t *p, drive_state_t *x) {
 }
 
 /* Signed speed from the EMF on the estimated q axis: much quieter than that of a quick loop. */
-CORE_APART float emf_speed(const drive_params_t *p, const drive_state_t *x) {
-    rot_t r = unit_of(x->hfi.pll.theta);
+static float emf_speed(const drive_params_t *p, const drive_state_t *x) {
+    rot_t r = unit(x->hfi.pll.theta);
     float omega = (r.c * x->start.e_f.b - r.s * x->start.e_f.a) / p->control.psi_f;
     return clamp_f(omega, -p->hfi.pll.omega_max, p->hfi.pll.omega_max);
 }
@@ -125,7 +126,7 @@ static void judge_pole(const drive_params_t *p, drive_state_t *x) {
 
 /* Voltage of a pulse along the estimated axis; the EMF turns with it. */
 static ab_t pulse(const drive_params_t *p, drive_state_t *x, float way) {
-    rot_t r = unit_of(x->est.theta + 1.5f * p->T_s * x->est.omega);
+    rot_t r = unit(x->est.theta + 1.5f * p->T_s * x->est.omega);
     ab_t u = {
         x->start.e_f.a + way * p->start.u_pulse * r.c,
         x->start.e_f.b + way * p->start.u_pulse * r.s,
@@ -134,8 +135,8 @@ static ab_t pulse(const drive_params_t *p, drive_state_t *x, float way) {
 }
 
 /* Injection of sign s on top of u, limited to what the link gives; compensates dead time. */
-CORE_APART ab_t output(const drive_params_t *p, drive_state_t *x, ab_t u, rot_t axis, float s,
-                       ab_t i_ab, float u_dc) {
+static ab_t output(const drive_params_t *p, drive_state_t *x, ab_t u, rot_t axis, float s,
+                   ab_t i_ab, float u_dc) {
     ab_t v = {u.a + s * p->hfi.u_inj * axis.c, u.b + s * p->hfi.u_inj * axis.s};
     float scale = min_f(u_dc * INV_SQRT3_F / max_f(norm_ab(v), 1.0f), 1.0f);
     x->u_2 = x->u_1;
@@ -148,19 +149,19 @@ CORE_APART ab_t output(const drive_params_t *p, drive_state_t *x, ab_t u, rot_t 
 }
 
 /* One period of a shaft at rest or turning slowly: samples into the phase's sums, then the voltage. */
-CORE_APART ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float u_dc) {
+static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float u_dc) {
     const start_params_t *q = &p->start;
     start_state_t *s = &x->start;
     int pole = s->phase == START_POLE;
     int scan = s->phase == START_SCAN;
     int tracks = s->phase == START_LOCK || s->phase == START_SETTLE;
-    observe_emf(p, x, i_ab, 0.0f);
+    see_emf(p, x, i_ab, 0.0f);
     if (pole) { /* what the observer sees then is not the EMF: the last one turns on */
         rot_t e = {s->e_f.a, s->e_f.b};
         e = rot_turn(e, p->T_s * x->est.omega);
         s->e_f.a = e.c;
         s->e_f.b = e.s;
-        start_peak(q, s, ab_to_dq(i_ab, unit_of(x->hfi.pll.theta)).d);
+        start_peak(q, s, ab_to_dq(i_ab, unit(x->hfi.pll.theta)).d);
     } else {
         start_emf(q, s, x->smo.e);
     }
@@ -176,7 +177,7 @@ CORE_APART ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t i_ab, 
     float sign = hfi_inject(&q->hfi, &x->hfi, tracks || (scan && s->n < 2 * q->n_scan));
     rot_t along_a = {1.0f, 0.0f};
     rot_t along_b = {0.0f, 1.0f};
-    rot_t axis = unit_of(x->hfi.pll.theta + 0.5f * p->T_s * x->hfi.pll.omega);
+    rot_t axis = unit(x->hfi.pll.theta + 0.5f * p->T_s * x->hfi.pll.omega);
     axis = scan ? (s->n < q->n_scan ? along_a : along_b) : axis;
     return output(p, x, u, axis, sign, i_ab, u_dc);
 }

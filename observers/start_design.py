@@ -74,8 +74,11 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
     ----------
     hfi, smo : dict
         The estimators of operation, ``hfi_params_t`` and ``smo_params_t``; the sequence runs them
-        with loops of ``PLL_HZ``. Without saturation there are no pulses: the core keeps the pole
-        nearer to its first angle and sets a fault bit.
+        with loops of ``PLL_HZ``, and the observer with its sigmoid and no low-pass, whatever is
+        chosen for operation: the EMF has to be read within periods.
+
+    Without saturation there are no pulses: the core keeps the pole nearer to its first angle and
+    sets a fault bit.
     """
     omega_max = smo["pll"]["omega_max"]
     loops = []
@@ -88,7 +91,7 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
     n = {name: max(4, round(time / motor.T_s)) for name, time in TIMES.items()}
     return {
         "hfi": {**hfi, "pll": loops[0], "n_hold": 1.0},
-        "smo": {**smo, "pll": loops[1]},
+        "smo": {**smo, "pll": loops[1], "use_sign": 0.0, "alpha_e": 1.0},
         "k_hold": HOLD_SHARE * motor.L_d / motor.T_s,
         "alpha_e": EMF_LOW_PASS,
         "e_lag": (1.0 - EMF_LOW_PASS) / EMF_LOW_PASS,
