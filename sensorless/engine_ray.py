@@ -2,8 +2,8 @@
 
 Ray starts a task again when its worker or its node is lost. Results are packed: those below 100 KiB
 go to the driver as soon as they are there, larger ones stay on their node and can be lost with it.
-Every task first compares the code of its worker with that of
-the driver: another version could give other bits.
+Every task first compares the code of its worker with that of the driver: another version could give
+other bits.
 """
 
 import logging
@@ -42,22 +42,22 @@ class RayEngine:
         self._window = WINDOW_PER_CPU * max(4, int(ray.cluster_resources().get("CPU", 0)))
 
     def map(self, function: Callable[[Chunk], Result], chunks: Iterable[Chunk]) -> Iterator[Result]:
-        """Results in order, each as soon as it and all before it are there."""
+        """Results in order, each as soon as it and all before it are there.
+
+        After an error or Ctrl-C the chunks under way are not cancelled: Ray 2.60 can abort the
+        process when it cancels a task that ends just then. They end by themselves, or with the job.
+        """
         ray = self._ray
         work = ray.put(ray.cloudpickle.dumps(function))
         waiting = iter(chunks)
         window: deque[Any] = deque()
-        try:
-            while True:
-                for chunk in islice(waiting, self._window - len(window)):
-                    window.append(self._task.remote(code(), work, ray.cloudpickle.dumps(chunk)))
-                if not window:
-                    return
-                yield self._result(window[0])
-                window.popleft()
-        finally:
-            for ref in window:
-                ray.cancel(ref, force=True)
+        while True:
+            for chunk in islice(waiting, self._window - len(window)):
+                window.append(self._task.remote(code(), work, ray.cloudpickle.dumps(chunk)))
+            if not window:
+                return
+            yield self._result(window[0])
+            window.popleft()
 
     def _result(self, ref: Any) -> Any:
         """Result of a task; the errors of its function are raised as they were there."""
