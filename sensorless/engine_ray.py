@@ -1,13 +1,15 @@
 """Chunks as tasks of a Ray cluster.
 
-Ray starts a task again when its worker or its node is lost; what such a node had finished but not
-handed over counts as lost with it. Every task first compares the code of its worker with that of
-the driver: another version could give other bits.
+Ray starts a task again when its worker or its node is lost. Results are packed: those below 100 KiB
+go to the driver as soon as they are there, larger ones stay on their node and can be lost with it.
+Every task first compares the code of its worker with that of the driver: another version could give
+other bits.
 """
 
 import logging
 import pickle
 import socket
+import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -28,7 +30,7 @@ REACH_TIME = 10.0
 """Given to a cluster to take a connection [s]."""
 
 STORE = 256 * 2**20
-"""Object store of a cluster of this machine's own [bytes]; a result is some 100 KiB."""
+"""Object store of a cluster of this machine's own [bytes]; a packed result is some 100 KiB."""
 
 
 class RayEngine:
@@ -40,40 +42,40 @@ class RayEngine:
         self._window = WINDOW_PER_CPU * max(4, int(ray.cluster_resources().get("CPU", 0)))
 
     def map(self, function: Callable[[Chunk], Result], chunks: Iterable[Chunk]) -> Iterator[Result]:
-        """Results in order, each as soon as it and all before it are there."""
+        """Results in order, each as soon as it and all before it are there.
+
+        After an error or Ctrl-C the chunks under way are not cancelled: Ray 2.60 can abort the
+        process when it cancels a task that ends just then. They end by themselves, or with the job.
+        """
         ray = self._ray
         work = ray.put(ray.cloudpickle.dumps(function))
         waiting = iter(chunks)
         window: deque[Any] = deque()
-        try:
-            while True:
-                for chunk in islice(waiting, self._window - len(window)):
-                    window.append(self._task.remote(code(), work, ray.cloudpickle.dumps(chunk)))
-                if not window:
-                    return
-                yield self._result(window[0])
-                window.popleft()
-        finally:
-            for ref in window:
-                ray.cancel(ref, force=True)
+        while True:
+            for chunk in islice(waiting, self._window - len(window)):
+                window.append(self._task.remote(code(), work, ray.cloudpickle.dumps(chunk)))
+            if not window:
+                return
+            yield self._result(window[0])
+            window.popleft()
 
     def _result(self, ref: Any) -> Any:
         """Result of a task; the errors of its function are raised as they were there."""
         try:
-            refusal, result = self._ray.get(ref)
+            refusal, packed = self._ray.get(ref)
         except self._ray.exceptions.RayTaskError as error:
             raise error.cause from None
         except self._ray.exceptions.RayError as error:
             raise UserError(f"engine: ray lost a chunk for good: {_line(error)}") from None
         if refusal is not None:
             raise UserError(f"engine: {refusal}; allowed: the same installation on every node")
-        return result
+        return pickle.loads(zlib.decompress(packed))
 
 
-def _task() -> Callable[[dict[str, str], bytes, bytes], tuple[str | None, Any]]:
+def _task() -> Callable[[dict[str, str], bytes, bytes], tuple[str | None, bytes]]:
     """What a worker runs; being local it travels as code, to workers without the package too."""
 
-    def run(wanted: dict[str, str], function: bytes, chunk: bytes) -> tuple[str | None, Any]:
+    def run(wanted: dict[str, str], function: bytes, chunk: bytes) -> tuple[str | None, bytes]:
         import os
 
         import ray
@@ -83,11 +85,12 @@ def _task() -> Callable[[dict[str, str], bytes, bytes], tuple[str | None, Any]]:
         try:
             from sensorless.engine_code import code, difference
         except ImportError as error:
-            return f"{node} cannot use the package sensorless ({error})", None
+            return f"{node} cannot use the package sensorless ({error})", b""
         found = difference(wanted, code())
         if found:
-            return f"{node} has other code ({found})", None
-        return None, pickle.loads(function)(pickle.loads(chunk))
+            return f"{node} has other code ({found})", b""
+        result = pickle.loads(function)(pickle.loads(chunk))
+        return None, zlib.compress(pickle.dumps(result), level=1)
 
     return run
 
