@@ -11,6 +11,10 @@ from sensorless.ks_table import Axis, KsTable
 
 Floats = NDArray[np.float64]
 
+SNAP = 0.05
+"""Nodes this near to 0 or 1 go there: where least squares leaves a trace of k_s the injection would
+run for nothing."""
+
 
 class TableFit:
     """Sums of a least-squares problem that grows: k_s wanted at signals, for the nodes of a grid.
@@ -46,7 +50,7 @@ class TableFit:
         self._n += len(obs)
 
     def solve(self, slew_per_s: float) -> KsTable:
-        """Return the table of least squares so far."""
+        """Return the table of least squares so far, snapped to 0 and 1 (``SNAP``)."""
         count = max(self._n, 1)
         a, b = self._square / count + self._rough, self._right / count
 
@@ -57,9 +61,10 @@ class TableFit:
         start = np.full(len(b), 0.5)
         found = minimize(
             cost, start, jac=True, method="L-BFGS-B", bounds=[(0.0, 1.0)] * len(b),
-            options={"maxiter": 5000, "maxfun": 10000, "ftol": 1e-14, "gtol": 1e-9, "maxcor": 50},
+            options={"maxiter": 1000, "maxfun": 2000, "ftol": 1e-14, "gtol": 1e-8, "maxcor": 50},
         )  # fmt: skip
-        values = found.x.astype(np.float32).reshape(self._table.values.shape)
+        v = np.where(found.x < SNAP, 0.0, np.where(found.x > 1.0 - SNAP, 1.0, found.x))
+        values = v.astype(np.float32).reshape(self._table.values.shape)
         return KsTable(self._table.axes, values, slew_per_s=slew_per_s)
 
 
