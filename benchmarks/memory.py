@@ -1,6 +1,7 @@
 """Memory of an environment, and that it does not grow however long the drives run.
 
-``measure`` starts this file as a process of its own: memory that others freed would hide what is used.
+``measure`` starts this file as a process of its own: memory that others freed would hide what is
+used.
 """
 
 import json
