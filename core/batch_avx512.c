@@ -4,6 +4,7 @@
 
 #ifdef BATCH_BLOCKS
 #pragma GCC target("avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512")
+#pragma GCC optimize("schedule-insns", "sched-pressure") /* a tenth faster with its 32 registers */
 #define BLOCK_RUN batch_avx512
 #include "block.h"
 #endif

@@ -47,13 +47,19 @@ class BatchState:
     episode: Seeds
 
 
+AT_ONCE = 512
+"""Drives made or copied at a time, so that it takes little memory beside them."""
+
 Rooms = tuple[Array, Observation, Values]
 """Drives, their signals, and their fixed true quantities."""
 
 
 def _put(to: Rooms, at: Rows, parts: Rooms, source: Rows) -> None:
     """Copy rows ``source`` of parts to rows ``at``."""
-    words(to[0])[at] = words(parts[0])[source]
+    new, old = words(to[0]), words(parts[0])
+    for first in range(0, len(at), AT_ONCE):
+        some = slice(first, first + AT_ONCE)
+        new[at[some]] = old[source[some]]
     to[1][at] = parts[1][source]
     to[2][at] = parts[2][source]
 
@@ -115,7 +121,10 @@ class BlendBatch:
                 raise UserError(
                     f"scenarios: {len(drawn)} for {len(missing)} seeds; allowed: one each"
                 )
-            _put(self._next, missing, self._built(drawn), np.arange(len(missing)))
+            for first in range(0, len(missing), AT_ONCE):
+                some = slice(first, first + AT_ONCE)
+                parts = self._built(drawn[some])
+                _put(self._next, missing[some], parts, np.arange(len(parts[0])))
             self._ready[missing] = True
         source = rows if given is None else np.arange(len(rows))
         _put((self._sims, self._signals, self._constant), rows, fresh, source)
