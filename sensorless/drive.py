@@ -37,13 +37,13 @@ def _setting(default: float, doc: str, low: float, high: float) -> Any:
 class DriveDesign:
     """Bandwidths and choices of the control core; everything else follows from the motor."""
 
-    hfi_pll_hz: float = _setting(17.0, "natural frequency of the injection PLL [Hz]", 1, 200)
+    hfi_pll_hz: float = _setting(15.0, "natural frequency of the injection PLL [Hz]", 1, 200)
     smo_pll_hz: float = _setting(20.0, "natural frequency of the EMF PLL [Hz]", 1, 200)
     smo_gain: float = _setting(1.0, "SMO gain over the deadbeat gain L_d / T_s", 0.05, 1.95)
     smo_cross_hz: float = _setting(20.0, "low-pass on the cross term's speed [Hz]", 0.5, math.inf)
     smo_k: float = _setting(2.5, "bound on the SMO's EMF over the rated no-load EMF", 0.05, 100)
     smo_emf_hz: float = _setting(math.inf, "low-pass on the EMF [Hz]", 1, math.inf)
-    L_q_bias: float = _setting(0.6, "observer's q inductance over the apparent one", 0.3, 1.5)
+    L_q_bias: float = _setting(0.7, "observer's q inductance over the apparent one", 0.3, 1.5)
     smo_floor_rpm: float = _setting(
         40.0, "speed below which the EMF is not used [r/min]; 0: no warm start", 0, 1e4
     )

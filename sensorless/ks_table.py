@@ -6,7 +6,7 @@ Lookup, check and checksum are those of ``core/ks_table.c``; there is no second 
 import hashlib
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -121,11 +121,6 @@ class KsTable:
         header["motor_hash"] = motor_hash
         seal(header, self.stored(form))
         return header.reshape(())
-
-    def to_q15(self) -> "KsTable":
-        """Return the table whose lookup gives the bits of the Q15 firmware table."""
-        values = self.stored("q15").astype(np.float32) * (np.float32(1.0) / np.float32(32767.0))
-        return replace(self, values=values.reshape(self.values.shape))
 
     def fields(self) -> dict[str, Any]:
         """Return all numbers as JSON types, with the fewest digits that restore every float32."""

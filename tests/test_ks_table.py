@@ -102,10 +102,16 @@ def test_q15_is_within_half_a_step_and_holds_both_ends(form: ValueFormat) -> Non
     t = table(2)
     ends = replace(t, values=np.where(t.values > 0.5, 1.0, 0.0).astype(np.float32))
     places = signals(np.random.default_rng(3).uniform(-1, 1, size=(500, 2)), t.axes)
-    for one, limit in ((t, 1.0 / 65534.0 + 1e-7), (ends, 0.0)):
+    rounding = 2e-7
+    for one, limit in ((t, 1.0 / 65534.0 + rounding), (ends, rounding)):
         k_s = lookup(one.record("q15").reshape(1), one.stored("q15"), places)
-        assert np.array_equal(k_s, one.to_q15().evaluate(places))
+        nodes = (one.stored("q15") / 32767.0).astype(np.float32).reshape(one.values.shape)
+        assert np.abs(k_s - replace(one, values=nodes).evaluate(places)).max() <= rounding
         assert np.abs(k_s - one.evaluate(places)).max() <= limit
+        assert k_s.min() >= 0.0 and k_s.max() <= 1.0
+    for level in (0.0, 1.0):
+        flat = replace(t, values=np.full_like(t.values, level))
+        assert set(lookup(flat.record("q15").reshape(1), flat.stored("q15"), places)) == {level}
 
 
 def flips(raw: NDArray[np.uint8]) -> Any:

@@ -136,8 +136,8 @@ def test_bad_saturation(field: str, value: str, tmp_path: Path) -> None:
 
 def test_trip_has_to_lie_above_the_limit(tmp_path: Path) -> None:
     """Two fields that contradict each other."""
-    assert "i_trip: 8.0 A; allowed: above i_max = 8.4 A" in refusal(
-        write(tmp_path, change("i_trip", "8.0"))
+    assert "i_trip: 6.5 A; allowed: above i_max = 6.8 A" in refusal(
+        write(tmp_path, change("i_trip", "6.5"))
     )
 
 

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sensorless.control_design import operating_line
 from sensorless.core_api import Array, struct_dtype
 from sensorless.drive import DriveDesign, control_record
-from sensorless.magnetics import Floats, mtpa
+from sensorless.magnetics import Floats
 from sensorless.motor import Motor
 
 Call = Callable[..., None]
@@ -210,9 +211,9 @@ def test_reference_limits(c: Call, motor: Motor, sign: float) -> None:
         last = i_q
         if k == 99:
             assert sign * i_q == pytest.approx(150.0 * motor.T_s * 100, rel=0.02)
-    i_d_best, i_q_best = mtpa(motor)
-    want = float(np.interp(abs(last), i_q_best, i_d_best))
-    assert i_d == pytest.approx(want, abs=0.1)
+    nodes = operating_line(motor, use_mtpa=True)
+    want = float(np.interp(abs(last), nodes[:, 1], nodes[:, 0]))
+    assert i_d == pytest.approx(want, abs=0.01)
     assert last * sign > 0.7 * motor.i_max
 
 
