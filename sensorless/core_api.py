@@ -106,7 +106,7 @@ def pointer(array: Array, ctype: str) -> Any:
 THREADS = "SENSORLESS_THREADS"
 """Environment variable: the most threads a call may use, instead of one for every core."""
 
-SMALL = 4000
+SMALL = 10_000
 """Periods of all drives together that one thread does faster than two."""
 
 
