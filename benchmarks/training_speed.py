@@ -31,9 +31,8 @@ class FreeVecEnv(SB3VecEnv):
     Drive i is cut off at steps i, i + ``length``, ...
     """
 
-    render_mode = None
-
     def __init__(self, like: SB3VecEnv, length: int) -> None:
+        self.env = like.env  # the base class asks it for its render_mode
         VecEnv.__init__(self, like.num_envs, like.observation_space, like.action_space)
         n, columns = like.num_envs, like.observation_space.shape or ()
         self._observation = np.random.default_rng(0).random((n, *columns), dtype=np.float32)

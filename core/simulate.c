@@ -114,7 +114,7 @@ static void run_piece(void *job, int32_t piece) {
     }
 }
 
-#define PERIODS_A_THREAD 2000 /* below, starting a thread takes longer than the work it does */
+#define PERIODS_A_THREAD 5000 /* below, a thread takes longer to start than it saves */
 
 void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
              const float *k_s_ref, float *obs) {

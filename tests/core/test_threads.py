@@ -118,7 +118,7 @@ def flushing() -> Iterator[None]:
 
 def tiny() -> Array:
     """Drives without injection whose filter of its error holds a denormal number."""
-    sims = drives()
+    sims = drives(256)
     sims["drive"]["x"]["signal"]["hfi_var"] = 1e-40
     sims["drive"]["x"]["k_s"] = 0.0
     return sims
