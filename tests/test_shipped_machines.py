@@ -74,7 +74,8 @@ def test_each_estimator_holds_rated_torque(name: str) -> None:
     np.testing.assert_allclose(
         loaded, np.rad2deg([1.0, -1.0] * want), atol=2.5, err_msg="closed form"
     )
-    assert np.all(np.rad2deg([low.err_std, high.err_std]) < 2.0)
+    assert np.all(np.rad2deg(low.err_std) < 2.0)
+    assert np.all(np.rad2deg(high.err_std) < 2.5), "a weak magnet's EMF hunts without load"
 
 
 def test_motors_suite_is_handoff_and_stress_in_turn() -> None:
