@@ -4,9 +4,9 @@ SENSORLESS ?= $(abspath .venv/bin/sensorless)
 OUT        ?= results/reference
 WORK       ?= build/reference
 
-# Simulated seconds for every rule: what PPO gets in its minutes on two cores.
+# Simulated seconds for every rule, and about as many for PPO: decisions of 5 ms.
 BUDGET ?= 240000
-TRAIN  ?= --minutes 15
+TRAIN  ?= --steps 45000000
 SEEDS  ?= 1 2 3 4 5
 SIZE   ?= 2000
 # Of the scenarios to judge on.
