@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run, sums_matrix, words
+from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run, sim_start, sums_matrix, words
 from sensorless.envs.blend_settings import BlendSettings
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.privileged import FIXED, Values, fixed, privileged
@@ -50,18 +50,12 @@ class BatchState:
 AT_ONCE = 512
 """Drives made or copied at a time, so that it takes little memory beside them."""
 
-Rooms = tuple[Array, Observation, Values]
-"""Drives, their signals, and their fixed true quantities."""
+_BYTES = {name: (f[1], f[1] + f[0].itemsize) for name, f in (SIM.fields or {}).items()}
+_TOLD = np.r_[: -(-_BYTES["drive"][0] // 8), _BYTES["sums"][1] // 8 : SIM.itemsize // 8]
+"""Words of SIM that tell drives apart before they start; ``sim_start`` makes the others of them."""
 
-
-def _put(to: Rooms, at: Rows, parts: Rooms, source: Rows) -> None:
-    """Copy rows ``source`` of parts to rows ``at``."""
-    new, old = words(to[0]), words(parts[0])
-    for first in range(0, len(at), AT_ONCE):
-        some = slice(first, first + AT_ONCE)
-        new[at[some]] = old[source[some]]
-    to[1][at] = parts[1][source]
-    to[2][at] = parts[2][source]
+Prepared = tuple[Array, Values]
+"""Those words, and the fixed true quantities, of some drives."""
 
 
 class BlendBatch:
@@ -83,19 +77,13 @@ class BlendBatch:
         self._factory = SimFactory(self.motor, settings.design)
         self._seeds: Seeds = np.zeros(n, dtype=np.uint64)
         self._episode: Seeds = np.zeros(n, dtype=np.uint64)
-        self._sims, self._signals, self._constant = self._rooms(n)
+        self._sims = np.zeros(n, dtype=SIM)
+        self._signals: Observation = np.zeros((n, SIGNAL_N), dtype=np.float32)
+        self._constant: Values = np.zeros((n, len(FIXED)), dtype=np.float32)
         # One prepared episode a drive: drawing scenarios costs the same for one row and for all.
-        self._next = self._rooms(n)
+        self._next: Prepared = (np.zeros((n, len(_TOLD)), dtype=np.uint64), self._constant.copy())
         self._ready = np.zeros(n, dtype=bool)
         self._sums = self._copied_sums()
-
-    @staticmethod
-    def _rooms(n: int) -> Rooms:
-        return (
-            np.zeros(n, dtype=SIM),
-            np.zeros((n, SIGNAL_N), dtype=np.float32),
-            np.zeros((n, len(FIXED)), dtype=np.float32),
-        )
 
     def __len__(self) -> int:
         """Return the number of drives."""
@@ -111,36 +99,46 @@ class BlendBatch:
         """Start the next episode of some drives, with ``given`` in place of their streams' own."""
         fresh = self._next
         if given is not None:
-            fresh = self._built(given)
+            fresh = self._prepared(given)
         elif not self._ready[rows].all():
-            missing = np.flatnonzero(~self._ready)
-            drawn = self.settings.scenarios(
-                self.motor, combine(self._seeds[missing], self._episode[missing])
-            )
-            if len(drawn) != len(missing):
-                raise UserError(
-                    f"scenarios: {len(drawn)} for {len(missing)} seeds; allowed: one each"
-                )
-            for first in range(0, len(missing), AT_ONCE):
-                some = slice(first, first + AT_ONCE)
-                parts = self._built(drawn[some])
-                _put(self._next, missing[some], parts, np.arange(len(parts[0])))
-            self._ready[missing] = True
+            self._draw(np.flatnonzero(~self._ready))
         source = rows if given is None else np.arange(len(rows))
-        _put((self._sims, self._signals, self._constant), rows, fresh, source)
+        for first in range(0, len(rows), AT_ONCE):
+            some = slice(first, first + AT_ONCE)
+            at, of = rows[some], source[some]
+            self._start(at, fresh[0][of])
+            self._constant[at] = fresh[1][of]
         self._ready[rows] = False
         self._episode[rows] += np.uint64(1)
         self._sums = self._copied_sums()
 
-    def _built(self, scenarios: Scenarios) -> Rooms:
-        """Started drives, their first signals, and their fixed true quantities."""
+    def _draw(self, rows: Rows) -> None:
+        """Prepare the next episode of some drives."""
+        drawn = self.settings.scenarios(self.motor, combine(self._seeds[rows], self._episode[rows]))
+        if len(drawn) != len(rows):
+            raise UserError(f"scenarios: {len(drawn)} for {len(rows)} seeds; allowed: one each")
+        for first in range(0, len(rows), AT_ONCE):
+            some = slice(first, first + AT_ONCE)
+            for room, part in zip(self._next, self._prepared(drawn[some]), strict=True):
+                room[rows[some]] = part
+        self._ready[rows] = True
+
+    def _prepared(self, scenarios: Scenarios) -> Prepared:
         sims = self._factory.build(scenarios)
         limit = self.settings.max_episode_steps
         if limit is not None:
             sims["k_end"] = np.minimum(sims["k_end"], limit * self.periods)
-        signals = np.zeros((len(sims), SIGNAL_N), dtype=np.float32)
-        sim_run(sims, 0, np.ones(len(sims), dtype=np.float32), signals)
-        return sims, signals, fixed(scenarios, self.motor)
+        return words(sims)[:, _TOLD], fixed(scenarios, self.motor)
+
+    def _start(self, rows: Rows, told: Array) -> None:
+        """Start some drives, and read their first signals."""
+        sims = np.zeros(len(rows), dtype=SIM)
+        words(sims)[:, _TOLD] = told
+        sim_start(sims)
+        signals = np.zeros((len(rows), SIGNAL_N), dtype=np.float32)
+        sim_run(sims, 0, np.ones(len(rows), dtype=np.float32), signals)
+        words(self._sims)[rows] = words(sims)
+        self._signals[rows] = signals
 
     def advance(self, actions: Any) -> None:
         """One decision of every drive; those lost or at their end stay where they are.
