@@ -17,7 +17,8 @@ from rich.table import Table
 
 from sensorless.aggregate import paired, summary
 from sensorless.baselines.registry import make_policy
-from sensorless.core_api import CARRIER_NAMES, PLANT_STATE, carrier_run
+from sensorless.core_api import CARRIER_NAMES, PLANT_STATE
+from sensorless.core_machine import carrier_run
 from sensorless.drive import DriveDesign, plant_record, sensor_record
 from sensorless.envs.scenario import SimFactory
 from sensorless.evaluate import score, versions

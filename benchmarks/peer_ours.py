@@ -5,7 +5,8 @@ import sys
 import numpy as np
 
 from benchmarks.peer_clock import rate, tell
-from sensorless.core_api import PLANT_STATE, SIGNAL_N, Array, plant_run, sim_run
+from sensorless.core_api import PLANT_STATE, SIGNAL_N, Array, sim_run
+from sensorless.core_machine import plant_run
 from sensorless.drive import DriveDesign, plant_record
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenario import Scenarios, SimFactory

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
-from sensorless.core_api import Array, flux_map_currents
+from sensorless.core_api import Array
+from sensorless.core_machine import flux_map_currents
 from sensorless.magnetics import Floats, flux, flux_map_record
 from sensorless.motor import Motor
 

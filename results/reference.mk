@@ -5,8 +5,8 @@ OUT        ?= results/reference
 WORK       ?= build/reference
 
 # Simulated seconds for every rule, and about as many for PPO: decisions of 5 ms.
-BUDGET ?= 240000
-TRAIN  ?= --steps 45000000
+BUDGET ?= 50000
+TRAIN  ?= --steps 10000000
 SEEDS  ?= 1 2 3 4 5
 SIZE   ?= 2000
 # Of the scenarios to judge on.

@@ -5,7 +5,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core_api import FLUX_MAP, Array, flux_map_currents
+from sensorless.core_api import FLUX_MAP, Array
+from sensorless.core_machine import flux_map_currents
 from sensorless.errors import UserError
 from sensorless.motor import Motor, Saturation
 

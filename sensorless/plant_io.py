@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sensorless.core_api import PLANT, PLANT_STATE, Array, plant_run
+from sensorless.core_api import PLANT, PLANT_STATE, Array
+from sensorless.core_machine import plant_run
 from sensorless.drive import SUB_STEPS
 from sensorless.errors import UserError
 from sensorless.files import write_atomic

@@ -12,7 +12,7 @@ FOLDERS = ("core", "observers", "envs", "baselines", "agents", "firmware", "sens
 
 # Lowest first. A pattern stands for sensorless.NAME and all below it; "" is sensorless/__init__.py.
 LAYERS = (
-    ("", "core", "core_api", "errors", "files", "motor", "magnetics", "ks_*"),
+    ("", "core", "core_*", "errors", "files", "motor", "magnetics", "ks_*"),
     ("observers", "*_design"),
     ("drive",),
     ("envs",),

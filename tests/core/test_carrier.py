@@ -8,14 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from sensorless.core_api import (
-    CARRIER_NAMES,
-    PLANT,
-    PLANT_STATE,
-    SENSOR,
-    Array,
-    carrier_run,
-)
+from sensorless.core_api import CARRIER_NAMES, PLANT, PLANT_STATE, SENSOR, Array
+from sensorless.core_machine import carrier_run
 from sensorless.drive import plant_record
 from sensorless.magnetics import Floats, flux
 from sensorless.motor import Motor, Saturation

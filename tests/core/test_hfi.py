@@ -9,7 +9,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sensorless.core_api import plant_run, struct_dtype
+from sensorless.core_api import struct_dtype
+from sensorless.core_machine import plant_run
 from sensorless.drive import DriveDesign, control_record
 from sensorless.magnetics import cross_angle, flux, inverse_inductance
 from sensorless.motor import Motor, Saturation

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from sensorless.core_api import plant_run
+from sensorless.core_machine import plant_run
 from sensorless.magnetics import Floats, flux
 from sensorless.motor import Motor, Saturation
 from sensorless.plant_case import PlantCase

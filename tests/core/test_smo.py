@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sensorless.core_api import Array, plant_run, struct_dtype
+from sensorless.core_api import Array, struct_dtype
+from sensorless.core_machine import plant_run
 from sensorless.drive import DriveDesign, control_record
 from sensorless.errors import UserError
 from sensorless.magnetics import Floats, flux

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sensorless.core_api import plant_run
+from sensorless.core_machine import plant_run
 from sensorless.magnetics import Floats, flux
 from sensorless.motor import Motor
 from sensorless.observers.ekf import MachineEkf, run_ekf
