@@ -37,7 +37,7 @@ bench: $(READY) ## Measure speed, write build/bench.json
 bench-peers: $(READY) ## Measure speed beside other simulators
 	$(VENV)/bin/python benchmarks/peers.py
 
-reference: $(READY) ## Make what is missing of results/reference (hours)
+reference: $(READY) ## Make what is missing of results/reference (half an hour)
 	@$(MAKE) --no-print-directory -f results/reference.mk
 
 clean: ## Remove all that was built, keep the libraries in .venv
