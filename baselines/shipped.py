@@ -36,8 +36,8 @@ def docs() -> dict[str, str]:
     lines = {}
     for name in tuned_names():
         tuned = Tuned.load(tuned_file(name))
-        budget = tuned.provenance.get("budget_s", "?")
-        lines[name] = f"{tuned.rule} with parameters found by CMA-ES in {budget} s simulated"
+        budget = float(tuned.provenance.get("budget_s", "nan"))
+        lines[name] = f"{tuned.rule} with parameters found by CMA-ES in {budget:g} s simulated"
     if reference_run() is not None:
         lines[RUN] = "the schedule of results/reference, learned by PPO"
     return lines

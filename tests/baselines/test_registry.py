@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sensorless.baselines import shipped
 from sensorless.baselines.hysteresis import Hysteresis
 from sensorless.baselines.linear import linear_table
 from sensorless.baselines.registry import RULES, RUN, TUNED, known, make_policy
@@ -121,7 +122,8 @@ def test_every_rule_can_be_made_and_runs() -> None:
 
 def test_the_list_has_a_line_for_everything() -> None:
     words = known()
-    assert [word.split("[")[0].split(":")[0] for word in words] == [*RULES, "tuned", RUN]
+    named = [word.split("[")[0].split(":")[0] for word in words]
+    assert named == [*RULES, *shipped.docs(), "tuned", RUN]
     assert all(doc and "\n" not in doc and len(doc) < 90 for doc in words.values())
 
 
