@@ -37,10 +37,8 @@ def single() -> Run:
     return run
 
 
-def vector(n: int) -> Run:
-    """n drives through ``gymnasium.make_vec``."""
-    env = gymnasium.make_vec(ID, num_envs=n)
-    env.reset(seed=0)
+def _stepping(env: Any, n: int) -> Run:
+    """Steps of an environment of n drives that was reset."""
     action = np.ones((n, 1), dtype=np.float32)
     calls = max(3, SMALLEST // n)
 
@@ -50,6 +48,13 @@ def vector(n: int) -> Run:
         return calls * n
 
     return run
+
+
+def vector(n: int) -> Run:
+    """n drives through ``gymnasium.make_vec``."""
+    env = gymnasium.make_vec(ID, num_envs=n)
+    env.reset(seed=0)
+    return _stepping(env, n)
 
 
 def adapted(n: int) -> Run:
@@ -57,15 +62,7 @@ def adapted(n: int) -> Run:
     native: Any = gymnasium.make_vec(ID, num_envs=n, autoreset_mode="SameStep")
     env = SB3VecEnv(native, privileged=True)
     env.reset()
-    action = np.ones((n, 1), dtype=np.float32)
-    calls = max(3, SMALLEST // n)
-
-    def run() -> int:
-        for _ in range(calls):
-            env.step(action)
-        return calls * n
-
-    return run
+    return _stepping(env, n)
 
 
 def measure(seconds: float) -> dict[str, Any]:

@@ -45,10 +45,13 @@ def report_command(
     cases, what holds lock over speed and load, the schedule beside Eq. 25, waveforms of hand-overs,
     learning curves, and the commands that make each of them again.
     """
+    from sensorless.baselines.registry import make_policy
     from sensorless.motor import Motor
     from sensorless.options import design_from
     from sensorless.report import SUITES, Report
 
+    machine = Motor.load(motor)
+    make_policy(run, machine)  # a word that means nothing is told before anything else
     if out is None and not Path(run).is_dir():
         raise UserError(f"out: {run!r} is no folder to write into; allowed: with --out FOLDER")
     folder = Path(run) / "report" if out is None else out
@@ -57,7 +60,7 @@ def report_command(
     with policy_progress() as progress:
         page = Report(
             run,
-            Motor.load(motor),
+            machine,
             design_from(settings),
             others=policy,
             options=options,
