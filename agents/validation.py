@@ -4,8 +4,9 @@ import numpy as np
 
 from sensorless.envs.policy import Policy
 from sensorless.envs.scenario import SimFactory
-from sensorless.metrics import torque_dev_rms, torque_ripple_rms
+from sensorless.metrics import torque_dev_rms
 from sensorless.objective import Cost
+from sensorless.ripple_metrics import torque_ripple_rms
 from sensorless.rollout import rollouts
 from sensorless.suites import suite
 

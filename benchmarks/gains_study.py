@@ -28,9 +28,10 @@ from sensorless.envs.counter_random import combine
 from sensorless.envs.scenario import SimFactory
 from sensorless.evaluate import versions
 from sensorless.files import write_atomic
-from sensorless.metrics import torque_dev_rms, torque_ripple_rms
+from sensorless.metrics import torque_dev_rms
 from sensorless.motor import Motor
 from sensorless.objective import OBJECTIVE, Cost
+from sensorless.ripple_metrics import torque_ripple_rms
 from sensorless.rollout import rollouts
 from sensorless.step_metrics import reference
 from sensorless.suites import suite

@@ -7,20 +7,25 @@ lost); NaN where a metric has no meaning. Sums run over the PWM periods k of tha
 from collections.abc import Callable
 
 import numpy as np
-from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 
+from sensorless.ripple_metrics import (
+    torque_p2p_handover,
+    torque_p2p_window,
+    torque_ripple_lf_rms,
+    torque_ripple_rms,
+    torque_ripple_window,
+)
 from sensorless.rollout import Floats, Rollout
 from sensorless.start_metrics import backward_excess_pct, start_err_deg, start_s
 from sensorless.step_metrics import (
     dip_excess_pct_s,
     dip_pct_s,
+    overshoot_clean_held,
+    overshoot_clean_pct,
     overshoot_excess_pct,
     overshoot_pct,
     settling_s,
 )
-
-RIPPLE_WINDOW = 0.02
-"""Moving mean that torque ripple is measured against, and width of a peak-to-peak window [s]."""
 
 
 def torque_dev_rms(r: Rollout) -> Floats:
@@ -31,42 +36,6 @@ def torque_dev_rms(r: Rollout) -> Floats:
 def torque_dev_lf_rms(r: Rollout) -> Floats:
     """``torque_dev_rms`` of the mean of each two samples in a row: without the injection band."""
     return np.asarray(np.sqrt(r.total("dev_lf_sq")) / r.motor.tau_rated)
-
-
-def torque_ripple_rms(r: Rollout) -> Floats:
-    """sqrt(sum (tau - tau_mean)^2 / N) / tau_rated, tau_mean the centred 20 ms moving mean.
-
-    From the sums of each decision j of n_j periods, S_j of tau and Q_j of tau^2: the moving mean,
-    taken at the centre of the decision, is M_j = sum_i w_i S_(j+i) / sum_i w_i n_(j+i) with
-    w_i = 1 for |i| < h, 1/2 for |i| = h, where 2 h decisions are 20 ms (cut at both ends of the
-    life), and the sum over the periods of decision j is Q_j - 2 M_j S_j + n_j M_j^2.
-    """
-    return _ripple(r, "tau_sq")
-
-
-def torque_ripple_lf_rms(r: Rollout) -> Floats:
-    """``torque_ripple_rms`` of the mean of each two samples in a row: without the injection band.
-
-    Q_j is the sum of that mean's square; S_j stays, because its difference to the sum of the mean
-    is half a sample at each end of the decision, which cancels from one decision to the next.
-    """
-    return _ripple(r, "tau_lf_sq")
-
-
-def torque_p2p_handover(r: Rollout) -> Floats:
-    """max_j (max tau - min tau within 20 ms around decision j) / tau_rated, 0.001 < k_s_j < 0.999.
-
-    Without the injection band; NaN if the drive never was between its two estimators.
-    """
-    width = 2 * _half_window(r) + 1
-    high = np.where(r.alive, r.sums["tau_max"], -np.inf)
-    low = np.where(r.alive, r.sums["tau_min"], np.inf)
-    span = maximum_filter1d(high, width, axis=0, mode="constant", cval=-np.inf)
-    span -= minimum_filter1d(low, width, axis=0, mode="constant", cval=np.inf)
-    k_s = r.mean("k_s")
-    between = (k_s > 0.001) & (k_s < 0.999)
-    peak = np.where(between, span, -np.inf).max(axis=0, initial=-np.inf)
-    return np.asarray(np.where(np.isfinite(peak), peak, np.nan) / r.motor.tau_rated)
 
 
 def speed_dev_rms(r: Rollout) -> Floats:
@@ -132,8 +101,12 @@ METRICS: dict[str, Callable[[Rollout], Floats]] = {
         torque_ripple_rms,
         torque_ripple_lf_rms,
         torque_p2p_handover,
+        torque_ripple_window,
+        torque_p2p_window,
         overshoot_pct,
         overshoot_excess_pct,
+        overshoot_clean_pct,
+        overshoot_clean_held,
         settling_s,
         dip_pct_s,
         dip_excess_pct_s,
@@ -151,34 +124,6 @@ METRICS: dict[str, Callable[[Rollout], Floats]] = {
     )
 }
 """All metrics by name, in the order in which they are reported."""
-
-
-def ripple_sq(r: Rollout, square: str) -> Floats:
-    """(d, n) sum over the periods of each decision of (tau - tau_mean)^2 [(N m)^2].
-
-    As in ``torque_ripple_rms``; ``square`` names the sum Q, ``tau_sq`` or ``tau_lf_sq``. Single
-    decisions may come out below zero by rounding.
-    """
-    h = _half_window(r)
-    weights = np.ones(2 * h + 1)
-    weights[[0, -1]] = 0.5
-    tau, count = (np.asarray(r.sums[name], dtype=np.float64) for name in ("tau", "n"))
-    if not len(tau):
-        return np.zeros(tau.shape)
-    mean = convolve1d(tau, weights, axis=0, mode="constant")
-    mean /= np.maximum(convolve1d(count, weights, axis=0, mode="constant"), 0.5)
-    return np.asarray(r.sums[square] - 2.0 * mean * tau + count * mean**2)
-
-
-def _half_window(r: Rollout) -> int:
-    """Decisions in half of the ripple window, at least one."""
-    return max(1, round(0.5 * RIPPLE_WINDOW / r.decision_time))
-
-
-def _ripple(r: Rollout, square: str) -> Floats:
-    total = ripple_sq(r, square).sum(axis=0)
-    periods = np.where(r.periods > 0, r.periods, np.nan)
-    return np.asarray(np.sqrt(np.maximum(total, 0.0) / periods) / r.motor.tau_rated)
 
 
 def _mean_alive(r: Rollout, x: Floats) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core_api import Array
-from sensorless.metrics import ripple_sq
+from sensorless.ripple_metrics import ripple_sq
 from sensorless.rollout import Rollout
 
 SPEED_EDGES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0)

@@ -15,6 +15,10 @@ from sensorless.rollout import Floats, Rollout
 MIN_STEP = 0.05
 SETTLED = 0.02
 """Band around the target in which the speed has to stay, over the height of the step."""
+CLEAN = 0.5
+"""Overshoot of the sensored twin up to which it counts as none [%]."""
+HELD = 2.0
+"""Overshoot that a drive may have where its twin has none [%]."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,22 @@ def overshoot_pct(r: Rollout) -> Floats:
 def overshoot_excess_pct(r: Rollout) -> Floats:
     """Largest difference, over the steps, of the drive's overshoot to its sensored twin's [%]."""
     return _worst(_overshoots(r, "omega_m") - _overshoots(r, "omega_m_twin"))
+
+
+def overshoot_clean_pct(r: Rollout) -> Floats:
+    """``overshoot_pct`` over the speed steps in which the sensored twin's is at most 0.5 % [%].
+
+    There the drive's own speed loop has none, and what is seen is the estimate's doing. NaN without
+    such a step.
+    """
+    twin = _overshoots(r, "omega_m_twin")
+    return _worst(np.where(twin <= CLEAN, _overshoots(r, "omega_m"), np.nan))
+
+
+def overshoot_clean_held(r: Rollout) -> Floats:
+    """1 where ``overshoot_clean_pct`` <= 2 %, else 0; its mean is a share of scenarios."""
+    worst = overshoot_clean_pct(r)
+    return np.asarray(np.where(np.isnan(worst), np.nan, worst <= HELD))
 
 
 def settling_s(r: Rollout) -> Floats:
@@ -167,6 +187,9 @@ def _used(steps: Steps) -> list[int]:
 
 def _overshoots(r: Rollout, name: str) -> Floats:
     """(n, PROFILE_N) overshoot of each speed step [%]."""
+    key = f"overshoots of {name}"
+    if key in r.kept:
+        return r.kept[key]
     omega = r.mean(name)
     steps = _speed_steps(r)
     out = np.full(steps.height.shape, np.nan)
@@ -175,6 +198,7 @@ def _overshoots(r: Rollout, name: str) -> Floats:
         beyond = np.sign(height) * (omega - steps.target[:, j])
         peak = np.where(steps.window(j, len(omega)), beyond, 0.0).max(axis=0, initial=0.0)
         out[:, j] = 100.0 * peak / np.abs(height)
+    r.kept[key] = out
     return out
 
 

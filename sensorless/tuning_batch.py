@@ -11,8 +11,9 @@ from sensorless.core_api import Array
 from sensorless.engine import LOCAL, Engine
 from sensorless.envs.policy import Policy, Signals, decide, estimator_of
 from sensorless.envs.scenario import Scenarios, SimFactory
-from sensorless.metrics import torque_dev_rms, torque_ripple_rms
+from sensorless.metrics import torque_dev_rms
 from sensorless.objective import Cost
+from sensorless.ripple_metrics import torque_ripple_rms
 from sensorless.rollout import Floats, rollout
 
 DRIVES = 512

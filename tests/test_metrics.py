@@ -22,9 +22,6 @@ from sensorless.metrics import (
     speed_dev_rms,
     torque_dev_lf_rms,
     torque_dev_rms,
-    torque_p2p_handover,
-    torque_ripple_lf_rms,
-    torque_ripple_rms,
 )
 from sensorless.motor import Motor
 from sensorless.rollout import Rollout, rollout
@@ -40,28 +37,19 @@ Floats = NDArray[np.float64]
 def made_up(periods: int, live: int | None = None, **signals: ArrayLike) -> Rollout:
     """One drive that shows these signals period by period, and lives for ``live`` periods.
 
-    A signal is a field of ``sums_t`` that is summed as it is; ``tau`` also fills its squares and
-    extremes, ``dev`` its own.
+    A signal is a field of ``sums_t`` that is summed as it is; ``dev`` fills its own squares.
     """
     live = periods if live is None else live
     rows = {
         name: np.broadcast_to(np.asarray(x, dtype=np.float64), periods).copy()
         for name, x in signals.items()
     }
-    for name, parts in {"tau": ("tau_sq", "tau_lf_sq"), "dev": ("dev_sq", "dev_lf_sq")}.items():
-        x = rows.get(name, np.zeros(periods))
-        mean_2 = 0.5 * (x + np.concatenate([x[:1], x[:-1]]))
-        rows[parts[0]], rows[parts[1]] = x**2, mean_2**2
-        if name == "tau":
-            rows["tau_min"], rows["tau_max"] = mean_2, mean_2
-    rows.pop("dev", None)
+    dev = rows.pop("dev", np.zeros(periods))
+    rows["dev_sq"] = dev**2
+    rows["dev_lf_sq"] = (0.5 * (dev + np.concatenate([dev[:1], dev[:-1]]))) ** 2
     rows["n"] = np.ones(periods)
     sums = np.zeros((-(-periods // P), 1), dtype=SIM["sums"])
-    fold: dict[str, Callable[[Floats], float]] = {
-        "tau_min": np.min,
-        "tau_max": np.max,
-        "err_max": np.max,
-    }
+    fold: dict[str, Callable[[Floats], float]] = {"err_max": np.max}
     for name, x in rows.items():
         for j in range(-(-live // P)):
             part = x[j * P : min((j + 1) * P, live)]
@@ -71,16 +59,6 @@ def made_up(periods: int, live: int | None = None, **signals: ArrayLike) -> Roll
     return Rollout(MOTOR, scenario, sums, lost, np.array([live]))
 
 
-def exact_ripple(tau: Floats) -> float:
-    """RMS of torque minus its centred 20 ms moving mean, sample by sample, over rated torque."""
-    h = 50
-    weights = np.ones(2 * h + 1)
-    weights[[0, -1]] = 0.5
-    total, count = (np.convolve(x, weights)[h:-h] for x in (tau, np.ones_like(tau)))
-    mean = total / count
-    return float(np.sqrt(np.mean((tau - mean) ** 2)) / MOTOR.tau_rated)
-
-
 def test_torque_deviation() -> None:
     r = made_up(1000, dev=np.where(np.arange(1000) < 500, 0.7, -2.1))
     expected = np.sqrt((0.7**2 + 2.1**2) / 2.0) / 14.0
@@ -88,56 +66,9 @@ def test_torque_deviation() -> None:
 
 
 def test_the_injection_band_is_left_out_of_lf_metrics() -> None:
-    alternating = np.where(np.arange(1000) % 2, 1.4, -1.4)
-    r = made_up(1000, dev=alternating, tau=3.0 + alternating)
+    r = made_up(1000, dev=np.where(np.arange(1000) % 2, 1.4, -1.4))
     assert torque_dev_rms(r)[0] == pytest.approx(0.1, rel=1e-6)
     assert torque_dev_lf_rms(r)[0] == pytest.approx(0.0, abs=0.004)
-    assert torque_ripple_rms(r)[0] == pytest.approx(0.1, rel=1e-3)
-    assert torque_ripple_lf_rms(r)[0] == pytest.approx(0.0, abs=0.006)
-
-
-@pytest.mark.parametrize("cycles", [1, 2, 3])
-def test_ripple_of_whole_cycles_in_the_window_is_their_rms(cycles: int) -> None:
-    t = np.arange(10_000) * MOTOR.T_s
-    r = made_up(10_000, tau=5.0 + 0.7 * np.sin(2.0 * np.pi * cycles * t / 0.02))
-    assert torque_ripple_rms(r)[0] == pytest.approx(0.05 / np.sqrt(2.0), rel=0.01)
-
-
-def test_constant_torque_and_a_slow_ramp_are_no_ripple() -> None:
-    assert torque_ripple_rms(made_up(5000, tau=14.0))[0] == pytest.approx(0.0, abs=2e-4)
-    ramp = made_up(5000, tau=np.linspace(-14.0, 14.0, 5000))
-    assert torque_ripple_rms(ramp)[0] < 0.003
-
-
-@pytest.mark.parametrize("periods", [40, 333, 4000])
-def test_ripple_is_that_of_every_period(periods: int) -> None:
-    rng = np.random.default_rng(periods)
-    t = np.arange(periods) * MOTOR.T_s
-    tau = 4.0 * np.sin(2.0 * np.pi * 7.0 * t) + np.cos(2.0 * np.pi * 90.0 * t)
-    tau += 0.3 * rng.standard_normal(periods)
-    assert torque_ripple_rms(made_up(periods, tau=tau))[0] == pytest.approx(
-        exact_ripple(tau), rel=0.02
-    )
-
-
-def test_ripple_ends_with_the_drive() -> None:
-    tau = np.where(np.arange(1000) < 703, 6.0, 600.0)
-    assert torque_ripple_rms(made_up(1000, 703, tau=tau))[0] == pytest.approx(0.0, abs=2e-4)
-
-
-def test_peak_to_peak_counts_only_between_the_estimators() -> None:
-    tau = np.zeros(3000)
-    tau[500:600] = 1.4
-    tau[2000:2100] = 2.8
-    k_s = np.where(np.arange(3000) < 1500, 0.5, 0.0)
-    assert torque_p2p_handover(made_up(3000, tau=tau, k_s=k_s))[0] == pytest.approx(0.1)
-    assert torque_p2p_handover(made_up(3000, tau=tau, k_s=0.5))[0] == pytest.approx(0.2)
-    assert np.isnan(torque_p2p_handover(made_up(3000, tau=tau, k_s=1.0))[0])
-
-
-def test_peak_to_peak_looks_no_further_than_20_ms() -> None:
-    slow = made_up(5000, tau=np.linspace(0.0, 14.0, 5000), k_s=0.5)
-    assert torque_p2p_handover(slow)[0] == pytest.approx(0.021, rel=0.03)
 
 
 def test_angle_error() -> None:

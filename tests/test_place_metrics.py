@@ -8,9 +8,10 @@ from sensorless.core_api import SIM
 from sensorless.drive import DriveDesign
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.envs.stress import stress_scenarios
-from sensorless.metrics import angle_err_rms_deg, torque_dev_rms, torque_ripple_rms
+from sensorless.metrics import angle_err_rms_deg, torque_dev_rms
 from sensorless.motor import Motor
 from sensorless.place_metrics import QUADRANTS, SPEED_EDGES, by_place, quadrant, speed_bin
+from sensorless.ripple_metrics import torque_ripple_rms
 from sensorless.rollout import Rollout, rollout
 
 MOTOR = Motor.load("paper")

@@ -14,6 +14,8 @@ from sensorless.rollout import Rollout, rollout
 from sensorless.step_metrics import (
     dip_excess_pct_s,
     dip_pct_s,
+    overshoot_clean_held,
+    overshoot_clean_pct,
     overshoot_excess_pct,
     overshoot_pct,
     reference,
@@ -82,6 +84,32 @@ def test_overshoot_against_the_twin_is_taken_step_by_step() -> None:
     r = made_up(scenario, drive, twin)
     assert overshoot_pct(r)[0] == pytest.approx(10.0, abs=0.3)
     assert overshoot_excess_pct(r)[0] == pytest.approx(6.0, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "twin", "expected", "held"),
+    [
+        (10.0, -1.5, 10.0, 3.0, 0.0),
+        (10.0, -0.8, 10.0, 1.6, 1.0),
+        (4.0, -0.5, 0.2, 4.0, 0.0),
+    ],
+)
+def test_overshoot_where_the_twin_has_none(
+    first: float, second: float, twin: float, expected: float, held: float
+) -> None:
+    scenario = profile((0.0, 100.0, 0.0), (1.0, 50.0, 0.0))
+    drive = np.where(TIME < 1.0, rise(0.0, 100.0, first), rise(100.0, 50.0, second, 1.0))
+    other = np.where(TIME < 1.0, rise(0.0, 100.0, twin), rise(100.0, 50.0, 0.0, 1.0))
+    r = made_up(scenario, drive, other)
+    assert overshoot_clean_pct(r)[0] == pytest.approx(expected, abs=0.3)
+    assert overshoot_clean_held(r)[0] == held
+
+
+def test_no_step_without_overshoot_of_the_twin_no_value() -> None:
+    speed = rise(0.0, 100.0, 10.0)
+    r = made_up(profile((0.0, 100.0, 0.0)), speed, speed)
+    assert np.isnan(overshoot_clean_pct(r)[0])
+    assert np.isnan(overshoot_clean_held(r)[0])
 
 
 def test_speed_after_the_next_step_is_no_overshoot() -> None:
