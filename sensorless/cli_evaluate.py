@@ -57,7 +57,9 @@ def evaluate_command(
     ] = True,
     details: Annotated[
         bool,
-        typer.Option("--details", help="Also print pairs, quadrants, speeds and ten worst cases."),
+        typer.Option(
+            "--details", help="Also print hand-over, pairs, quadrants, speeds, ten worst cases."
+        ),
     ] = False,
     plot: Annotated[
         Path | None, typer.Option(help="PNG of what holds lock; with --suite envelope.")
@@ -77,6 +79,7 @@ def evaluate_command(
     from sensorless.evaluate import evaluate as run
     from sensorless.motor import Motor
     from sensorless.options import check_output, design_from
+    from sensorless.results import COLUMNS, HANDOVER_COLUMNS
     from sensorless.results_tables import paired_table, place_table, worst_table
 
     check_output(plot, "plot")
@@ -103,8 +106,9 @@ def evaluate_command(
         save(envelope_maps(results, machine), plot)
     console.print(results.table())
     if details:
-        if results.paired:
-            console.print(paired_table(results))
+        console.print(results.table(HANDOVER_COLUMNS))
+        for columns in (COLUMNS, HANDOVER_COLUMNS) if results.paired else ():
+            console.print(paired_table(results, columns))
         for name, entry in results.policies.items():
             console.print(place_table(name, entry))
     console.print(worst_table(results, WORST if details else 3))

@@ -12,7 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from sensorless.metrics import METRICS
 from sensorless.results import Results
-from sensorless.results_tables import PLACE_COLUMNS, number, rate, speed_labels
+from sensorless.results_tables import PLACE_COLUMNS, number, rate, share, speed_labels
 
 TEMPLATE = "report.html.j2"
 
@@ -20,9 +20,12 @@ LOST = ("lost_rate", "lost [%]", 100.0, 1)
 COLUMNS = (
     ("torque_dev_rms", "torque deviation [%]", 100.0, 2),
     ("torque_ripple_rms", "torque ripple [%]", 100.0, 2),
-    ("torque_p2p_handover", "torque peak to peak in the hand-over [%]", 100.0, 1),
+    ("torque_ripple_window", "torque ripple in the hand-over window [%]", 100.0, 2),
+    ("torque_p2p_window", "peak to peak in it [%]", 100.0, 1),
     ("overshoot_pct", "overshoot [%]", 1.0, 2),
     ("overshoot_excess_pct", "overshoot beyond the twin's [%]", 1.0, 2),
+    ("overshoot_clean_pct", "overshoot where the twin has none [%]", 1.0, 2),
+    ("overshoot_clean_held", "share of these at most 2 % [%]", 100.0, 1),
     ("angle_err_rms_deg", "angle error [°]", 1.0, 2),
     ("copper_extra", "extra copper loss [%]", 100.0, 2),
 )
@@ -151,17 +154,9 @@ def _pair(name: str, bound: bool, pair: Mapping[str, Any]) -> dict[str, Any]:
     for key, _, factor, decimals in (LOST, *COLUMNS):
         low, high = (-factor * x for x in reversed(pair[f"{key}_ci"]))
         text = _cell(-factor * pair[key], (low, high), decimals)
-        share = _share(-pair[key], pair["there"][key] + pair[key])
-        cells.append((*text, share, "less" if high < 0.0 else "more" if low > 0.0 else ""))
+        percent = share(-pair[key], pair["there"][key] + pair[key])
+        cells.append((*text, percent, "less" if high < 0.0 else "more" if low > 0.0 else ""))
     return {"name": name, "bound": bound, "both": pair["survived_both"], "cells": cells}
-
-
-def _share(difference: float, base: float) -> str:
-    """Difference in percent of what it is a difference to, with its sign."""
-    if not math.isfinite(difference) or not abs(base) > 1e-12:
-        return ""
-    text = number(100.0 * difference / base, 0)
-    return f"{'' if text.startswith('−') or text == '0' else '+'}{text} %"
 
 
 def _places(policy: Mapping[str, Any]) -> list[list[str]]:

@@ -17,7 +17,9 @@ from sensorless.files import write_atomic
 DIGITS = 9
 """Significant digits of a number in the file."""
 
-COLUMNS = (
+Columns = tuple[tuple[str, str, float, int], ...]
+
+COLUMNS: Columns = (
     ("lost_rate", "lost\n[%]", 100.0, 1),
     ("torque_dev_rms", "torque\ndev. [%]", 100.0, 2),
     ("torque_ripple_rms", "torque\nripple [%]", 100.0, 2),
@@ -25,6 +27,15 @@ COLUMNS = (
     ("angle_err_rms_deg", "angle\nerror [°]", 1.0, 2),
 )
 """Of the table: name, heading, factor, decimals."""
+
+HANDOVER_COLUMNS: Columns = (
+    ("torque_ripple_window", "window:\nripple [%]", 100.0, 2),
+    ("torque_p2p_window", "window: peak\nto peak [%]", 100.0, 1),
+    ("overshoot_clean_pct", "twin has none:\novershoot [%]", 1.0, 2),
+    ("overshoot_clean_held", "twin has none:\n≤ 2 % in [%]", 100.0, 1),
+)
+"""Of the table on the hand-over: torque in the window ``ripple_metrics.HANDOVER``, and overshoot in
+the steps in which the twin has none."""
 
 
 @dataclass(frozen=True)
@@ -65,17 +76,17 @@ class Results:
         """
         write_atomic(path, self.to_json(scenarios))
 
-    def table(self) -> Table:
+    def table(self, columns: Columns = COLUMNS) -> Table:
         """Lost rate over all scenarios, means over those survived, each with its 95 % interval."""
         title = f"{self.suite}, seed {self.seed}, {self.size} scenarios, motor {self.motor}"
         caption = "lost: rate (95 % interval); others: mean over survivors ± half the interval"
         table = Table(title=escape(title), caption=caption)
         table.add_column("policy", overflow="fold")
-        for _, heading, _, _ in COLUMNS:
+        for _, heading, _, _ in columns:
             table.add_column(heading, justify="right")
         for name, policy in self.policies.items():
             label = escape(name) + ("\n(bound)" if policy["bound"] else "")
-            table.add_row(label, *(_cell(policy, *column) for column in COLUMNS))
+            table.add_row(label, *(_cell(policy, *column) for column in columns))
         return table
 
 

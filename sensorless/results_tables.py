@@ -7,7 +7,7 @@ from typing import Any
 from rich.markup import escape
 from rich.table import Table
 
-from sensorless.results import COLUMNS, Results
+from sensorless.results import COLUMNS, Columns, Results
 
 PLACE_COLUMNS = (
     ("torque_dev_rms", "dev.\n[%]", 100.0, 2),
@@ -43,27 +43,36 @@ def worst_table(results: Results, count: int) -> Table:
     return table
 
 
-def paired_table(results: Results) -> Table:
+def paired_table(results: Results, columns: Columns = COLUMNS) -> Table:
     """Differences to the first policy, scenario by scenario, with 95 % intervals."""
     first = next(iter(results.policies))
     caption = (
         "lost over all scenarios, others over those that both survive; mean difference "
-        "(95 % interval), negative: less than the first"
+        "(95 % interval), negative: less than the first; below, in percent of the first's mean"
     )
     table = Table(title=f"difference to {escape(first)}", caption=caption)
     table.add_column("policy", overflow="fold")
-    for _, heading, _, _ in COLUMNS:
+    for _, heading, _, _ in columns:
         table.add_column(heading, justify="right")
     for name, pair in results.paired.items():
-        cells = (difference(pair, key, factor, digits) for key, _, factor, digits in COLUMNS)
+        cells = (difference(pair, key, factor, digits) for key, _, factor, digits in columns)
         table.add_row(escape(name), *cells)
     return table
 
 
 def difference(pair: dict[str, Any], key: str, factor: float, decimals: int) -> str:
-    """One paired difference with its interval, on two lines."""
+    """One paired difference, its interval, and its share of the first policy's mean, as lines."""
     low, high = (number(factor * x, decimals) for x in pair[f"{key}_ci"])
-    return f"{number(factor * pair[key], decimals)}\n{low} … {high}"
+    lines = (number(factor * pair[key], decimals), f"{low} … {high}")
+    return "\n".join(filter(None, (*lines, share(pair[key], pair["there"][key]))))
+
+
+def share(difference: float, base: float) -> str:
+    """Difference in percent of what it is a difference to, with its sign; nothing without one."""
+    if not math.isfinite(difference) or not abs(base) > 1e-12:
+        return ""
+    text = number(100.0 * difference / base, 0)
+    return f"{'' if text.startswith('−') or text == '0' else '+'}{text} %"
 
 
 def place_table(name: str, policy: dict[str, Any]) -> Table:

@@ -29,6 +29,7 @@ def test_details_and_a_file_without_scenarios(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     for heading in ("difference to eq25", "forward regenerating", "worst cases", "(bound)"):
         assert heading in done.stdout
+    assert done.stdout.count("window:") == 2 * 2, "means and pairs"
     data = json.loads(out.read_text(encoding="utf-8"))
     assert "scenarios" not in data["policies"]["eq25"]
     assert data["policies"]["eq25"]["worst"][0]["scenario"].startswith("stress:1:")

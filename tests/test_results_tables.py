@@ -10,8 +10,15 @@ from rich.table import Table
 from sensorless.drive import DriveDesign
 from sensorless.evaluate import evaluate
 from sensorless.motor import Motor
-from sensorless.results import Results
-from sensorless.results_tables import number, paired_table, place_table, rate, worst_table
+from sensorless.results import HANDOVER_COLUMNS, Results
+from sensorless.results_tables import (
+    number,
+    paired_table,
+    place_table,
+    rate,
+    share,
+    worst_table,
+)
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +45,11 @@ def test_numbers_and_rates() -> None:
     assert rate(float("nan"), (float("nan"), float("nan"))) == "–"
 
 
+def test_a_share_says_of_what_and_has_a_sign() -> None:
+    assert (share(-0.45, 1.0), share(0.25, 2.0), share(0.0, 2.0)) == ("−45 %", "+12 %", "0 %")
+    assert share(1.0, 0.0) == share(float("nan"), 1.0) == share(1.0, float("nan")) == ""
+
+
 def test_places_of_a_policy(results: Results) -> None:
     policy = results.policies["smo"]
     text = text_of(place_table("smo", policy))
@@ -62,3 +74,15 @@ def test_pairs_are_differences_to_the_first(results: Results) -> None:
     text = text_of(paired_table(results))
     assert "difference to eq25" in text
     assert cells(text, "smo")[1] == number(100.0 * results.paired["smo"]["lost_rate"], 1)
+    there = results.paired["smo"]["there"]["lost_rate"]
+    text = text.split("│ smo")[1].split("│ sensored")[0]
+    assert share(results.paired["smo"]["lost_rate"], there) in text
+
+
+def test_the_hand_over_has_a_table_of_its_own(results: Results) -> None:
+    means, pairs = text_of(results.table(HANDOVER_COLUMNS)), results.paired["smo"]
+    assert max(map(len, means.splitlines())) <= 80
+    ripple = results.policies["eq25"]["torque_ripple_window"]
+    assert cells(means, "eq25")[1].startswith(number(100.0 * ripple, 2))
+    row = cells(text_of(paired_table(results, HANDOVER_COLUMNS)), "smo")
+    assert row[1] == number(100.0 * pairs["torque_ripple_window"], 2)
