@@ -20,7 +20,7 @@ from sensorless.start_metrics import backward_excess_pct, start_err_deg, start_s
 from sensorless.step_metrics import (
     dip_excess_pct_s,
     dip_pct_s,
-    overshoot_clean_held,
+    overshoot_clean_above,
     overshoot_clean_pct,
     overshoot_excess_pct,
     overshoot_pct,
@@ -106,7 +106,7 @@ METRICS: dict[str, Callable[[Rollout], Floats]] = {
         overshoot_pct,
         overshoot_excess_pct,
         overshoot_clean_pct,
-        overshoot_clean_held,
+        overshoot_clean_above,
         settling_s,
         dip_pct_s,
         dip_excess_pct_s,

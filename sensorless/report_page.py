@@ -20,12 +20,12 @@ LOST = ("lost_rate", "lost [%]", 100.0, 1)
 COLUMNS = (
     ("torque_dev_rms", "torque deviation [%]", 100.0, 2),
     ("torque_ripple_rms", "torque ripple [%]", 100.0, 2),
-    ("torque_ripple_window", "torque ripple in the hand-over window [%]", 100.0, 2),
+    ("torque_ripple_window", "ripple in the hand-over window [%]", 100.0, 2),
     ("torque_p2p_window", "peak to peak in it [%]", 100.0, 1),
     ("overshoot_pct", "overshoot [%]", 1.0, 2),
     ("overshoot_excess_pct", "overshoot beyond the twin's [%]", 1.0, 2),
     ("overshoot_clean_pct", "overshoot where the twin has none [%]", 1.0, 2),
-    ("overshoot_clean_held", "share of these at most 2 % [%]", 100.0, 1),
+    ("overshoot_clean_above", "share above 2 % [%]", 100.0, 1),
     ("angle_err_rms_deg", "angle error [°]", 1.0, 2),
     ("copper_extra", "extra copper loss [%]", 100.0, 2),
 )

@@ -32,7 +32,7 @@ HANDOVER_COLUMNS: Columns = (
     ("torque_ripple_window", "window:\nripple [%]", 100.0, 2),
     ("torque_p2p_window", "window: peak\nto peak [%]", 100.0, 1),
     ("overshoot_clean_pct", "twin has none:\novershoot [%]", 1.0, 2),
-    ("overshoot_clean_held", "twin has none:\n≤ 2 % in [%]", 100.0, 1),
+    ("overshoot_clean_above", "twin has none:\n> 2 % in [%]", 100.0, 1),
 )
 """Of the table on the hand-over: torque in the window ``ripple_metrics.HANDOVER``, and overshoot in
 the steps in which the twin has none."""

@@ -17,7 +17,7 @@ SETTLED = 0.02
 """Band around the target in which the speed has to stay, over the height of the step."""
 CLEAN = 0.5
 """Overshoot of the sensored twin up to which it counts as none [%]."""
-HELD = 2.0
+ALLOWED = 2.0
 """Overshoot that a drive may have where its twin has none [%]."""
 
 
@@ -65,10 +65,10 @@ def overshoot_clean_pct(r: Rollout) -> Floats:
     return _worst(np.where(twin <= CLEAN, _overshoots(r, "omega_m"), np.nan))
 
 
-def overshoot_clean_held(r: Rollout) -> Floats:
-    """1 where ``overshoot_clean_pct`` <= 2 %, else 0; its mean is a share of scenarios."""
+def overshoot_clean_above(r: Rollout) -> Floats:
+    """1 where ``overshoot_clean_pct`` > 2 %, else 0; its mean is a share of scenarios."""
     worst = overshoot_clean_pct(r)
-    return np.asarray(np.where(np.isnan(worst), np.nan, worst <= HELD))
+    return np.asarray(np.where(np.isnan(worst), np.nan, worst > ALLOWED))
 
 
 def settling_s(r: Rollout) -> Floats:

@@ -14,7 +14,7 @@ from sensorless.rollout import Rollout, rollout
 from sensorless.step_metrics import (
     dip_excess_pct_s,
     dip_pct_s,
-    overshoot_clean_held,
+    overshoot_clean_above,
     overshoot_clean_pct,
     overshoot_excess_pct,
     overshoot_pct,
@@ -87,29 +87,29 @@ def test_overshoot_against_the_twin_is_taken_step_by_step() -> None:
 
 
 @pytest.mark.parametrize(
-    ("first", "second", "twin", "expected", "held"),
+    ("first", "second", "twin", "expected", "above"),
     [
-        (10.0, -1.5, 10.0, 3.0, 0.0),
-        (10.0, -0.8, 10.0, 1.6, 1.0),
-        (4.0, -0.5, 0.2, 4.0, 0.0),
+        (10.0, -1.5, 10.0, 3.0, 1.0),
+        (10.0, -0.8, 10.0, 1.6, 0.0),
+        (4.0, -0.5, 0.2, 4.0, 1.0),
     ],
 )
 def test_overshoot_where_the_twin_has_none(
-    first: float, second: float, twin: float, expected: float, held: float
+    first: float, second: float, twin: float, expected: float, above: float
 ) -> None:
     scenario = profile((0.0, 100.0, 0.0), (1.0, 50.0, 0.0))
     drive = np.where(TIME < 1.0, rise(0.0, 100.0, first), rise(100.0, 50.0, second, 1.0))
     other = np.where(TIME < 1.0, rise(0.0, 100.0, twin), rise(100.0, 50.0, 0.0, 1.0))
     r = made_up(scenario, drive, other)
     assert overshoot_clean_pct(r)[0] == pytest.approx(expected, abs=0.3)
-    assert overshoot_clean_held(r)[0] == held
+    assert overshoot_clean_above(r)[0] == above
 
 
 def test_no_step_without_overshoot_of_the_twin_no_value() -> None:
     speed = rise(0.0, 100.0, 10.0)
     r = made_up(profile((0.0, 100.0, 0.0)), speed, speed)
     assert np.isnan(overshoot_clean_pct(r)[0])
-    assert np.isnan(overshoot_clean_held(r)[0])
+    assert np.isnan(overshoot_clean_above(r)[0])
 
 
 def test_speed_after_the_next_step_is_no_overshoot() -> None:
