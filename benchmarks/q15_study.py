@@ -37,9 +37,10 @@ MOST_BYTES = 4096
 OVER = {
     "angle_err_mean_deg": "angle_err_rms_deg",
     "overshoot_excess_pct": "overshoot_pct",
+    "overshoot_clean_pct": "overshoot_pct",
     "dip_excess_pct_s": "dip_pct_s",
 }
-"""Differences, which pass through zero, and what their change is put over instead."""
+"""What is about zero, being left over beside the twin, and what its change is put over instead."""
 SHARES = ("lost_rate", "overshoot_clean_above", "injection_share")
 """Shares, of scenarios or of time: their change is what it is, in percentage points."""
 
