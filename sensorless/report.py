@@ -18,7 +18,8 @@ from sensorless.options import scenario_from
 from sensorless.plots import png, require_matplotlib, waveforms
 from sensorless.report_cases import Case, cases
 from sensorless.report_envelope import envelope_maps
-from sensorless.report_figures import curves_of, learning_curves, lost_by_place, schedule_maps
+from sensorless.report_figures import lost_by_place, schedule_maps
+from sensorless.report_learning import curves_of, learning_curves, shipped_levels
 from sensorless.report_page import Figure, Section, render
 from sensorless.results import Results
 from sensorless.trace import trace
@@ -178,13 +179,16 @@ class Report:
         curves = curves_of(folder) if folder.is_dir() else {}
         if not curves:
             return []
+        levels = shipped_levels(folder)
+        lines = f" Lines: {' and '.join(levels)} on the same scenarios." if levels else ""
         return [
             Figure(
                 "learning.png",
                 "Learning curves",
                 "Validation during training, on scenarios that neither training nor judging sees. "
-                "The first point is the start of training.",
-                png(learning_curves(curves)),
+                "The first point is the start of training. The objective is 10 times the lost rate "
+                f"plus deviation plus ripple.{lines}",
+                png(learning_curves(curves, levels)),
             )
         ]
 

@@ -1,7 +1,5 @@
-"""Figures of a report: losses by place, the schedule as maps, learning curves. Extra ``plot``."""
+"""Figures of a report: losses by place, the schedule as maps. Extra ``plot``."""
 
-import csv
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,14 +15,8 @@ from sensorless.results_tables import speed_labels
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PROGRESS = "progress.csv"
 MOST = 8
 """Policies in a figure."""
-CURVES = (
-    ("lost_rate", "lost in validation [%]"),
-    ("torque_dev", "torque deviation [% of rated]"),
-    ("torque_ripple", "torque ripple [% of rated]"),
-)
 
 
 def lost_by_place(results: Results) -> "Figure":
@@ -145,37 +137,3 @@ def _label(axis: Axis, motor: Motor) -> str:
         return "torque current / rated\n< 0 regenerating, > 0 motoring"
     scale = next(s.scale for s in SIGNALS if s.name == axis.signal)
     return f"{axis.signal} / {scale}"
-
-
-def curves_of(folder: Path) -> dict[str, dict[str, Any]]:
-    """Validation over training time, columns by name, of the runs inside a folder or of its own.
-
-    A folder with runs in it is a copy of one of them.
-    """
-    out = {}
-    for path in sorted(folder.glob(f"*/{PROGRESS}")) or [folder / PROGRESS]:
-        if path.is_file():
-            with path.open(encoding="utf-8", newline="") as file:
-                rows = list(csv.DictReader(file))
-            if rows:
-                out[path.parent.resolve().name] = {
-                    key: np.array([float(row[key]) for row in rows]) for key in rows[0]
-                }
-    return out
-
-
-def learning_curves(curves: dict[str, dict[str, Any]]) -> "Figure":
-    """Lost rate, torque deviation and ripple in validation over training time, one line a run."""
-    figure, axes = _figure(figsize=(11.0, 3.4), ncols=len(CURVES))
-    for ax, (key, label) in zip(axes, CURVES, strict=True):
-        for name, curve in curves.items():
-            minutes, value = curve["seconds"] / 60.0, 100.0 * curve[key]
-            (line,) = ax.plot(minutes, value, "-o", ms=2.5, lw=1.0, label=name)
-            best = int(np.argmin(curve["objective"]))
-            ax.plot(minutes[best], value[best], "*", ms=11, color=line.get_color())
-        ax.set_xlabel("training time [min]")
-        ax.set_ylabel(label)
-        ax.grid(alpha=0.3)
-    axes[0].set_ylim(0.0, None)
-    axes[0].legend(fontsize=8, title="★ kept", title_fontsize=8)
-    return figure  # type: ignore[no-any-return]
