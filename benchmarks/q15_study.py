@@ -41,8 +41,8 @@ OVER = {
     "dip_excess_pct_s": "dip_pct_s",
 }
 """What is about zero, being left over beside the twin, and what its change is put over instead."""
-SHARES = ("lost_rate", "overshoot_clean_above", "injection_share")
-"""Shares, of scenarios or of time: their change is what it is, in percentage points."""
+SHARES = ("overshoot_clean_above",)
+"""Shares of scenarios near zero: their change is what it is, in percentage points."""
 
 
 class Q15Policy(TablePolicy):
@@ -112,7 +112,9 @@ def flash_bytes(found: dict[str, Any]) -> int:
 def show(word: str, found: dict[str, Any]) -> Table:
     """Table for the terminal."""
     size = ", ".join(f"{form} {n} bytes" for form, n in found["bytes"].items())
-    caption = f"lost with one of the two alone: {found['lost_otherwise']}; shares: points"
+    caption = (
+        f"lost with one of the two alone: {found['lost_otherwise']}; {', '.join(SHARES)}: points"
+    )
     table = Table(title=f"{word}: {found['nodes']} nodes, {size}", caption=caption)
     for heading in ("metric", "float32", "Q15", "change [%]", "95 % interval"):
         table.add_column(heading, justify="left" if heading == "metric" else "right")

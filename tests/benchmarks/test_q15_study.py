@@ -67,4 +67,4 @@ def test_a_change_is_put_over_what_it_belongs_to(q15: ModuleType) -> None:
     found = q15.changes(exact, rounded, 1)
     assert found["torque_dev_rms"]["change"] == pytest.approx(0.05)
     assert found["dip_excess_pct_s"]["change"] == pytest.approx(0.0, abs=1e-12)
-    assert found["lost_rate"]["change"] == pytest.approx(0.25)
+    assert found["lost_rate"]["change"] == pytest.approx(1.0)
