@@ -39,8 +39,9 @@ class Results:
     design: dict[str, Any]
     versions: dict[str, str]
     policies: dict[str, dict[str, Any]]
-    """by name: rates, means over the scenarios survived, intervals, ``by_quadrant`` and
-    ``by_speed``, ``worst`` cases, and ``scenarios``; ``bound`` where it knows the truth"""
+    """by name: ``estimator`` as in ``DriveDesign``, rates, means over the scenarios survived,
+    intervals, ``by_quadrant`` and ``by_speed``, ``worst`` cases, and ``scenarios``; ``bound`` where
+    it knows the truth"""
     paired: dict[str, dict[str, Any]]
     """by name: differences to the first policy"""
 
@@ -75,6 +76,8 @@ class Results:
             table.add_column(heading, justify="right")
         for name, policy in self.policies.items():
             label = escape(name) + ("\n(bound)" if policy["bound"] else "")
+            if policy["estimator"] not in (None, self.design["estimator"]):
+                label += f"\n({policy['estimator']})"
             table.add_row(label, *(_cell(policy, *column) for column in COLUMNS))
         return table
 
