@@ -66,6 +66,14 @@ class Results:
         """
         write_atomic(path, self.to_json(scenarios))
 
+    def note(self, name: str) -> str:
+        """In brackets, what sets a policy apart: a bound, or not on the design's estimator."""
+        policy = self.policies[name]
+        if policy["bound"]:
+            return "(bound)"
+        own = policy["estimator"]
+        return "" if own == self.design["estimator"] else f"({own})"
+
     def table(self) -> Table:
         """Lost rate over all scenarios, means over those survived, each with its 95 % interval."""
         title = f"{self.suite}, seed {self.seed}, {self.size} scenarios, motor {self.motor}"
@@ -75,9 +83,8 @@ class Results:
         for _, heading, _, _ in COLUMNS:
             table.add_column(heading, justify="right")
         for name, policy in self.policies.items():
-            label = escape(name) + ("\n(bound)" if policy["bound"] else "")
-            if policy["estimator"] not in (None, self.design["estimator"]):
-                label += f"\n({policy['estimator']})"
+            note = self.note(name)
+            label = escape(name) + (f"\n{note}" if note else "")
             table.add_row(label, *(_cell(policy, *column) for column in COLUMNS))
         return table
 
