@@ -1,24 +1,25 @@
 """A trained schedule from its run folder: no pickle, no torch."""
 
+import json
 from pathlib import Path
 from typing import Any
 
 from sensorless.agents.mlp_schedule import MlpSchedule
-from sensorless.envs.policy import TablePolicy
+from sensorless.envs.policy import TablePolicy, trained_estimator
 from sensorless.errors import UserError
 from sensorless.ks_table import KsTable
 from sensorless.motor import Motor
 
-TABLE, MLP = "table.json", "mlp.npz"
+TABLE, MLP, CONFIG = "table.json", "mlp.npz", "config.json"
 
 
 def load_run(folder: str | Path, motor: Motor) -> TablePolicy | MlpSchedule:
-    """Policy of a run folder, for the machine it was trained on.
+    """Policy of a run folder, for the machine and on the estimator it was trained on.
 
     Raises
     ------
     UserError
-        No schedule in the folder, a damaged one, or one of another machine.
+        No schedule in the folder, a damaged file, or one of another machine.
     """
     path, name = Path(folder), Path(folder).resolve().name
     policy: TablePolicy | MlpSchedule
@@ -38,7 +39,18 @@ def load_run(folder: str | Path, motor: Motor) -> TablePolicy | MlpSchedule:
             f"digest {made_for[:16]}; allowed: motor {motor.name!r}, digest "
             f"{motor.digest[:16]}"
         )
+    policy.estimator = trained_estimator(known) or trained_estimator(_config(path))
     return policy
+
+
+def _config(folder: Path) -> dict[str, Any]:
+    """What a run was made with; nothing if it has no such file."""
+    path = folder / CONFIG
+    try:
+        data = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    except (OSError, ValueError) as error:
+        raise UserError(f"{path}: {error}; allowed: as training wrote it") from None
+    return data if isinstance(data, dict) else {}
 
 
 def provenance(policy: TablePolicy | MlpSchedule) -> dict[str, Any]:

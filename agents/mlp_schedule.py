@@ -46,6 +46,8 @@ class MlpSchedule:
     """
 
     sensored = False
+    estimator: str | None = None
+    """See ``EstimatorPolicy``."""
 
     def __init__(
         self,

@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from sensorless.agents.loading import MLP, TABLE
+from sensorless.agents.loading import CONFIG, MLP, TABLE
 from sensorless.agents.mlp_schedule import MlpSchedule
 from sensorless.agents.train_config import TrainConfig
 from sensorless.drive import DriveDesign
@@ -18,7 +18,7 @@ from sensorless.files import ensure_writable, write_atomic
 from sensorless.ks_table import KsTable
 from sensorless.motor import Motor
 
-CONFIG, PROGRESS = "config.json", "progress.csv"
+PROGRESS = "progress.csv"
 START = "start.json"
 """Schedule that training started from."""
 LATEST = "checkpoints/latest.zip"
@@ -120,7 +120,8 @@ def save_schedule(
     folder: Path, policy: TablePolicy | MlpSchedule, config: dict[str, Any], **facts: Any
 ) -> None:
     """Write the schedule with its provenance, under the name that ``load_run`` looks for."""
-    origin = {key: config[key] for key in ("command", "motor", "motor_digest", "versions")}
+    known = ("command", "motor", "motor_digest", "design", "versions")
+    origin = {key: config[key] for key in known}
     origin["seed"] = config["train"]["seed"]
     if isinstance(policy, TablePolicy):
         policy.table.save(folder / TABLE, {**origin, **facts})

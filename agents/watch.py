@@ -12,8 +12,8 @@ from typing import Any
 from stable_baselines3.common.callbacks import BaseCallback
 from torch import Tensor
 
-from sensorless.agents.loading import MLP, TABLE, load_run, provenance
-from sensorless.agents.run_folder import CONFIG, LATEST, PROGRESS, save_schedule
+from sensorless.agents.loading import CONFIG, MLP, TABLE, load_run, provenance
+from sensorless.agents.run_folder import LATEST, PROGRESS, save_schedule
 from sensorless.agents.train_config import TrainConfig
 from sensorless.agents.validation import validate
 from sensorless.envs.scenario import SimFactory

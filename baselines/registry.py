@@ -26,7 +26,7 @@ from sensorless.baselines import (
 )
 from sensorless.baselines.rule import Rule
 from sensorless.baselines.tuned import Tuned
-from sensorless.envs.policy import Policy
+from sensorless.envs.policy import Policy, trained_estimator, with_estimator
 from sensorless.errors import UserError
 from sensorless.motor import Motor
 
@@ -127,6 +127,8 @@ def make_policy(spec: str, motor: Motor) -> Policy:
 def load_tuned(path: Path, motor: Motor) -> Policy:
     """Policy of a tuned rule, named after its file. Its parameters scale with the machine.
 
+    It runs on the estimator that it was tuned on, if the file tells.
+
     Raises
     ------
     UserError
@@ -142,4 +144,5 @@ def load_tuned(path: Path, motor: Motor) -> Policy:
             f"{path}: parameters: {dict(tuned.parameters)!r}; allowed: those of {rule.usage}, "
             "each in its range"
         )
-    return rule.build(path.stem, tuned.parameters, motor)
+    policy = rule.build(path.stem, tuned.parameters, motor)
+    return with_estimator(policy, trained_estimator(tuned.provenance))

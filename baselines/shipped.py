@@ -3,6 +3,8 @@
 from pathlib import Path
 
 from sensorless.baselines.tuned import Tuned
+from sensorless.drive import DriveDesign
+from sensorless.envs.policy import trained_estimator
 
 FOLDER = Path(__file__).absolute().parents[1] / "reference"
 """``results/reference`` of the repository."""
@@ -37,7 +39,10 @@ def docs() -> dict[str, str]:
     for name in tuned_names():
         tuned = Tuned.load(tuned_file(name))
         budget = float(tuned.provenance.get("budget_s", "nan"))
-        lines[name] = f"{tuned.rule} with parameters found by CMA-ES in {budget:g} s simulated"
+        own = trained_estimator(tuned.provenance)
+        lines[name] = f"{tuned.rule} with parameters found by CMA-ES in {budget:g} s simulated" + (
+            f", estimator={own}" if own not in (None, DriveDesign.estimator) else ""
+        )
     if reference_run() is not None:
         lines[RUN] = "the schedule of results/reference, learned by PPO"
     return lines

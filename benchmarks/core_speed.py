@@ -30,13 +30,15 @@ SIMD = ("none", "AVX2", "AVX-512")
 """Names of SIMD_* of ``core/simulate.h``."""
 
 
-def core_loop(n: int, *, twin: bool, periods: int, simd: int, threads: int = 1) -> Run:
+def core_loop(
+    n: int, *, twin: bool, periods: int, simd: int, threads: int = 1, estimator: str = "angles"
+) -> Run:
     """n drives at 350 r/min between both observers, ``periods`` a call; counts their periods."""
     motor = Motor.load("paper")
     s = Scenarios.nominal(motor, combine(0, np.arange(n)), 1e5)
     s.omega_0[:] = 350.0 * np.pi / 30.0
     s.omega[:] = s.omega_0[:, None]
-    sims = SimFactory(motor, DriveDesign()).build(s, twin=twin)
+    sims = SimFactory(motor, DriveDesign(estimator=estimator)).build(s, twin=twin)
     k_s = np.full(n, 0.5, dtype=np.float32)
     obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
     calls = max(1, SMALLEST // (n * periods))
@@ -62,6 +64,8 @@ def measure(seconds: float) -> dict[str, Any]:
         "batched_decision": core_loop(64, twin=True, periods=DECISION, simd=best),
         "batched_alone": core_loop(64, twin=False, periods=LONG, simd=best),
         "batched_avx2": core_loop(64, twin=True, periods=LONG, simd=lib.SIMD_AVX2),
+        "flux_scalar": core_loop(64, twin=True, periods=LONG, simd=none, estimator="flux"),
+        "flux_batched": core_loop(64, twin=True, periods=LONG, simd=best, estimator="flux"),
         "one_thread": core_loop(512, twin=True, periods=LONG, simd=best),
         "two_threads": core_loop(512, twin=True, periods=LONG, simd=best, threads=2),
     }
@@ -76,6 +80,7 @@ def measure(seconds: float) -> dict[str, Any]:
             "batched_over_scalar_decision": pwm["batched_decision"] / pwm["scalar_decision"],
             "batched_over_scalar_alone": pwm["batched_alone"] / pwm["scalar_alone"],
             "batched_avx2_over_scalar": pwm["batched_avx2"] / pwm["scalar"],
+            "flux_batched_over_scalar": pwm["flux_batched"] / pwm["flux_scalar"],
             "two_threads_over_one": pwm["two_threads"] / pwm["one_thread"],
         },
     }

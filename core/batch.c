@@ -12,13 +12,15 @@ int32_t sim_simd(void) {
 }
 
 int batch_fits(const sim_t *sims, int32_t count, int most) {
-    int fits = count >= LANES_WORTH;
+    int fits = count >= LANES_WORTH && (sims->control.estimator == ESTIMATE_ANGLES ||
+                                        sims->control.estimator == ESTIMATE_FLUX);
     for (int l = 0; l < count; l++) {
         const sim_t *s = &sims[l];
         fits = fits && s->sensored == 0 && s->with_twin == sims->with_twin && s->plant.n_sub == 1 &&
                s->plant.bridge == 0 && s->control.hfi.scheme == HFI_ROTATING &&
-               s->control.estimator == ESTIMATE_ANGLES && s->drive.x.start.phase == START_DONE &&
-               !(s->inv_stick > 0.0f) && s->sensor.carrier == 0;
+               s->control.estimator == sims->control.estimator &&
+               s->drive.x.start.phase == START_DONE && !(s->inv_stick > 0.0f) &&
+               s->sensor.carrier == 0;
     }
     int simd = fits ? sim_simd() : SIMD_NONE;
     return simd < most ? simd : most;

@@ -12,9 +12,9 @@
 #endif
 
 /* Which of the SIMD_* a block of `count` drives can use on this machine, `most` at the most. Vector
- * code wants: all with or all without twin, not sensored, one sub-step, no bridge term, no carrier,
- * no passive load, the drive's own scheme and estimator, and none in its start sequence. What does
- * not fit runs drive by drive. */
+ * code wants: all with or all without twin, all on the sliding-mode or all on the flux observer, not
+ * sensored, one sub-step, no bridge term, no carrier, no passive load, the drive's own injection
+ * scheme, and none in its start sequence. What does not fit runs drive by drive. */
 int batch_fits(const sim_t *sims, int32_t count, int most);
 
 /* Advances up to LANES drives that fit; their sums must have been cleared. simd: from batch_fits. */

@@ -21,12 +21,6 @@ enum {
     ESTIMATE_FLUX = 3       /* the weighted angle, flux observer instead of sliding mode */
 };
 
-#ifdef CORE_VECTOR
-#define ESTIMATOR(p) ESTIMATE_ANGLES /* the plain loop runs the others */
-#else
-#define ESTIMATOR(p) ((p)->estimator)
-#endif
-
 typedef struct {
     float theta; /* electrical angle at k [rad] */
     float omega; /* electrical speed [rad/s] */

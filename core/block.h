@@ -19,26 +19,46 @@
 #define LOAD(type, path) s.path = AT(type, path)[l];
 #define KEEP(type, path) AT(type, path)[l] = s.path;
 
-/* One period of all lanes, also of those at their end: BLOCK_RUN has taken these out before. */
-CORE_INLINE void block_period(block_t *restrict block, const float *restrict k_s_ref,
-                              int with_twin) {
+/* One period of all lanes, also of those at their end: BLOCK_RUN has taken these out before. A
+ * constant estimator leaves no branch in the loop. */
+CORE_INLINE void block_period(block_t *restrict block, const float *restrict k_s_ref, int with_twin,
+                              int estimator) {
 #pragma GCC ivdep
     for (int l = 0; l < LANES; l++) {
         sim_t s;
         SIM_PARAM_FIELDS(LOAD)
         SIM_STATE_FIELDS(LOAD)
         s.with_twin = with_twin;
+        s.control.estimator = estimator;
         sim_period(&s, k_s_ref[l], 0, with_twin, 1, 0);
         SIM_STATE_FIELDS(KEEP)
     }
 }
 
 CORE_APART void block_period_twin(block_t *restrict block, const float *restrict k_s_ref) {
-    block_period(block, k_s_ref, 1);
+    block_period(block, k_s_ref, 1, ESTIMATE_ANGLES);
 }
 
 CORE_APART void block_period_alone(block_t *restrict block, const float *restrict k_s_ref) {
-    block_period(block, k_s_ref, 0);
+    block_period(block, k_s_ref, 0, ESTIMATE_ANGLES);
+}
+
+CORE_APART void block_period_flux_twin(block_t *restrict block, const float *restrict k_s_ref) {
+    block_period(block, k_s_ref, 1, ESTIMATE_FLUX);
+}
+
+CORE_APART void block_period_flux_alone(block_t *restrict block, const float *restrict k_s_ref) {
+    block_period(block, k_s_ref, 0, ESTIMATE_FLUX);
+}
+
+typedef void (*period_t)(block_t *restrict, const float *restrict);
+
+/* The loop for drives that are all like this one, see batch_fits. */
+static period_t block_loop(const sim_t *s) {
+    if (s->control.estimator == ESTIMATE_FLUX) {
+        return s->with_twin ? block_period_flux_twin : block_period_flux_alone;
+    }
+    return s->with_twin ? block_period_twin : block_period_alone;
 }
 
 /* Drives that must not move any more: bit l for lane l. */
@@ -76,13 +96,9 @@ void BLOCK_RUN(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref
     }
     block_load(&block, from);
     uint32_t live = ((1U << count) - 1U) & ~block_at_end(&block);
-    int with_twin = sims->with_twin;
+    period_t period = block_loop(sims);
     for (int32_t j = 0; j < periods && live != 0; j++) {
-        if (with_twin) {
-            block_period_twin(&block, wanted);
-        } else {
-            block_period_alone(&block, wanted);
-        }
+        period(&block, wanted);
         uint32_t over = live & block_at_end(&block);
         if (over != 0) {
             block_take(&block, sims, over, &nowhere);

@@ -94,7 +94,7 @@ CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i
     float L_q = curve_at(&p->L_q, pos);
 
     x->k_s = ks_slew(x->k_s, k_s_ref, p->k_s_step);
-    if (ESTIMATOR(p) == ESTIMATE_ERRORS) {
+    if (p->estimator == ESTIMATE_ERRORS) {
         x->hfi.pll.theta = wrap_pi(x->smo.pll.theta - cross);
         x->hfi.pll.omega = x->smo.pll.omega;
     }
@@ -102,17 +102,17 @@ CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i
     estimate_t smo = {x->smo.pll.theta, x->smo.pll.omega};
     x->theta_hfi = hfi.theta;
     x->theta_smo = smo.theta;
-    x->est = ESTIMATOR(p) == ESTIMATE_UNWRAPPED ? ks_blend_unwrapped(hfi, smo, x->k_s)
+    x->est = p->estimator == ESTIMATE_UNWRAPPED ? ks_blend_unwrapped(hfi, smo, x->k_s)
                                                 : ks_blend(hfi, smo, x->k_s);
 
     hfi_observe(&p->hfi, &x->hfi, i_ab, wrap_pi(x->est.theta - cross), x->est.omega, p->T_s);
-    if (ESTIMATOR(p) == ESTIMATE_FLUX) {
+    if (p->estimator == ESTIMATE_FLUX) {
         flux_observe(&p->flux, &x->flux, &x->smo, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
                      p->T_s);
     } else {
         smo_observe(&p->smo, &x->smo, i_ab, x->u_2, L_q, x->est.omega, x->est.theta, p->T_s);
     }
-    if (ESTIMATOR(p) == ESTIMATE_ERRORS) {
+    if (p->estimator == ESTIMATE_ERRORS) {
         estimate_t by_hfi = {wrap_pi(x->hfi.pll.theta + cross), x->hfi.pll.omega};
         estimate_t by_smo = {x->smo.pll.theta, x->smo.pll.omega};
         estimate_t next = ks_blend(by_hfi, by_smo, x->k_s);

@@ -1,11 +1,14 @@
 """What chooses the weight k_s at every decision."""
 
-from typing import Protocol, runtime_checkable
+import dataclasses
+from collections.abc import Mapping
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core_api import Array
+from sensorless.drive import DriveDesign
 from sensorless.ks_table import KsTable
 from sensorless.motor import Motor
 
@@ -51,15 +54,33 @@ class PrivilegedPolicy(Policy, Protocol):
 
 @runtime_checkable
 class EstimatorPolicy(Policy, Protocol):
-    """A policy that is meant for another way to one estimate than the design's."""
+    """A policy that belongs to one way to one estimate: it runs on it whatever the design says."""
 
     estimator: str | None
-    """As in ``DriveDesign``."""
+    """As in ``DriveDesign``; None: the design's."""
 
 
 def estimator_of(policy: Policy) -> str | None:
     """Estimator that a policy asks for; None if it takes the design's."""
     return policy.estimator if isinstance(policy, EstimatorPolicy) else None
+
+
+def design_for(policy: Policy, design: DriveDesign) -> DriveDesign:
+    """Design with the estimator that a policy asks for."""
+    return dataclasses.replace(design, estimator=estimator_of(policy) or design.estimator)
+
+
+def with_estimator(policy: Policy, estimator: str | None) -> Policy:
+    """The policy itself, on that estimator from now on unless it asks for one already."""
+    if estimator is not None and estimator_of(policy) is None:
+        vars(policy)["estimator"] = estimator
+    return policy
+
+
+def trained_estimator(provenance: Mapping[str, Any]) -> str | None:
+    """Estimator that a schedule was made on; None if its provenance does not tell."""
+    design = provenance.get("design")
+    return design.get("estimator") if isinstance(design, dict) else None
 
 
 def decide(policy: Policy, obs: Signals, sims: Array) -> NDArray[np.float32]:
@@ -76,13 +97,16 @@ class TablePolicy:
     ----------
     name : str
     table : KsTable
+    estimator : str, optional
+        See ``EstimatorPolicy``.
     """
 
     sensored = False
 
-    def __init__(self, name: str, table: KsTable) -> None:
+    def __init__(self, name: str, table: KsTable, estimator: str | None = None) -> None:
         self.name = name
         self.table = table
+        self.estimator = estimator
 
     def reset(self, n: int) -> None:
         """Nothing to forget."""

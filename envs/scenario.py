@@ -162,7 +162,7 @@ class SimFactory:
                 "allowed: starts at a known angle, or a machine with a saturation model"
             )
         sims = np.repeat(self._template, len(s))
-        if estimator is not None:
+        if estimator not in (None, self.design.estimator):
             design = dataclasses.replace(self.design, estimator=estimator)
             sims["control"] = control_record(motor, design)
         plant, control, sensor = sims["plant"], sims["control"], sims["sensor"]

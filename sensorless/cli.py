@@ -151,6 +151,7 @@ def export(
     vectors and a Makefile; its self test is compiled and run here if there is a C compiler.
     """
     from sensorless.baselines.registry import make_policy
+    from sensorless.envs.policy import design_for
     from sensorless.export import export as write
     from sensorless.export import table_of
     from sensorless.motor import Motor
@@ -158,7 +159,7 @@ def export(
 
     machine = Motor.load(motor)
     policy = make_policy(run, machine)
-    table, design = table_of(policy, run), design_from(settings)
+    table, design = table_of(policy, run), design_for(policy, design_from(settings))
     done = write(table, machine, design, out, policy=policy.name, fit=fit)
     console.print(f"wrote {len(done.files)} files to {done.folder}\n{done.self_test.message}")
 

@@ -40,9 +40,9 @@ def distill_command(
         sensorless distill runs/net --name net-table
     """
     from sensorless.agents.distill import distill
-    from sensorless.agents.loading import TABLE, load_run
+    from sensorless.agents.loading import CONFIG, TABLE, load_run
     from sensorless.agents.mlp_schedule import MlpSchedule
-    from sensorless.agents.run_folder import CONFIG, design_and_motor, fresh, versions
+    from sensorless.agents.run_folder import design_and_motor, fresh, versions
     from sensorless.agents.start import grid
     from sensorless.cli_train import RUNS
     from sensorless.envs.scenario import SimFactory

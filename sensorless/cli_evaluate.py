@@ -73,6 +73,8 @@ def evaluate_command(
     The same suite, seed and size give the same file to the bit, on any engine. Training and tuning
     never see these scenarios. Every policy is compared with the first one, pair by pair. The
     worst cases of each are listed with a word that `sensorless simulate --scenario` replays.
+    A schedule runs on the estimator it was trained or tuned on, whatever `--set estimator` says
+    (here and in every command that takes one); other rules run on the design's.
     """
     from sensorless.engine import engine_named
     from sensorless.evaluate import WORST

@@ -34,6 +34,7 @@ def pil_command(
     qemu-system-arm.
     """
     from sensorless.baselines.registry import make_policy
+    from sensorless.envs.policy import design_for
     from sensorless.export import table_of
     from sensorless.motor import Motor
     from sensorless.options import check_output, design_from
@@ -43,7 +44,7 @@ def pil_command(
     check_output(out)
     machine = Motor.load(motor)
     policy = make_policy(run, machine)
-    schedule, design = table_of(policy, run), design_from(settings)
+    schedule, design = table_of(policy, run), design_for(policy, design_from(settings))
     columns = (TextColumn("closed loop on the target"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=errors, disable=not errors.is_terminal) as bar:
         task = bar.add_task("", total=1.0)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from sensorless.baselines.registry import make_policy
 from sensorless.drive import DriveDesign
-from sensorless.envs.policy import TablePolicy
+from sensorless.envs.policy import TablePolicy, design_for
 from sensorless.errors import UserError
 from sensorless.evaluate import PolicyProgress, evaluate
 from sensorless.export import export, table_of
@@ -72,8 +72,8 @@ def draw(folder: Path, run: str, results: Results) -> list[Path]:
 
 def hand_over(folder: Path, run: str) -> tuple[Path, str]:
     """Export the trained table; returns the folder and what its self test said."""
-    motor, design = Motor.load("paper"), DriveDesign()
+    motor = Motor.load("paper")
     policy = make_policy(run, motor)
-    table = table_of(policy, run)
+    table, design = table_of(policy, run), design_for(policy, DriveDesign())
     done = export(table, motor, design, folder / "firmware", policy=policy.name)
     return done.folder, done.self_test.message

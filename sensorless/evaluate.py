@@ -16,7 +16,7 @@ from sensorless.baselines.registry import make_policy
 from sensorless.core_api import Array, ffi, lib
 from sensorless.drive import DriveDesign
 from sensorless.engine import LOCAL, Engine
-from sensorless.envs.policy import Policy, PrivilegedPolicy
+from sensorless.envs.policy import Policy, PrivilegedPolicy, design_for
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.metrics import METRICS
@@ -104,7 +104,8 @@ def evaluate(
         design=asdict(design),
         versions=versions(),
         policies={
-            name: _entry(s, scenarios, suite, seed, _is_bound(named[name]))
+            name: {"estimator": _estimator(named[name], design)}
+            | _entry(s, scenarios, suite, seed, _is_bound(named[name]))
             for name, s in scores.items()
         },
         paired=_paired(scores, seed),
@@ -163,6 +164,11 @@ def _named(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
 def _is_bound(policy: Policy) -> bool:
     """It knows the truth: something to compare with, no rule for a drive."""
     return policy.sensored or isinstance(policy, PrivilegedPolicy)
+
+
+def _estimator(policy: Policy, design: DriveDesign) -> str | None:
+    """Estimator that a policy runs on; None on the true angle."""
+    return None if policy.sensored else design_for(policy, design).estimator
 
 
 def _report(progress: PolicyProgress, name: str) -> Progress:

@@ -107,6 +107,7 @@ def pil(
         "policy": policy,
         "motor": motor.name,
         "motor_digest": motor.digest,
+        "estimator": design.estimator,
         "table_digest": table.digest,
         "core_hash": ffi.string(lib.core_hash).decode(),
         "level": level,

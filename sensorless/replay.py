@@ -8,7 +8,7 @@ from rich.table import Table
 
 from sensorless.core_api import REPLAY_NAMES, SIGNAL_N, Array, ObserverRun
 from sensorless.drive import DriveDesign, control_record
-from sensorless.envs.policy import Policy, PrivilegedPolicy, decision_periods
+from sensorless.envs.policy import Policy, PrivilegedPolicy, decision_periods, design_for
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
 from sensorless.magnetics import Floats
@@ -152,7 +152,7 @@ def replay(
     """
     if policy.sensored or isinstance(policy, PrivilegedPolicy):
         raise UserError(f"policy: {policy.name!r} needs the truth; allowed: rules and tables")
-    run = ObserverRun(control_record(motor, design), theta_0, omega_0, k_s_0)
+    run = ObserverRun(control_record(motor, design_for(policy, design)), theta_0, omega_0, k_s_0)
     rows, every = log.rows(), decision_periods(motor)
     policy.reset(1)
     out = []

@@ -10,7 +10,7 @@ from sensorless.baselines import shipped
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.baselines.registry import make_policy
 from sensorless.drive import DriveDesign
-from sensorless.envs.policy import TablePolicy
+from sensorless.envs.policy import TablePolicy, design_for
 from sensorless.evaluate import PolicyProgress, evaluate
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.motor import Motor
@@ -201,6 +201,8 @@ class Report:
             known = table.provenance
             if "steps" in known and "seed" in known:
                 facts["training"] = f"{known['steps']} decisions, seed {known['seed']}"
+        if not self.policy.sensored:
+            facts["estimator"] = design_for(self.policy, self.design).estimator
         facts["compared with"] = ", ".join(self.others)
         return facts
 

@@ -111,9 +111,12 @@ def _section(section: Section) -> dict[str, Any]:
         "suite": results.suite,
         "setting": f"seed {results.seed}, {results.size} scenarios",
         "command": section.command,
-        "rows": [_row(name, policy) for name, policy in results.policies.items()],
+        "rows": [
+            {"note": results.note(name), **_row(name, policy)}
+            for name, policy in results.policies.items()
+        ],
         "pairs": [
-            _pair(name, results.policies[name]["bound"], pair)
+            {"note": results.note(name), **_pair(name, results.policies[name]["bound"], pair)}
             for name, pair in results.paired.items()
         ],
         "places": [(name, _places(policy)) for name, policy in results.policies.items()],

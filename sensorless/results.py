@@ -50,8 +50,9 @@ class Results:
     design: dict[str, Any]
     versions: dict[str, str]
     policies: dict[str, dict[str, Any]]
-    """by name: rates, means over the scenarios survived, intervals, ``by_quadrant`` and
-    ``by_speed``, ``worst`` cases, and ``scenarios``; ``bound`` where it knows the truth"""
+    """by name: ``estimator`` as in ``DriveDesign``, rates, means over the scenarios survived,
+    intervals, ``by_quadrant`` and ``by_speed``, ``worst`` cases, and ``scenarios``; ``bound`` where
+    it knows the truth"""
     paired: dict[str, dict[str, Any]]
     """by name: differences to the first policy"""
 
@@ -76,6 +77,14 @@ class Results:
         """
         write_atomic(path, self.to_json(scenarios))
 
+    def note(self, name: str) -> str:
+        """In brackets, what sets a policy apart: a bound, or not on the design's estimator."""
+        policy = self.policies[name]
+        if policy["bound"]:
+            return "(bound)"
+        own = policy["estimator"]
+        return "" if own == self.design["estimator"] else f"({own})"
+
     def table(self, columns: Columns = COLUMNS) -> Table:
         """Lost rate over all scenarios, means over those survived, each with its 95 % interval."""
         title = f"{self.suite}, seed {self.seed}, {self.size} scenarios, motor {self.motor}"
@@ -85,7 +94,8 @@ class Results:
         for _, heading, _, _ in columns:
             table.add_column(heading, justify="right")
         for name, policy in self.policies.items():
-            label = escape(name) + ("\n(bound)" if policy["bound"] else "")
+            note = self.note(name)
+            label = escape(name) + (f"\n{note}" if note else "")
             table.add_row(label, *(_cell(policy, *column) for column in columns))
         return table
 

@@ -26,6 +26,7 @@ from sensorless.results_tables import number
 
 MOTOR, DESIGN = Motor.load("paper"), DriveDesign()
 SIZE = 6
+OTHERS = ("eq25", "flux_observer", "sensored")
 CURVE = "steps,seconds,lost_rate,torque_dev,torque_ripple,objective,best\n" + "".join(
     f"{1000 * j},{20.0 * j},{0.04 - 0.01 * j},0.06,0.017,{0.5 - 0.1 * j},1\n" for j in range(4)
 )
@@ -94,7 +95,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def page(run: Path) -> Page:
     words = ["report", str(run), "--size", str(SIZE), "--grid", "3"]
-    for name in ("eq25", "sensored"):
+    for name in OTHERS:
         words += ["--policy", name]
     done = CliRunner().invoke(app, [*words, "--set", "smo_pll_hz=21"])
     assert done.exit_code == 0, done.output
@@ -114,11 +115,12 @@ def test_the_page_stands_alone(run: Path, page: Page) -> None:
 
 def test_the_page_says_what_the_evaluation_says(run: Path, page: Page) -> None:
     design = DriveDesign(smo_pll_hz=21.0)
-    results = evaluate(MOTOR, design, "stress", 7, SIZE, [str(run), "eq25", "sensored"])
+    results = evaluate(MOTOR, design, "stress", 7, SIZE, [str(run), *OTHERS])
     rows = {row[0]: row for row in page.rows if len(row) == 2 + len(COLUMNS)}
-    assert set(rows) >= {"mine & yours", "eq25", "sensored (bound)"}
+    names = ["mine & yours", "eq25", "flux_observer (flux)", "sensored (bound)"]
+    assert set(rows) >= set(names)
     table = page.rows[: len(results.policies) + 1]
-    assert [row[0] for row in table] == ["policy", "mine & yours", "eq25", "sensored (bound)"]
+    assert [row[0] for row in table] == ["policy", *names]
     for row, policy in zip(table[1:], results.policies.values(), strict=True):
         for cell, (key, _, factor, digits) in zip(row[2:], COLUMNS, strict=True):
             assert cell.startswith(number(factor * policy[key], digits))

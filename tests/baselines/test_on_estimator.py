@@ -1,14 +1,20 @@
 """Rules that bring their own estimator get it, wherever they are run."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from sensorless.baselines.registry import make_policy
-from sensorless.drive import DriveDesign
-from sensorless.envs.policy import estimator_of
+from sensorless.baselines.registry import RULES, make_policy
+from sensorless.baselines.tuned import Tuned
+from sensorless.cli import app
+from sensorless.drive import DriveDesign, control_record
+from sensorless.envs.policy import decision_periods, design_for, estimator_of
 from sensorless.envs.scenario import SimFactory
-from sensorless.errors import UserError
-from sensorless.export import table_of
+from sensorless.export_code import params_header
+from sensorless.export_provenance import motor_hash
+from sensorless.ks_table import KsTable
 from sensorless.motor import Motor
 from sensorless.rollout import rollout
 from sensorless.suites import suite
@@ -49,6 +55,28 @@ def test_side_by_side_is_one_estimator() -> None:
         SideBySide([flux, make_policy("eq25", PAPER)])
 
 
-def test_its_table_alone_is_not_exported() -> None:
-    with pytest.raises(UserError, match="no table"):
-        table_of(make_policy("flux_observer", PAPER), "flux_observer")
+def test_a_rule_keeps_its_own(tmp_path: Path) -> None:
+    """Whatever it was tuned on; a rule that has none gets that of its file."""
+    for rule, estimator in (("flux_observer", "flux"), ("linear", "errors")):
+        path = tmp_path / f"{rule}.json"
+        provenance = {"design": {"estimator": "errors"}}
+        Tuned(rule, RULES[rule].defaults(), provenance).save(path)
+        policy = make_policy(str(path), PAPER)
+        assert design_for(policy, DriveDesign()).estimator == estimator
+
+
+def test_it_is_exported_with_it(tmp_path: Path) -> None:
+    """Table and estimator go together to firmware."""
+    out = tmp_path / "out"
+    words = ["export", "flux_observer", "--out", str(out), "--no-fit"]
+    answer = CliRunner().invoke(app, words)
+    assert answer.exit_code == 0, answer.output
+    known = KsTable.load(out / "ks_table.json").provenance
+    assert known["design"]["estimator"] == "flux"
+    want = params_header(
+        control_record(PAPER, DriveDesign(estimator="flux")),
+        KsTable.load(out / "ks_table.json").rule,
+        motor_hash(PAPER),
+        decision_periods(PAPER),
+    )
+    assert (out / "params.h").read_text() == want

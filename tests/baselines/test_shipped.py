@@ -47,7 +47,10 @@ def test_the_reference_run_by_its_name(folder: Path) -> None:
 
 def test_both_are_on_the_list(folder: Path) -> None:
     lines = known()
-    assert "600 s" in lines["linear-tuned"]
+    assert lines["linear-tuned"].endswith("in 600 s simulated")
+    provenance = {"budget_s": 600.0, "design": {"estimator": "flux"}}
+    Tuned("linear", {"lo": 0.1, "hi": 0.5}, provenance).save(folder / "tuned/flux-tuned.json")
+    assert known()["flux-tuned"].endswith("in 600 s simulated, estimator=flux")
     assert "PPO" in lines["reference"]
     assert all(len(doc) < 90 for doc in lines.values())
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from sensorless.baselines.registry import make_policy
+from sensorless.baselines.registry import RULES, make_policy
 from sensorless.baselines.tuned import FORMAT, Tuned
-from sensorless.envs.policy import TablePolicy
+from sensorless.envs.policy import TablePolicy, estimator_of
 from sensorless.errors import UserError
 from sensorless.motor import Motor
 
@@ -33,6 +33,15 @@ def test_a_file_is_a_policy_of_its_name(tmp_path: Path) -> None:
         assert (axis.lo, axis.hi) == pytest.approx((0.1, 0.5))
     assert Tuned.load(path) == Tuned("linear", {"lo": 0.1, "hi": 0.5}, {"seed": 1})
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("rule", ["linear", "hysteresis", "gated", "logistic"])
+def test_it_runs_on_the_estimator_it_was_tuned_on(rule: str, tmp_path: Path) -> None:
+    """With or without a table; a file that does not tell takes the design's."""
+    path = tmp_path / "a.json"
+    for design, estimator in (({"estimator": "flux"}, "flux"), ({}, None), (3, None)):
+        Tuned(rule, RULES[rule].defaults(), {"design": design}).save(path)
+        assert estimator_of(make_policy(str(path), PAPER)) == estimator
 
 
 def test_its_speeds_are_shares_of_rated_speed_on_any_machine(tmp_path: Path) -> None:

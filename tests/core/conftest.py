@@ -27,7 +27,11 @@ FLAGS = ("-std=c99", "-O1", "-ffp-contract=off", "-fno-math-errno", "-fno-trappi
 def c(tmp_path_factory: pytest.TempPathFactory) -> Call:
     """Function of ``shim.c`` by name: arrays go as pointers, floats as float, integers as int."""
     out = tmp_path_factory.mktemp("shim") / "shim.so"
-    sources = [str(Path(__file__).with_name("shim.c")), str(CORE / "carrier.c")]
+    sources = [
+        str(Path(__file__).with_name("shim.c")),
+        str(CORE / "carrier.c"),
+        str(CORE / "batch.c"),
+    ]
     compiler = os.environ.get("CC", "cc").split()
     subprocess.run(
         [*compiler, *FLAGS, "-shared", "-fPIC", f"-I{CORE}", *sources, "-o", str(out)],

@@ -1,5 +1,19 @@
 /* The inline stages of the core as functions a test can call; every argument a pointer or a number. */
+#include "batch.h"
 #include "sim_period.h"
+
+/* Only which drives would run as a block is of interest here. */
+void batch_avx2(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
+    (void)sims, (void)count, (void)periods, (void)k_s_ref;
+}
+
+void batch_avx512(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
+    (void)sims, (void)count, (void)periods, (void)k_s_ref;
+}
+
+void t_batch_fits(const sim_t *sims, int count, int32_t *simd) {
+    *simd = batch_fits(sims, count, SIMD_AVX512);
+}
 
 void t_rot_of(const float *x, float *y, int n) {
     for (int j = 0; j < n; j++) {

@@ -23,7 +23,7 @@ RATED = [(rpm, tau) for rpm in (300.0, 600.0, 1000.0) for tau in (-10.0, 0.0, 10
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_blocks_and_plain_loop_agree(motor: Motor, estimator: str, state_bytes: State) -> None:
-    """Only the default has vector code; the others are refused there, not computed wrongly."""
+    """Two have vector code; the others are refused there, not computed wrongly."""
     scenarios = stress_scenarios(motor, np.arange(18, dtype=np.uint64))
     design = DriveDesign(estimator=estimator)
     ends = []

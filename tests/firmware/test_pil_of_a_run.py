@@ -20,9 +20,11 @@ SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, val
 
 
 @pytest.mark.usefixtures("target")
-def test_a_trained_table_runs_on_the_target(tmp_path: Path) -> None:
+@pytest.mark.parametrize("estimator", ["angles", "flux"])
+def test_a_trained_table_runs_on_the_target(estimator: str, tmp_path: Path) -> None:
+    """With the estimator it was trained on: no ``--set`` here."""
     run, out = tmp_path / "run", tmp_path / "pil.json"
-    train(replace(SMALL, lr_nodes=0.05), DriveDesign(), run)
+    train(replace(SMALL, lr_nodes=0.05), DriveDesign(estimator=estimator), run)
     answer = CliRunner().invoke(app, ["pil", str(run), "--out", str(out)])
     assert answer.exit_code == 0, answer.output
     report = json.loads(out.read_text())
@@ -31,5 +33,6 @@ def test_a_trained_table_runs_on_the_target(tmp_path: Path) -> None:
     assert report["table_digest"] == learned.digest, "the run's own table was on the target"
     assert learned.values.shape != start.values.shape or np.any(learned.values != start.values)
     assert report["mismatches"] == report["lookup_mismatches"] == 0
+    assert report["estimator"] == estimator
     assert report["periods"] > 100_000
     assert report["seconds"] < 120.0

@@ -1,0 +1,113 @@
+"""A trained schedule runs on the estimator it was trained on, wherever it is run."""
+
+import json
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import pytest
+
+from sensorless.agents.loading import CONFIG, TABLE, load_run
+from sensorless.agents.mlp_schedule import MlpSchedule
+from sensorless.agents.start import start_table
+from sensorless.agents.train import train
+from sensorless.agents.train_config import TrainConfig
+from sensorless.baselines.linear import EQ25_BAND, linear_table
+from sensorless.baselines.registry import make_policy
+from sensorless.baselines.tuned import Tuned
+from sensorless.drive import DriveDesign
+from sensorless.envs.policy import TablePolicy
+from sensorless.envs.scenario import SimFactory
+from sensorless.errors import UserError
+from sensorless.evaluate import evaluate
+from sensorless.motor import Motor
+from sensorless.rollout import rollout
+from sensorless.suites import suite
+from sensorless.trace import trace
+
+MOTOR = Motor.load("paper")
+FLUX = DriveDesign(estimator="flux")
+TINY = TrainConfig(n_envs=8, n_steps=8, n_epochs=1, steps=64, warm_up=0, validate_size=16)
+
+
+def write(folder: Path, table_says: str | None, config_says: str | None) -> Path:
+    """Run folder of Eq. 25 whose table and configuration name these estimators, or none."""
+    folder.mkdir()
+    origin = {} if table_says is None else {"design": asdict(DriveDesign(estimator=table_says))}
+    linear_table(*EQ25_BAND).save(folder / TABLE, origin)
+    if config_says is not None:
+        (folder / CONFIG).write_text(json.dumps({"design": {"estimator": config_says}}))
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("table_says", "config_says", "found"),
+    [
+        (None, None, None),
+        ("flux", None, "flux"),
+        (None, "flux", "flux"),
+        ("errors", "flux", "errors"),
+    ],
+)
+def test_the_folder_tells(
+    table_says: str | None, config_says: str | None, found: str | None, tmp_path: Path
+) -> None:
+    """The table first; the configuration beside it where an older table does not."""
+    assert load_run(write(tmp_path / "run", table_says, config_says), MOTOR).estimator == found
+
+
+@pytest.mark.parametrize("text", ["{", "\udcff"])
+def test_a_damaged_configuration_is_named(text: str, tmp_path: Path) -> None:
+    run = write(tmp_path / "run", None, None)
+    (run / CONFIG).write_bytes(text.encode("utf-8", "surrogateescape"))
+    with pytest.raises(UserError, match=r"config\.json"):
+        load_run(run, MOTOR)
+
+
+def test_an_estimator_that_does_not_exist_is_named(tmp_path: Path) -> None:
+    policy = load_run(write(tmp_path / "run", None, "magic"), MOTOR)
+    with pytest.raises(UserError, match="estimator: 'magic'; allowed: angles"):
+        rollout(policy, suite("stress", MOTOR, 3, 2), SimFactory(MOTOR, DriveDesign()))
+
+
+@pytest.mark.parametrize("design", [DriveDesign(), FLUX], ids=["angles", "flux"])
+def test_the_design_of_the_evaluation_does_not_matter(design: DriveDesign, tmp_path: Path) -> None:
+    """Rollout and trace, under either design: what Eq. 25 does on the estimator of the run."""
+    policy, eq25 = (
+        load_run(write(tmp_path / "run", "flux", None), MOTOR),
+        make_policy("eq25", MOTOR),
+    )
+    scenarios = suite("stress", MOTOR, 3, 4)
+    asked = rollout(policy, scenarios, SimFactory(MOTOR, design)).sums
+    assert asked.tobytes() == rollout(eq25, scenarios, SimFactory(MOTOR, FLUX)).sums.tobytes()
+    one = suite("paper", MOTOR, 0, 1)
+    a, b = trace(policy, one, MOTOR, design), trace(eq25, one, MOTOR, FLUX)
+    assert a["theta_e_err"].tobytes() == b["theta_e_err"].tobytes()
+
+
+def test_results_say_what_each_policy_ran_on(tmp_path: Path) -> None:
+    run = write(tmp_path / "mine", "flux", None)
+    results = evaluate(MOTOR, DriveDesign(), "paper", 0, 1, ["eq25", str(run)])
+    assert [p["estimator"] for p in results.policies.values()] == ["angles", "flux"]
+
+
+@pytest.mark.parametrize("kind", ["table", "mlp"])
+def test_training_on_flux(kind: str, tmp_path: Path) -> None:
+    """The schedule is validated on that estimator, and asks for it when it is loaded again."""
+    run = tmp_path / "run"
+    best = train(replace(TINY, policy_kind=kind), FLUX, run)
+    policy = load_run(run, MOTOR)
+    assert isinstance(policy, TablePolicy if kind == "table" else MlpSchedule)
+    assert policy.estimator == "flux"
+    (run / CONFIG).unlink()
+    assert load_run(run, MOTOR).estimator == "flux"
+    assert best == train(replace(TINY, policy_kind=kind), FLUX, tmp_path / "again")
+    assert best != train(replace(TINY, policy_kind=kind), DriveDesign(), tmp_path / "other")
+
+
+def test_a_start_is_only_numbers(tmp_path: Path) -> None:
+    """Tuned on one estimator, it may start a training on another."""
+    path = tmp_path / "tuned.json"
+    for rule in ("linear", "flux_observer"):
+        Tuned(rule, {"lo": 0.1, "hi": 0.5}, {"design": {"estimator": "flux"}}).save(path)
+        table = start_table("start", str(path), MOTOR, 50.0)
+        assert (table.axes[0].lo, table.axes[0].hi) == pytest.approx((0.1, 0.5))
