@@ -10,6 +10,7 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from torch import Tensor, nn
 
 from sensorless.agents.mlp_schedule import BOUND, LAYERS, MARGIN, SCALE, MlpSchedule
+from sensorless.agents.pairs import opposite
 from sensorless.agents.table_module import TableModule
 from sensorless.agents.table_policy import Scaled
 from sensorless.core_api import SIGNAL_N
@@ -99,6 +100,13 @@ class MlpActorCritic(ActorCriticPolicy):
         self._lr = lr_schedule(1)
         self.optimizer = torch.optim.Adam(self.parameters(), lr=self._lr, eps=1e-8)
         self.optimizer.register_step_pre_hook(self._before_step)
+
+    def reset_noise(self, n_envs: int = 1) -> None:
+        """Draw the noise of the next rollout, opposite in the two of a pair."""
+        super().reset_noise(n_envs)
+        noise: Any = self.action_dist
+        half = noise.exploration_matrices[: (n_envs + 1) // 2]
+        noise.exploration_matrices = opposite(half)[:n_envs]
 
     def _actor(self) -> list[Tensor]:
         """Arrays of ``LAYERS``, weights transposed."""

@@ -6,6 +6,7 @@ from torch import Tensor
 from torch.distributions import Normal
 
 from sensorless.agents.node_kernel import NodeKernel
+from sensorless.agents.pairs import opposite
 
 
 class NodeNoise(DiagGaussianDistribution):
@@ -26,8 +27,8 @@ class NodeNoise(DiagGaussianDistribution):
         self._offset = torch.zeros(0, 1)
 
     def draw(self, n_envs: int) -> None:
-        """Draw new noise for every environment and node."""
-        self._z = self._kernel.sample(n_envs)
+        """Draw new noise for every pair of environments and every node, opposite in the two."""
+        self._z = opposite(self._kernel.sample((n_envs + 1) // 2))[:n_envs]
 
     def at(
         self, mean: Tensor, std: Tensor, nodes: Tensor, frac: Tensor, weights: Tensor

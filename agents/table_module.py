@@ -9,7 +9,7 @@ from torch import Tensor, nn
 from sensorless.core_api import SIGNAL_NAMES
 from sensorless.ks_table import KsTable
 
-MARGIN = 0.05
+MARGIN = 0.25
 """How far node values may lie outside of [0, 1]."""
 
 
@@ -22,8 +22,9 @@ class TableModule(nn.Module):
     ``values`` are the node values without squashing, clipped to [0, 1] where they are read, with
     the gradient of no clipping. ``project`` keeps them within ``MARGIN`` of that range after a step
     of the optimiser, so no gradient dies; a node at a bound starts ``MARGIN`` beyond it, so that
-    the jitter of training does not lift it off. That matters at 0: any k_s above turns the
-    injection on.
+    exploration does not lift it off. That matters at 0, where any k_s above turns the injection on,
+    and at 1, where the other estimator may have no signal at all: noise that does either trains a
+    schedule for noise.
 
     Parameters
     ----------
@@ -78,13 +79,25 @@ class TableModule(nn.Module):
     def at(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
         """k_s (n,) where ``corners`` says; the table's fallback where a signal is not finite."""
         nodes_k_s = self.values.detach().clamp(0.0, 1.0) + (self.values - self.values.detach())
-        value = nodes_k_s.take(nodes)
+        k_s = self._mixed(nodes_k_s.take(nodes), frac).clamp(0.0, 1.0)
+        return torch.where(finite, k_s, torch.full_like(k_s, self._table.fallback))
+
+    def centre(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
+        """What exploration is drawn about (n,): k_s, or up to ``MARGIN`` beyond 0 and 1.
+
+        Beyond are the unclipped values where all corners are 0, or all 1.
+        """
+        k_s = self.at(nodes, frac, finite)
+        beyond = self._mixed(self.values.take(nodes), frac)
+        return torch.where(finite & ((k_s <= 0.0) | (k_s >= 1.0)), beyond, k_s)
+
+    def _mixed(self, value: Tensor, frac: Tensor) -> Tensor:
+        """Interpolation (n,) between values (n, 2^axes) of the corners."""
         for a in reversed(range(len(self.shape))):
             half = 1 << a
             low = value[:, :half]
             value = low + frac[:, a : a + 1] * (value[:, half:] - low)
-        k_s = value[:, 0].clamp(0.0, 1.0)
-        return torch.where(finite, k_s, torch.full_like(k_s, self._table.fallback))
+        return value[:, 0]
 
     def forward(self, obs: Tensor) -> Tensor:
         """k_s (n,) at observations (n, at least SIGNAL_N)."""

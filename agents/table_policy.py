@@ -20,7 +20,9 @@ class TableActorCritic(ActorCriticPolicy):
     """Mean action 2 k_s - 1 from a ``TableModule``; the critic is a network over all columns.
 
     Columns behind the signals (the truth: privileged) reach the critic only. Nodes and critic have
-    learning rates of their own, in the optimiser's two parameter groups.
+    learning rates of their own, in the optimiser's two parameter groups. The nodes' gradient comes
+    in units of its usual size and Adam's eps is 1 of them: nodes that matter little move little,
+    instead of as far as all others wherever chance leads.
 
     Parameters
     ----------
@@ -88,11 +90,12 @@ class TableActorCritic(ActorCriticPolicy):
         )
         self.std = torch.tensor(2.0 * s["noise"])
         self.kernel = NodeKernel(self.actor.shape, s["smoothness"])
+        self._size = 0.0
         self.exploration = NodeNoise(self.kernel)
         self.action_dist = self.exploration
         self.optimizer = torch.optim.Adam(
             [
-                {"params": list(self.actor.parameters()), "lr": s["lr_nodes"]},
+                {"params": list(self.actor.parameters()), "lr": s["lr_nodes"], "eps": 1.0},
                 {"params": list(self.value_net.parameters()), "lr": self._lr_critic},
             ],
             eps=1e-8,
@@ -102,8 +105,13 @@ class TableActorCritic(ActorCriticPolicy):
 
     def _before_step(self, *_: object) -> None:
         nodes = self.actor.values
-        if nodes.grad is not None:
-            nodes.grad = self.kernel.smooth(nodes.grad) if self.learn_actor else None
+        if nodes.grad is None or not self.learn_actor:
+            nodes.grad = None
+            return
+        smooth = self.kernel.smooth(nodes.grad)
+        size = float(smooth.square().mean().sqrt())
+        self._size += (size - self._size) * (0.05 if self._size else 1.0)
+        nodes.grad = smooth / max(self._size, 1e-30)
 
     def _after_step(self, *_: object) -> None:
         self.actor.project(monotone=self._settings["monotone"])
@@ -114,7 +122,7 @@ class TableActorCritic(ActorCriticPolicy):
 
     def _get_action_dist_from_latent(self, latent_pi: Tensor) -> Distribution:
         nodes, frac, finite = self.actor.corners(latent_pi)
-        mean = 2.0 * self.actor.at(nodes, frac, finite)[:, None] - 1.0
+        mean = 2.0 * self.actor.centre(nodes, frac, finite)[:, None] - 1.0
         return self.exploration.at(mean, self.std, nodes, frac, self.actor.weights(frac))
 
     def steps(self) -> list[float]:

@@ -12,11 +12,12 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.save_util import load_from_zip_file
 
 from sensorless.agents.mlp_policy import MlpActorCritic
+from sensorless.agents.pairs import PairedRolloutBuffer
 from sensorless.agents.run_folder import LATEST, create, reopen
 from sensorless.agents.sb3_adapter import SB3VecEnv
 from sensorless.agents.table_policy import TableActorCritic
 from sensorless.agents.train_config import TrainConfig
-from sensorless.agents.training_env import stream, training_env
+from sensorless.agents.training_env import training_env
 from sensorless.agents.watch import Progress, Watch
 from sensorless.drive import DriveDesign
 from sensorless.envs.scenario import SimFactory
@@ -76,7 +77,6 @@ def train(
         _restore(model, folder / LATEST)
     else:
         create(folder, config, motor, design, table)
-    model.env.seed(stream(config.seed, model.num_timesteps))  # type: ignore[union-attr]
     model.set_logger(configure(str(folder / "tb"), ["tensorboard"]))
     watch = Watch(folder, config, SimFactory(motor, design), report)
     try:
@@ -115,6 +115,7 @@ def _model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
         max_grad_norm=1e9,
         vf_coef=0.5 / VALUE_SCALE**2,
         use_sde=True,
+        rollout_buffer_class=PairedRolloutBuffer,
         seed=config.seed,
         device="cpu",
         policy_kwargs=kwargs,

@@ -32,28 +32,29 @@ class TrainConfig:
     """of scenarios, exploration and critic"""
     policy_kind: str = "table"
     """what chooses k_s: table, or mlp, a network over all signals (see sensorless distill)"""
-    axes: str = "speed:0:1:16,torque_current:-1.5:1.5:5"
+    axes: str = "speed:0:1:16,torque_current:-1.5:1.5:5,disagreement:-1.5:1.5:5"
     """SIGNAL:LOW:HIGH:NODES of every axis of the table, commas between; speed:NODES puts nodes at
     the ends of a linear start; the word start takes the axes of the start"""
     start: str = "eq25"
     """schedule to start from: eq25, linear:LO,HI [r/min], a file of tune, or a run folder"""
-    n_envs: int = _number(256, 1, 65536)
-    """environments side by side"""
-    n_steps: int = _number(32, 2, 65536)
-    """decisions of each between two updates"""
-    batch_size: int = _number(4096, 2, 10**7)
+    n_envs: int = _number(256, 2, 65536)
+    """environments side by side; even: they come in pairs of opposite exploration"""
+    n_steps: int = _number(400, 2, 65536)
+    """decisions of each between two updates; 400 of 5 ms are a whole scenario, and what starts and
+    ends with it needs no guess of the critic"""
+    batch_size: int = _number(12800, 2, 10**7)
     """samples of a gradient step"""
-    n_epochs: int = _number(4, 1, 100)
+    n_epochs: int = _number(2, 1, 100)
     """passes over the samples an update"""
-    gamma: float = _number(0.993, 0.0, 1.0)
-    """discount a decision; the horizon must see the 50 to 200 ms that losing lock takes"""
-    gae_lambda: float = _number(0.95, 0.0, 1.0)
-    """trade of bias and variance in the advantages"""
-    lr_nodes: float = _number(5e-3, 1e-6, 1.0)
+    gamma: float = _number(0.9995, 0.0, 1.0)
+    """discount a decision; a scenario counts as a whole"""
+    gae_lambda: float = _number(1.0, 0.0, 1.0)
+    """trade of bias and variance in the advantages; below 1 what comes late counts less"""
+    lr_nodes: float = _number(1e-2, 1e-6, 1.0)
     """step of Adam on the table's nodes"""
     lr_critic: float = _number(1e-3, 1e-6, 1.0)
     """step of Adam on the critic, and on the actor of an mlp"""
-    lr_end: float = _number(0.02, 0.0, 1.0)
+    lr_end: float = _number(0.05, 0.0, 1.0)
     """share of both steps that is left at the end, on a straight line from all of them"""
     clip_range: float = _number(0.2, 0.01, 1.0)
     """bound on the probability ratio of an update"""
@@ -63,20 +64,19 @@ class TrainConfig:
     """distance over which neighbouring nodes explore and move together [nodes]"""
     monotone: bool = False
     """keep k_s from rising with speed"""
-    average: int = _number(20, 1, 10**6)
+    average: int = _number(5, 1, 10**6)
     """updates whose mean table is validated and kept"""
-    warm_up: int = _number(5, 0, 10**6)
+    warm_up: int = _number(2, 0, 10**6)
     """updates of the critic alone before the table moves"""
     decision_ms: float = _number(5.0, 0.1, 100.0)
     """time between two decisions in training [ms]"""
-    lost_penalty: float = _number(400.0, 0.0, 1e6)
+    lost_penalty: float = _number(1000.0, 0.0, 1e6)
     """reward lost with lock; must exceed the running cost over the whole horizon"""
-    angle_cost: float = _number(0.0, 0.0, 1.0)
-    """worst cost of the angle error per 1 ms; above 0 it draws to injection, whose angle is better
-    and whose torque is rougher"""
-    eval_freq: int = _number(400_000, 1, 10**12)
+    angle_cost: float = _number(1.0, 0.0, 10.0)
+    """cost per 1 ms of an angle error at which lock is lost; it begins at 20 degrees"""
+    eval_freq: int = _number(500_000, 1, 10**12)
     """decisions, over all environments, from one validation to the next"""
-    validate_size: int = _number(512, 16, 10**6)
+    validate_size: int = _number(1024, 16, 10**6)
     """scenarios of a validation, from seeds that neither training nor tests use"""
 
     def __post_init__(self) -> None:
@@ -91,6 +91,8 @@ class TrainConfig:
             raise UserError(f"policy_kind: {self.policy_kind!r}; allowed: {', '.join(KINDS)}")
         if self.monotone and self.policy_kind != "table":
             raise UserError("monotone: True; allowed with policy_kind table")
+        if self.n_envs % 2:
+            raise UserError(f"n_envs: {self.n_envs}; allowed: an even number")
         for f in dataclasses.fields(self):
             value = getattr(self, f.name)
             if "low" not in f.metadata:

@@ -1,4 +1,4 @@
-"""Environments to train in: stress scenarios of the role ``train``, out of step with each other."""
+"""Environments to train in: stress scenarios of the role ``train``."""
 
 import numpy as np
 
@@ -14,24 +14,9 @@ from sensorless.motor import Motor
 from sensorless.suites import ROLES
 
 
-class TrainingScenarios:
-    """Stress scenarios; the first of each environment is cut short.
-
-    Cutting puts the environments out of step with each other, so that every rollout sees starts,
-    middles and ends.
-    """
-
-    def __init__(self) -> None:
-        self._first = True
-
-    def __call__(self, motor: Motor, seeds: Seeds) -> Scenarios:
-        """Scenarios of these seeds."""
-        s = stress_scenarios(motor, combine(ROLES["train"], seeds))
-        if self._first:
-            self._first = False
-            share = combine(seeds, 0).astype(np.float64) * 2.0**-64
-            s.duration = s.duration * (0.05 + 0.95 * share)
-        return s
+def training_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+    """Stress scenarios of the role ``train``."""
+    return stress_scenarios(motor, combine(ROLES["train"], seeds))
 
 
 def training_env(config: TrainConfig, design: DriveDesign, motor: Motor) -> SB3VecEnv:
@@ -42,7 +27,7 @@ def training_env(config: TrainConfig, design: DriveDesign, motor: Motor) -> SB3V
         motor=motor,
         design=design,
         decision_period=1e-3 * config.decision_ms,
-        scenarios=TrainingScenarios(),
+        scenarios=training_scenarios,
         weights=RewardWeights(lost=config.lost_penalty, angle=config.angle_cost),
     )
     return SB3VecEnv(env, privileged=True)

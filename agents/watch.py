@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import json
+import math
 import time
 from collections.abc import Callable
 from io import StringIO
@@ -13,10 +14,13 @@ from stable_baselines3.common.callbacks import BaseCallback
 from torch import Tensor
 
 from sensorless.agents.loading import CONFIG, MLP, TABLE, load_run, provenance
+from sensorless.agents.pairs import restart
 from sensorless.agents.run_folder import LATEST, PROGRESS, save_schedule
 from sensorless.agents.train_config import TrainConfig
+from sensorless.agents.training_env import stream
 from sensorless.agents.validation import validate
 from sensorless.envs.scenario import SimFactory
+from sensorless.envs.stress import DURATION
 from sensorless.files import write_atomic
 from sensorless.motor import Motor
 from sensorless.objective import Cost
@@ -43,6 +47,8 @@ class Watch(BaseCallback):
         self._facts: dict[str, Any] = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
         self._start = time.monotonic()
         self._updates, self._judged = 0, -1
+        decision = 1e-3 * config.decision_ms
+        self._rollouts = max(1, math.ceil(DURATION / (config.n_steps * decision) - 1e-9))
         self._first_step = self._last_step = 0
         self._mean: Tensor | None = None
         self._rows = _rows(folder / PROGRESS)
@@ -70,6 +76,8 @@ class Watch(BaseCallback):
         left = 1.0 - (1.0 - self._config.lr_end) * min(self.share, 1.0)
         for group, whole in zip(policy.optimizer.param_groups, self._steps, strict=True):
             group["lr"] = left * whole
+        if self._updates % self._rollouts == 0:
+            restart(self.model, stream(self._config.seed, self.model.num_timesteps))
         policy.learn_actor = self._updates >= self._config.warm_up
         self._updates += 1
         now = policy.vector()

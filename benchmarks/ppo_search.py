@@ -35,7 +35,7 @@ JUDGED = 2
 """Seed of the scenarios that trials are judged on; validation in training uses 0."""
 
 SEARCHED = (
-    "gae_lambda", "n_steps", "n_epochs", "batch_size", "lr_nodes", "lr_critic", "noise",
+    "n_steps", "n_epochs", "batch_size", "lr_nodes", "lr_critic", "noise",
     "smoothness", "average", "lost_penalty", "angle_cost", "lr_end",
 )  # fmt: skip
 """Fields of ``TrainConfig``; gamma goes by its horizon."""
@@ -43,22 +43,21 @@ SEARCHED = (
 
 def suggested(trial: optuna.Trial, base: TrainConfig) -> TrainConfig:
     """Settings of a trial."""
-    horizon_ms = trial.suggest_float("horizon_ms", 200.0, 2000.0, log=True)
+    horizon_ms = trial.suggest_float("horizon_ms", 500.0, 20_000.0, log=True)
     return replace(
         base,
         gamma=1.0 - base.decision_ms / horizon_ms,
-        gae_lambda=trial.suggest_float("gae_lambda", 0.8, 0.99),
-        n_steps=trial.suggest_categorical("n_steps", [16, 32, 64, 128]),
+        n_steps=trial.suggest_categorical("n_steps", [100, 200, 400]),
         n_epochs=trial.suggest_int("n_epochs", 1, 6),
-        batch_size=trial.suggest_categorical("batch_size", [2048, 4096, 8192]),
-        lr_nodes=trial.suggest_float("lr_nodes", 2e-4, 1e-2, log=True),
+        batch_size=trial.suggest_categorical("batch_size", [6400, 12800, 25600]),
+        lr_nodes=trial.suggest_float("lr_nodes", 1e-3, 4e-2, log=True),
         lr_critic=trial.suggest_float("lr_critic", 2e-4, 4e-3, log=True),
         noise=trial.suggest_float("noise", 0.03, 0.2, log=True),
         smoothness=trial.suggest_float("smoothness", 0.0, 4.0),
-        average=trial.suggest_categorical("average", [10, 20, 50, 100]),
-        lost_penalty=trial.suggest_float("lost_penalty", 100.0, 2000.0, log=True),
-        angle_cost=trial.suggest_categorical("angle_cost", [0.0, 0.002, 0.008]),
-        lr_end=trial.suggest_categorical("lr_end", [1.0, 0.3, 0.02]),
+        average=trial.suggest_categorical("average", [5, 10, 20]),
+        lost_penalty=trial.suggest_float("lost_penalty", 300.0, 3000.0, log=True),
+        angle_cost=trial.suggest_categorical("angle_cost", [0.0, 0.3, 1.0, 3.0]),
+        lr_end=trial.suggest_categorical("lr_end", [1.0, 0.3, 0.05]),
     )
 
 

@@ -6,8 +6,13 @@ brought to 0 ... 1: with v the root mean square over the decision and s its scal
     cost = v^2 / (v^2 + s^2)
 
 which is quadratic while small, as the metrics are, and cannot exceed 1 in a disturbance. Activity
-is v / (v + s) with v the movement of k_s; injection is the share of time. So no decision costs more
-than ``RewardWeights.worst_running`` per 1 ms.
+is v / (v + s) with v the movement of k_s; injection is the share of time. The angle costs nothing
+while its error is one that a loaded drive lives with, then the square of the way from there to lost
+lock: few scenarios are lost, many more come near, and these tell an agent where the danger is. So
+no decision costs more than ``RewardWeights.worst_running`` per 1 ms.
+
+The weights follow ``objective.OBJECTIVE`` near its best values: there, one percent less of torque
+deviation or of ripple gains as much as it does in the objective, and losing lock costs no less.
 
 Losing lock ends an episode and with it all running costs. It must never pay to lose lock early, so
 its penalty is above the worst running cost over the whole horizon the agent looks ahead: with
@@ -37,8 +42,10 @@ SCALE_RIPPLE = 0.02
 """Torque ripple that costs half [rated torque]."""
 SCALE_SPEED = 0.05
 """Speed deviation that costs half [rated speed]."""
-SCALE_ANGLE = math.radians(20.0)
-"""Angle error that costs half [rad]."""
+ANGLE_FREE = math.radians(20.0)
+"""Angle error that costs nothing yet [rad]: steady errors of a loaded drive are below it."""
+ANGLE_LOST = math.radians(60.0)
+"""Angle error that costs all [rad]: beyond it, lock counts as lost."""
 SCALE_ACTIVITY = 0.05
 """Movement of k_s in 1 ms that costs half."""
 
@@ -49,17 +56,17 @@ class RewardWeights:
 
     torque_deviation: float = 0.050
     """Torque minus the sensored twin's, without the injection band."""
-    torque_ripple: float = 0.020
+    torque_ripple: float = 0.0045
     """Swing of the torque within the decision, without the injection band."""
     speed_deviation: float = 0.020
     """Speed minus the sensored twin's: overshoot and dips that the estimate caused."""
-    angle: float = 0.008
-    """Angle error of the blend: the warning before lock is lost."""
+    angle: float = 1.0
+    """Angle error of the blend near losing lock: the warning before."""
     activity: float = 0.001
     """Movement of k_s."""
-    injection: float = 0.001
+    injection: float = 0.0002
     """Share of time with injection on."""
-    lost: float = 40.0
+    lost: float = 1000.0
     """Once, when lock is lost."""
 
     def __post_init__(self) -> None:
@@ -120,7 +127,9 @@ def terms(
     np.fmin(x, np.float32(1e12), out=x)  # also turns NaN of a broken state into a number
 
     weight, scale, ms = _constants(weights, motor)
+    above = (np.sqrt(x[1]) - ANGLE_FREE) / (ANGLE_LOST - ANGLE_FREE)
     x /= x + scale
+    x[1] = np.clip(above, 0.0, 1.0) ** 2
     x *= weight
     x *= ms * n
     penalty = np.zeros(len(n), dtype=np.float32)
@@ -153,7 +162,7 @@ def _constants(weights: RewardWeights, motor: Motor) -> tuple[Array, Array, np.f
     ms = 1e3 * motor.T_s
     rows = (
         (weights.torque_deviation, (SCALE_TORQUE * motor.tau_rated) ** 2),
-        (weights.angle, SCALE_ANGLE**2),
+        (weights.angle, ANGLE_LOST**2),
         (weights.activity, SCALE_ACTIVITY * ms),
         (weights.speed_deviation, (SCALE_SPEED * motor.omega_rated / motor.n_p) ** 2),
         (weights.torque_ripple, 8.0 * (SCALE_RIPPLE * motor.tau_rated) ** 2),

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sensorless.agents.run_folder import CONFIG, PROGRESS, design_and_motor
+from sensorless.agents.loading import CONFIG
+from sensorless.agents.run_folder import PROGRESS, design_and_motor
 from sensorless.agents.validation import validate
 from sensorless.baselines import shipped
 from sensorless.baselines.registry import make_policy

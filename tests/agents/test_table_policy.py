@@ -85,8 +85,8 @@ def test_neighbours_move_together_and_within_bounds() -> None:
         loss.backward()
         net.optimizer.step()
     moved = net.actor.table().values - start
-    assert moved[2, 1] > 0.03
-    assert moved[1, 1] > 0.01 and moved[2, 2] > 0.01
+    assert moved[2, 1] > 0.02
+    assert 0.01 < moved[1, 1] < moved[2, 1] and 0.01 < moved[2, 2] < moved[2, 1]
     assert moved[5, 3] == 0.0, "far away nothing moves"
 
 

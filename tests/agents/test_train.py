@@ -1,5 +1,6 @@
 """Training from start to a usable schedule, interrupted and resumed."""
 
+import dataclasses
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -66,12 +67,13 @@ def test_training_moves_the_table(tmp_path: Path) -> None:
     def keep(share: float, steps: int, found: Cost | None) -> None:
         last.extend([found] if found else [])
 
-    train(SMALL, DriveDesign(), tmp_path / "run", report=keep)
+    wide = dataclasses.replace(SMALL, start="linear:100,900")  # at once between 0 and 1
+    train(wide, DriveDesign(), tmp_path / "run", report=keep)
     from stable_baselines3 import PPO
 
     model = PPO.load(tmp_path / "run" / "checkpoints" / "latest.zip", device="cpu")
     moved = model.policy.actor.values.detach()  # type: ignore[operator, union-attr]
-    start = TableModule(SMALL.start_table(MOTOR, 50.0)).values.detach()
+    start = TableModule(wide.start_table(MOTOR, 50.0)).values.detach()
     assert not np.array_equal(moved.numpy(), start.numpy())
     assert min(v.objective for v in last) <= last[0].objective
 

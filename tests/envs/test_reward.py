@@ -5,9 +5,10 @@ import pytest
 
 from sensorless.core_api import SIM
 from sensorless.envs.reward import (
+    ANGLE_FREE,
+    ANGLE_LOST,
     HORIZON_MS,
     SCALE_ACTIVITY,
-    SCALE_ANGLE,
     SCALE_RIPPLE,
     SCALE_SPEED,
     SCALE_TORQUE,
@@ -32,7 +33,7 @@ def zero_sums(periods: int = 5) -> np.ndarray[tuple[int], np.dtype[np.void]]:
 
 def test_losing_lock_costs_more_than_the_worst_that_could_follow() -> None:
     assert WEIGHTS.lost >= WEIGHTS.worst_running * HORIZON_MS
-    assert WEIGHTS.worst_running == pytest.approx(0.1)
+    assert WEIGHTS.worst_running == pytest.approx(1.0757)
 
 
 def test_a_perfect_decision_costs_nothing() -> None:
@@ -48,11 +49,19 @@ def test_every_scale_is_where_its_cost_is_half() -> None:
     sums["dev_lf_sq"] = 5 * (SCALE_TORQUE * MOTOR.tau_rated) ** 2
     sums["omega_m"] = 5 * (10.0 + SCALE_SPEED * MOTOR.omega_rated / MOTOR.n_p)
     sums["omega_m_twin"] = 5 * 10.0
-    sums["err_sq"] = 5 * SCALE_ANGLE**2
     sums["k_s_moved"] = 5 * SCALE_ACTIVITY * 1e3 * MOTOR.T_s
     parts = terms(sums, NOBODY, WEIGHTS, MOTOR)
-    for name in ("torque_deviation", "torque_ripple", "speed_deviation", "angle", "activity"):
+    for name in ("torque_deviation", "torque_ripple", "speed_deviation", "activity"):
         assert parts[name] == pytest.approx(-0.5 * getattr(WEIGHTS, name), rel=1e-4)
+
+
+def test_the_angle_costs_from_where_danger_begins() -> None:
+    sums = zero_sums()
+    sums["err_sq"] = (
+        5 * np.array([ANGLE_FREE, 0.5 * (ANGLE_FREE + ANGLE_LOST), 2 * ANGLE_LOST]) ** 2
+    )
+    cost = -terms(sums, NOBODY, WEIGHTS, MOTOR)["angle"] / WEIGHTS.angle
+    np.testing.assert_allclose(cost, [0.0, 0.25, 1.0], atol=1e-6)
 
 
 def test_costs_follow_time_not_decisions() -> None:

@@ -1,0 +1,72 @@
+"""Pairs of environments: opposite noise, one scenario, and the difference as advantage."""
+
+import numpy as np
+import pytest
+import torch
+from gymnasium import spaces
+
+from sensorless.agents.node_kernel import NodeKernel
+from sensorless.agents.node_noise import NodeNoise
+from sensorless.agents.pairs import PairedRolloutBuffer, opposite, paired_seeds
+from sensorless.agents.train_config import TrainConfig
+from sensorless.agents.training_env import training_env
+from sensorless.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.motor import Motor
+
+
+def test_partners_see_the_same_scenario_to_the_bit() -> None:
+    config = TrainConfig(n_envs=4)
+    env = training_env(config, DriveDesign(), Motor.load("paper"))
+    env._seeds = list(paired_seeds(7, 4))
+    first = np.asarray(env.reset())
+    assert np.array_equal(first[0::2], first[1::2])
+    assert not np.array_equal(first[0], first[2])
+    for _ in range(20):
+        seen, reward, _, _ = env.step(np.zeros((4, 1), dtype=np.float32))
+        obs = np.asarray(seen)
+        assert np.array_equal(obs[0::2], obs[1::2]) and np.array_equal(reward[0::2], reward[1::2])
+
+
+def test_partners_explore_in_opposite_directions() -> None:
+    torch.manual_seed(0)
+    noise = NodeNoise(NodeKernel((4, 3), 1.0))
+    noise.draw(6)
+    assert torch.equal(noise._z[0::2], -noise._z[1::2])
+    assert not torch.equal(noise._z[0], noise._z[2])
+    assert opposite(torch.arange(2.0)).tolist() == [0.0, -0.0, 1.0, -1.0]
+
+
+def filled(rewards: np.ndarray, starts: np.ndarray) -> PairedRolloutBuffer:
+    """Buffer with values 0, so that the advantage of a rollout is what it earned."""
+    steps, n = rewards.shape
+    box = spaces.Box(-1.0, 1.0, (1,))
+    buffer = PairedRolloutBuffer(steps, box, box, gae_lambda=1.0, gamma=1.0, n_envs=n)
+    buffer.rewards[:], buffer.episode_starts[:] = rewards, starts
+    buffer.compute_returns_and_advantage(torch.zeros(n), np.zeros(n, dtype=bool))
+    return buffer
+
+
+def test_every_step_gets_half_of_what_the_rollout_earned_more_than_the_partners() -> None:
+    rewards = np.random.default_rng(1).normal(size=(5, 4)).astype(np.float32)
+    found = filled(rewards, np.zeros((5, 4))).advantages
+    gain = rewards.sum(axis=0)
+    expected = 0.5 * np.array([gain[0] - gain[1], gain[1] - gain[0],
+                               gain[2] - gain[3], gain[3] - gain[2]])  # fmt: skip
+    np.testing.assert_allclose(found, np.tile(expected, (5, 1)), rtol=1e-5)
+
+
+def test_nothing_is_learned_from_a_pair_out_of_step() -> None:
+    rewards, starts = np.ones((5, 4), dtype=np.float32), np.zeros((5, 4))
+    starts[3, 1] = 1.0  # lost with its third decision: the fourth belongs to another scenario
+    rewards[2, 1] = -100.0
+    found = filled(rewards, starts).advantages
+    assert np.all(found[3:, :2] == 0.0)
+    np.testing.assert_allclose(found[:3, 0], 0.5 * (5.0 - (2.0 - 100.0)))
+    np.testing.assert_allclose(found[:3, 1], -found[:3, 0])
+    assert np.all(found[:, 2:] == 0.0)  # no difference, no advantage
+
+
+def test_an_odd_number_of_environments_is_refused() -> None:
+    with pytest.raises(UserError, match="n_envs: 5; allowed: an even number"):
+        TrainConfig(n_envs=5)
