@@ -13,7 +13,7 @@ TABLE, MLP = "table.json", "mlp.npz"
 
 
 def load_run(folder: str | Path, motor: Motor) -> TablePolicy | MlpSchedule:
-    """Policy of a run folder, for the machine it was trained on.
+    """Policy of a run folder, for the machine it was trained on; for any if those were random.
 
     Raises
     ------

@@ -11,6 +11,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvS
 
 from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.privileged import BOUND, N_PRIVILEGED
+from sensorless.envs.several import SeveralMachines
 from sensorless.envs.signals import HIGH, LOW
 from sensorless.errors import UserError
 
@@ -25,7 +26,7 @@ class SB3VecEnv(VecEnv):
 
     Parameters
     ----------
-    env : BlendVectorEnv
+    env : BlendVectorEnv or SeveralMachines
     privileged : bool
         Append the N_PRIVILEGED true quantities to the observation, behind the N_SIGNALS columns of
         the policy, for a critic. The actor must not read beyond its own columns.
@@ -36,7 +37,7 @@ class SB3VecEnv(VecEnv):
         If the environment restarts episodes in any other mode.
     """
 
-    def __init__(self, env: BlendVectorEnv, *, privileged: bool = False) -> None:
+    def __init__(self, env: BlendVectorEnv | SeveralMachines, *, privileged: bool = False) -> None:
         if env.metadata["autoreset_mode"] is not AutoresetMode.SAME_STEP:
             raise UserError(f"autoreset_mode: {env.metadata['autoreset_mode'].value!r}; "
                             "allowed for stable-baselines3: 'SameStep'")  # fmt: skip
