@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from sensorless.agents.loading import load_run, provenance
 from sensorless.agents.run_folder import design_and_motor
@@ -14,6 +15,7 @@ from sensorless.agents.train_config import TrainConfig
 from sensorless.agents.training_env import training_env
 from sensorless.agents.validation import validate, validate_all
 from sensorless.baselines.registry import make_policy
+from sensorless.cli import app
 from sensorless.drive import DriveDesign
 from sensorless.envs import machine_family
 from sensorless.envs.machine_family import family, family_digest
@@ -112,6 +114,23 @@ def test_one_machine_is_as_before() -> None:
     one = Machines.of(motor, TrainConfig().machines, 1)
     assert one.motors == (motor,)
     assert one.origin() == {"motor": "paper", "motor_digest": motor.digest}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["train", "--name", "x", "--machines", "257"], "machines: 257; allowed: 0 to 256"),
+        (["train", "--name", "x", "--machines", "20", "--n-envs", "16"], "allowed: up to n_envs"),
+        (["tune", "linear", "--machines", "300", "--out", "x.json"], "machines: 300; allowed: 1"),
+    ],
+)
+def test_commands_say_what_is_allowed(
+    words: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UserError, match=said):
+        CliRunner().invoke(app, words, catch_exceptions=False, standalone_mode=False)
+    assert not list(tmp_path.rglob("*.json"))
 
 
 def test_what_does_not_fit_is_refused(run: Path) -> None:
