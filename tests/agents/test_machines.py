@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,9 @@ from sensorless.drive import DriveDesign
 from sensorless.envs import machine_family
 from sensorless.envs.machine_family import family, family_digest
 from sensorless.envs.machines import Machines
+from sensorless.envs.privileged import N_PRIVILEGED
 from sensorless.envs.scenario import SimFactory
+from sensorless.envs.signals import N_SIGNALS
 from sensorless.errors import UserError
 from sensorless.export import export
 from sensorless.ks_table import KsTable
@@ -45,6 +48,27 @@ def test_drives_are_shared_out_over_the_machines() -> None:
     assert env.num_envs == 16
     assert [part.num_envs for part in env.env.envs] == [6, 5, 5]  # type: ignore[union-attr]
     assert [part.batch.motor for part in env.env.envs] == [*family(1, 3)]  # type: ignore[union-attr]
+
+
+def test_the_critic_sees_which_machine_it_judges() -> None:
+    """Also in the last observation of an episode; the policy's own columns stay what they were."""
+    env = training_env(SMALL, DriveDesign(), family(1, 3))
+    env.seed(3)
+    observation: Any = env.reset()
+    which = np.repeat(np.eye(3), [6, 5, 5], axis=0)
+    ends = 0
+    for _ in range(250):
+        assert observation.shape == (16, N_SIGNALS + N_PRIVILEGED + 3)
+        np.testing.assert_array_equal(observation[:, -3:], which)
+        observation, _, done, infos = env.step(np.zeros((16, 1), dtype=np.float32))
+        for i in np.flatnonzero(done):
+            last = infos[i]["terminal_observation"]
+            assert last.shape == observation.shape[1:]
+            np.testing.assert_array_equal(last[-3:], which[i])
+            ends += 1
+    assert ends > 3
+    alone = training_env(SMALL, DriveDesign(), family(1, 1))
+    assert alone.observation_space.shape == (N_SIGNALS + N_PRIVILEGED,)
 
 
 def test_a_run_says_which_machines_and_is_usable_on_any(run: Path) -> None:
