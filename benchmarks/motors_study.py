@@ -1,14 +1,13 @@
 """Compare a schedule that learned on random machines with tuned linear rules on real ones.
 
-    sensorless train --name family ...
-    sensorless tune linear --machines 16 --budget 50000 --out linear-family.json
-    python benchmarks/motors_study.py --policy runs/family
+    python benchmarks/motors_study.py
 
 Every policy runs the suite `motors` on every shipped machine, none of which the family holds; the
 ones under --policy are compared with the ones under --against in pairs. No worse: the Wilson
 interval of its lost rate does not lie above the other's, and torque deviation over the scenarios
 that both survived is at most 2 % above the other's, with the whole bootstrap interval. The file is
-written after every machine; the same command goes on where it stopped.
+written after every machine; the same command goes on where it stopped. The schedules made on the
+family are kept beside it, each with its command.
 """
 
 import argparse
@@ -31,6 +30,9 @@ SUITE = "motors"
 MARGIN = 0.02
 """Torque deviation that counts as none."""
 METRICS = ("torque_dev_rms", "torque_ripple_rms", "overshoot_pct")
+FAMILY = "results/studies/motors"
+POLICIES = (f"{FAMILY}/ppo", f"{FAMILY}/logistic-family.json", "eq25", "logistic-tuned")
+AGAINST = (f"{FAMILY}/linear-family.json", "linear-tuned")
 MACHINES = tuple(sorted(path.stem for path in MOTORS.glob("*.toml")))
 
 
@@ -109,8 +111,8 @@ def identity(policy: Policy) -> Any:
 def main() -> None:
     """Judge what is missing in the file, and print all of it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--policy", nargs="+", default=["runs/family", "eq25", "logistic-tuned"])
-    parser.add_argument("--against", nargs="+", default=["linear-family.json", "linear-tuned"])
+    parser.add_argument("--policy", nargs="+", default=list(POLICIES))
+    parser.add_argument("--against", nargs="+", default=list(AGAINST))
     parser.add_argument("--motor", nargs="+", default=list(MACHINES))
     parser.add_argument("--seed", type=int, default=11, help="of the scenarios to judge on")
     parser.add_argument("--size", type=int, default=1000, help="scenarios a machine")
