@@ -14,7 +14,9 @@ TABLE, MLP, CONFIG = "table.json", "mlp.npz", "config.json"
 
 
 def load_run(folder: str | Path, motor: Motor) -> TablePolicy | MlpSchedule:
-    """Policy of a run folder, for the machine and on the estimator it was trained on.
+    """Policy of a run folder, on the estimator and for the machine it was trained on.
+
+    One that was trained on random machines is for any.
 
     Raises
     ------

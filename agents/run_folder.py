@@ -12,6 +12,7 @@ from sensorless.agents.loading import CONFIG, MLP, TABLE
 from sensorless.agents.mlp_schedule import MlpSchedule
 from sensorless.agents.train_config import TrainConfig
 from sensorless.drive import DriveDesign
+from sensorless.envs.machines import Machines
 from sensorless.envs.policy import TablePolicy
 from sensorless.errors import UserError
 from sensorless.files import ensure_writable, write_atomic
@@ -31,13 +32,12 @@ def versions() -> dict[str, str]:
 
 
 def describe(
-    config: TrainConfig, motor: Motor, design: DriveDesign, start: KsTable
+    config: TrainConfig, machines: Machines, design: DriveDesign, start: KsTable
 ) -> dict[str, Any]:
     """Content of ``config.json``."""
     return {
         "command": " ".join(["sensorless", *sys.argv[1:]]),
-        "motor": motor.name,
-        "motor_digest": motor.digest,
+        **machines.origin(),
         "start_digest": start.digest,
         "train": dataclasses.asdict(config),
         "design": dataclasses.asdict(design),
@@ -46,7 +46,7 @@ def describe(
 
 
 def create(
-    folder: Path, config: TrainConfig, motor: Motor, design: DriveDesign, start: KsTable
+    folder: Path, config: TrainConfig, machines: Machines, design: DriveDesign, start: KsTable
 ) -> None:
     """Make a new run folder with its configuration and its start.
 
@@ -57,7 +57,7 @@ def create(
     """
     fresh(folder)
     ensure_writable(folder / "checkpoints")
-    text = json.dumps(describe(config, motor, design, start), indent=1)
+    text = json.dumps(describe(config, machines, design, start), indent=1)
     write_atomic(folder / CONFIG, text + "\n")
     start.save(folder / START)
 
@@ -83,10 +83,12 @@ def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
     Raises
     ------
     UserError
-        No run folder, or one whose configuration cannot be read.
+        No run folder, one whose configuration cannot be read, or a run over several machines.
     """
     try:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
+        if "machines" in data:
+            raise UserError(f"run: {folder}: trained on {data['motor']}; allowed: one of one motor")
         return DriveDesign(**data["design"]), Motor.load(data["train"]["motor"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         if isinstance(error, UserError):
@@ -95,7 +97,7 @@ def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
 
 
 def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:
-    """Configuration of a run to go on with, the digest of its motor, and its start.
+    """Configuration of a run to go on with, the digest of its machines, and its start.
 
     Raises
     ------
@@ -109,7 +111,8 @@ def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:
     try:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
         config, design = TrainConfig(**data["train"]), DriveDesign(**data["design"])
-        return config, design, data["motor_digest"], KsTable.load(folder / START)
+        digest = data["machines"]["digest"] if config.machines else data["motor_digest"]
+        return config, design, digest, KsTable.load(folder / START)
     except (ValueError, KeyError, TypeError) as error:
         if isinstance(error, UserError):
             raise
@@ -120,8 +123,8 @@ def save_schedule(
     folder: Path, policy: TablePolicy | MlpSchedule, config: dict[str, Any], **facts: Any
 ) -> None:
     """Write the schedule with its provenance, under the name that ``load_run`` looks for."""
-    known = ("command", "motor", "motor_digest", "design", "versions")
-    origin = {key: config[key] for key in known}
+    known = ("command", "motor", "motor_digest", "machines", "design", "versions")
+    origin = {key: config[key] for key in known if key in config}
     origin["seed"] = config["train"]["seed"]
     if isinstance(policy, TablePolicy):
         policy.table.save(folder / TABLE, {**origin, **facts})

@@ -11,6 +11,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvS
 
 from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.privileged import BOUND, N_PRIVILEGED
+from sensorless.envs.several import SeveralMachines
 from sensorless.envs.signals import HIGH, LOW
 from sensorless.errors import UserError
 
@@ -25,10 +26,11 @@ class SB3VecEnv(VecEnv):
 
     Parameters
     ----------
-    env : BlendVectorEnv
+    env : BlendVectorEnv or SeveralMachines
     privileged : bool
         Append the N_PRIVILEGED true quantities to the observation, behind the N_SIGNALS columns of
-        the policy, for a critic. The actor must not read beyond its own columns.
+        the policy, for a critic; behind them, with several machines, a column for each that is 1 in
+        its own rows. The actor must not read beyond its own columns.
 
     Raises
     ------
@@ -36,14 +38,16 @@ class SB3VecEnv(VecEnv):
         If the environment restarts episodes in any other mode.
     """
 
-    def __init__(self, env: BlendVectorEnv, *, privileged: bool = False) -> None:
+    def __init__(self, env: BlendVectorEnv | SeveralMachines, *, privileged: bool = False) -> None:
         if env.metadata["autoreset_mode"] is not AutoresetMode.SAME_STEP:
             raise UserError(f"autoreset_mode: {env.metadata['autoreset_mode'].value!r}; "
                             "allowed for stable-baselines3: 'SameStep'")  # fmt: skip
         self.env = env  # before the base class, which asks for env.render_mode
         self.privileged = privileged
         self.last_info: dict[str, Any] = {}
-        extra = np.full(N_PRIVILEGED if privileged else 0, BOUND, dtype=np.float32)
+        self._which = _which(env) if privileged else np.zeros((env.num_envs, 0), dtype=np.float32)
+        n_extra = N_PRIVILEGED + self._which.shape[1] if privileged else 0
+        extra = np.full(n_extra, BOUND, dtype=np.float32)
         low, high = np.concatenate([LOW, -extra]), np.concatenate([HIGH, extra])
         space = gymnasium.spaces.Box(low, high, dtype=np.float32)
         super().__init__(env.num_envs, space, env.single_action_space)
@@ -52,7 +56,7 @@ class SB3VecEnv(VecEnv):
         """Columns of the policy, then those of the critic."""
         if not self.privileged:
             return observation
-        return np.concatenate([observation, info["privileged"]], axis=-1)
+        return np.concatenate([observation, info["privileged"], self._which], axis=-1)
 
     def reset(self) -> Floats:
         """Begin an episode in every drive, with the seeds and options set before."""
@@ -74,8 +78,10 @@ class SB3VecEnv(VecEnv):
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for i in np.flatnonzero(terminated | truncated):
             final = info["final_info"]
-            last = {"privileged": final["privileged"][i]}
-            infos[i]["terminal_observation"] = self._columns(info["final_obs"][i], last)
+            last = [info["final_obs"][i]]
+            if self.privileged:
+                last += [final["privileged"][i], self._which[i]]
+            infos[i]["terminal_observation"] = np.concatenate(last)
             infos[i]["TimeLimit.truncated"] = bool(truncated[i])
             infos[i]["lost"] = bool(final["lost"][i])
         return self._columns(observation, info), reward, terminated | truncated, infos
@@ -108,3 +114,11 @@ class SB3VecEnv(VecEnv):
     ) -> list[bool]:
         """Return False for every drive asked for."""
         return [False for _ in self._get_indices(indices)]
+
+
+def _which(env: BlendVectorEnv | SeveralMachines) -> Floats:
+    """One column a machine, 1 in its rows (n, m); none for the only one."""
+    if isinstance(env, BlendVectorEnv):
+        return np.zeros((env.num_envs, 0), dtype=np.float32)
+    sizes = [part.num_envs for part in env.envs]
+    return np.repeat(np.eye(len(sizes), dtype=np.float32), sizes, axis=0)

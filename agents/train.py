@@ -20,6 +20,7 @@ from sensorless.agents.train_config import TrainConfig
 from sensorless.agents.training_env import training_env
 from sensorless.agents.watch import Progress, Watch
 from sensorless.drive import DriveDesign
+from sensorless.envs.machines import Machines
 from sensorless.envs.scenario import SimFactory
 from sensorless.errors import UserError
 from sensorless.ks_table import KsTable
@@ -59,26 +60,28 @@ def train(
         After checkpoint and best schedule were saved.
     """
     torch.set_num_threads(1)
-    motor = Motor.load(config.motor)
     if resume:
         old, design, digest, table = reopen(folder)
-        if config.motor == TrainConfig.motor:
-            motor = Motor.load(old.motor)
-        if digest != motor.digest:
+        motor = old.motor if config.motor == TrainConfig.motor else config.motor
+        machines = Machines.of(Motor.load(motor), old.machines, old.seed)
+        if digest != machines.digest:
             raise UserError(
-                f"resume: {str(folder)!r} was trained on motor {old.motor!r}, digest "
-                f"{digest[:16]}; allowed: motor {motor.name!r}, digest {motor.digest[:16]}"
+                f"resume: {str(folder)!r} was trained on {old.motor!r}, digest {digest[:16]}; "
+                f"allowed: {machines.name!r}, digest {machines.digest[:16]}"
             )
         config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)
     else:
-        table = config.start_table(motor, design.k_s_slew)
-    model = _model(config, table, training_env(config, design, motor))
+        reference = Motor.load(config.motor)
+        machines = Machines.of(reference, config.machines, config.seed)
+        table = config.start_table(reference, design.k_s_slew)
+    model = _model(config, table, training_env(config, design, machines.motors))
     if resume:
         _restore(model, folder / LATEST)
     else:
-        create(folder, config, motor, design, table)
+        create(folder, config, machines, design, table)
     model.set_logger(configure(str(folder / "tb"), ["tensorboard"]))
-    watch = Watch(folder, config, SimFactory(motor, design), report)
+    factories = [SimFactory(motor, design) for motor in machines.motors]
+    watch = Watch(folder, config, factories, report)
     try:
         model.learn(10**15, callback=watch, log_interval=1, reset_num_timesteps=not resume)
         watch.judge()

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sensorless.agents.start import start_table
+from sensorless.envs.machine_family import MOST
 from sensorless.errors import UserError
 from sensorless.ks_table import KsTable
 from sensorless.motor import Motor
@@ -23,6 +24,10 @@ class TrainConfig:
 
     motor: str = "paper"
     """shipped motor by name, or a TOML file"""
+    machines: int = _number(0, 0, MOST)
+    """train over so many random machines, drawn from the seed, instead of the motor, which then
+    only turns r/min of a start into shares of rated speed; the schedule fits any machine; 0: the
+    motor alone"""
     minutes: float = _number(5.0, 0.0, 1e5)
     """time to train [min]; not repeatable, see `steps`"""
     steps: int = _number(0, 0, 10**12)
@@ -100,6 +105,11 @@ class TrainConfig:
             low, high = f.metadata["low"], f.metadata["high"]
             if not (math.isfinite(value) and low <= value <= high):
                 raise UserError(f"{f.name}: {value!r}; allowed: {low:g} to {high:g}")
+
+        if 2 * self.machines > self.n_envs:
+            raise UserError(
+                f"machines: {self.machines}; allowed: up to half of n_envs = {self.n_envs}"
+            )
 
     def start_table(self, motor: Motor, slew_per_s: float) -> KsTable:
         """Return the table training starts from, see ``agents.start``."""

@@ -1,5 +1,7 @@
 """Environments to train in: stress scenarios of the role ``train``."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from sensorless.agents.sb3_adapter import SB3VecEnv
@@ -9,6 +11,7 @@ from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.reward import RewardWeights
 from sensorless.envs.scenario import Scenarios
+from sensorless.envs.several import SeveralMachines
 from sensorless.envs.stress import stress_scenarios
 from sensorless.motor import Motor
 from sensorless.suites import ROLES
@@ -19,18 +22,25 @@ def training_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     return stress_scenarios(motor, combine(ROLES["train"], seeds))
 
 
-def training_env(config: TrainConfig, design: DriveDesign, motor: Motor) -> SB3VecEnv:
-    """All environments of a run, with the truth appended for the critic."""
-    env = BlendVectorEnv(
-        config.n_envs,
-        autoreset_mode="SameStep",
-        motor=motor,
-        design=design,
-        decision_period=1e-3 * config.decision_ms,
-        scenarios=training_scenarios,
-        weights=RewardWeights(lost=config.lost_penalty, angle=config.angle_cost),
-    )
-    return SB3VecEnv(env, privileged=True)
+def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Motor]) -> SB3VecEnv:
+    """All environments of a run, with the truth appended for the critic.
+
+    Their pairs are shared out evenly over the machines; the first ones get what is left over.
+    """
+    share, more = divmod(config.n_envs // 2, len(motors))
+    envs = [
+        BlendVectorEnv(
+            2 * (share + (i < more)),
+            autoreset_mode="SameStep",
+            motor=motor,
+            design=design,
+            decision_period=1e-3 * config.decision_ms,
+            scenarios=training_scenarios,
+            weights=RewardWeights(lost=config.lost_penalty, angle=config.angle_cost),
+        )
+        for i, motor in enumerate(motors)
+    ]
+    return SB3VecEnv(envs[0] if len(envs) == 1 else SeveralMachines(envs), privileged=True)
 
 
 def stream(seed: int, step: int) -> int:

@@ -1,5 +1,8 @@
 """The objective of training, on scenarios that neither training nor judging uses."""
 
+from collections.abc import Sequence
+from dataclasses import astuple
+
 import numpy as np
 
 from sensorless.envs.policy import Policy
@@ -22,3 +25,10 @@ def validate(policy: Policy, factory: SimFactory, size: int, seed: int = 0) -> C
         ripple.append(torque_ripple_rms(r)[kept])
     means = (float(np.mean(np.concatenate(x))) if sum(map(len, x)) else 1.0 for x in (dev, ripple))
     return Cost(float(np.mean(np.concatenate(lost))), *means)
+
+
+def validate_all(policy: Policy, factories: Sequence[SimFactory], size: int) -> Cost:
+    """Mean cost over machines that share ``size`` scenarios, rounded up; each has its own."""
+    share = -(-size // len(factories))
+    costs = [validate(policy, factory, share, seed) for seed, factory in enumerate(factories)]
+    return Cost(*(float(np.mean(part)) for part in zip(*map(astuple, costs), strict=True)))

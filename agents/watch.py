@@ -5,7 +5,7 @@ import dataclasses
 import json
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from sensorless.agents.pairs import restart
 from sensorless.agents.run_folder import LATEST, PROGRESS, save_schedule
 from sensorless.agents.train_config import TrainConfig
 from sensorless.agents.training_env import stream
-from sensorless.agents.validation import validate
+from sensorless.agents.validation import validate_all
 from sensorless.envs.scenario import SimFactory
 from sensorless.envs.stress import DURATION
 from sensorless.files import write_atomic
@@ -40,10 +40,15 @@ class Watch(BaseCallback):
     """
 
     def __init__(
-        self, folder: Path, config: TrainConfig, factory: SimFactory, report: Progress | None
+        self,
+        folder: Path,
+        config: TrainConfig,
+        factories: Sequence[SimFactory],
+        report: Progress | None,
     ) -> None:
         super().__init__()
-        self._folder, self._config, self._factory, self._report = folder, config, factory, report
+        self._folder, self._config, self._report = folder, config, report
+        self._factories = factories
         self._facts: dict[str, Any] = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
         self._start = time.monotonic()
         self._updates, self._judged = 0, -1
@@ -53,7 +58,7 @@ class Watch(BaseCallback):
         self._mean: Tensor | None = None
         self._rows = _rows(folder / PROGRESS)
         self._before = float(self._rows[-1]["seconds"]) if self._rows else 0.0
-        self.best = _kept(folder, factory.motor)
+        self.best = _kept(folder, factories[0].motor)
 
     def _on_training_start(self) -> None:
         self._first_step = self.model.num_timesteps
@@ -96,7 +101,7 @@ class Watch(BaseCallback):
         self._judged = self._updates
         policy: Any = self.model.policy
         schedule = policy.schedule(policy.vector() if self._mean is None else self._mean)
-        found = validate(schedule, self._factory, self._config.validate_size)
+        found = validate_all(schedule, self._factories, self._config.validate_size)
         better = self.best is None or found.objective < self.best.objective
         if better:
             self.best = found

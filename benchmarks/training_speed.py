@@ -88,7 +88,7 @@ def measure(seconds: float) -> dict[str, Any]:
     torch.set_num_threads(1)
     config, design, motor = TrainConfig(), DriveDesign(), Motor.load("paper")
     table = config.start_table(motor, design.k_s_slew)
-    env = training_env(config, design, motor)
+    env = training_env(config, design, (motor,))
     env.seed(0)
     model = _model(config, table, env)
     free = FreeVecEnv(env, round(1e3 * DURATION / config.decision_ms))

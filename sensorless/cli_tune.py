@@ -20,6 +20,10 @@ def tune_command(
     budget: Annotated[float, typer.Option(help="Time that may be simulated [s].")] = 20000.0,
     seed: Annotated[int, typer.Option(min=0, help="Draws scenarios and search.")] = 1,
     motor: Annotated[str, typer.Option(help="Shipped motor by name, or a TOML file.")] = "paper",
+    machines: Annotated[
+        int,
+        typer.Option(min=0, help="Tune over so many random machines of the seed instead; 0: none."),
+    ] = 0,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30."),
@@ -59,6 +63,7 @@ def tune_command(
             design,
             budget,
             seed,
+            machines=machines,
             command=shlex.join(["sensorless", *sys.argv[1:]]),
             progress=report,
             engine=where,

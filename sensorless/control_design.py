@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from sensorless.core_api import CURVE_N
-from sensorless.cross_design import cross_curve
+from sensorless.cross_design import cross_curve, working_current
 from sensorless.magnetics import Floats, apparent_q_inductance, mtpa
 from sensorless.motor import Motor
 
@@ -43,6 +43,19 @@ def design_curves(
     return i_d, L_q, angle
 
 
+def torque_constant(motor: Motor) -> float:
+    """Torque constant of the speed loop, times pole pairs: k_t of ``design_control`` [N m/A].
+
+    The magnet's, 1.5 n_p^2 psi_f, if the magnet alone makes rated torque from rated current;
+    otherwise rated torque over its torque current at maximum torque per ampere. With the magnet's
+    alone the loop of a reluctance machine would be much faster under load than asked for.
+    """
+    magnet = 1.5 * motor.n_p**2 * motor.psi_f
+    if magnet * motor.i_rated >= motor.n_p * motor.tau_rated:
+        return magnet
+    return motor.n_p * motor.tau_rated / working_current(motor, operating_line(motor, True), 1.0)
+
+
 def design_control(
     motor: Motor,
     *,
@@ -55,9 +68,9 @@ def design_control(
     """Fields of ``control_params_t`` but for its curve.
 
     Speed: critically damped closed loop of natural frequency ``speed_hz`` [Hz] on the inertia,
-    k_p = 2 w J / k_t, k_i = w^2 J / k_t with k_t = 1.5 n_p^2 psi_f per electrical rad/s. Current:
-    internal-model control of bandwidth ``current_hz`` [Hz] (doi 10.1109/28.663477) with the q
-    inductance of half rated current.
+    k_p = 2 w J / k_t, k_i = w^2 J / k_t with k_t of ``torque_constant``. Current: internal-model
+    control of bandwidth ``current_hz`` [Hz] (doi 10.1109/28.663477) with the q inductance of half
+    rated current.
 
     Parameters
     ----------
@@ -69,7 +82,7 @@ def design_control(
         Dead-time voltage to compensate [V], 0 for none.
     """
     w = 2.0 * math.pi * speed_hz
-    k_t = 1.5 * motor.n_p**2 * motor.psi_f
+    k_t = torque_constant(motor)
     alpha = 2.0 * math.pi * current_hz
     half = np.array([[0.0, 0.5 * motor.i_rated]])
     L_q = float(apparent_q_inductance(motor, half)[0])

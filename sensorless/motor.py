@@ -117,6 +117,11 @@ class Motor:
             raise UserError(f"{path}: not a valid TOML file: {error}") from None
         return _from_tables(data, str(path))
 
+    @classmethod
+    def from_tables(cls, data: dict[str, Any], where: str) -> "Motor":
+        """Machine of the tables of a TOML file; errors as in ``load``, under the name ``where``."""
+        return _from_tables(dict(data), where)
+
 
 def _from_tables(data: dict[str, Any], where: str) -> Motor:
     tables = {key: data.pop(key, {}) for key in ("machine", "rating", "drive")}

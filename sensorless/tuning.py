@@ -6,8 +6,8 @@ start, is the result. Time simulated counts against the budget wherever it is sp
 twins are not counted.
 """
 
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, astuple, dataclass
 from importlib.metadata import version
 from typing import Any
 
@@ -19,6 +19,7 @@ from sensorless.baselines.tuned import Tuned
 from sensorless.drive import DriveDesign
 from sensorless.engine import LOCAL, Engine
 from sensorless.envs.counter_random import combine
+from sensorless.envs.machines import Machines
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluate import versions
@@ -35,6 +36,8 @@ GENERATIONS = 30
 """Aimed at when the number of scenarios is chosen."""
 LEAST, MOST = 8, 256
 """Scenarios of a candidate in a generation."""
+NONE = Cost(1.0, 1.0, 1.0)
+"""Before anything is judged."""
 SIGMA = 0.2
 """First step over the range of each parameter."""
 
@@ -47,13 +50,14 @@ class _Search:
     """What is known so far."""
 
     rule: Rule
-    motor: Motor
-    factory: SimFactory
+    factories: Sequence[SimFactory]
     engine: Engine
+    seed: int
+    judged: int
     best: dict[str, float]
-    best_cost: Cost
-    start_cost: Cost
-    used: float
+    best_cost: Cost = NONE
+    start_cost: Cost = NONE
+    used: float = 0.0
     generations: int = 0
     interrupted: bool = False
 
@@ -65,6 +69,7 @@ def tune(
     budget: float,
     seed: int,
     *,
+    machines: int = 0,
     command: str = "",
     progress: Progress | None = None,
     engine: Engine = LOCAL,
@@ -78,7 +83,10 @@ def tune(
     budget : float
         Time that may be simulated [s].
     seed : int
-        Draws scenarios and search.
+        Draws scenarios and search, and the machines.
+    machines : int
+        Tune over so many random machines instead of the motor, which then only turns shares of
+        rated speed into r/min for people.
     command : str
         For the provenance.
     engine : Engine
@@ -95,30 +103,30 @@ def tune(
     if not rule.parameters:
         tunable = ", ".join(r.name for r in RULES.values() if r.parameters)
         raise UserError(f"rule: {name!r} has no parameters; allowed: {tunable}")
+    drawn = Machines.of(motor, machines, seed)
     es = _cma(rule, seed)
     population = es.popsize
     length = float(_scenarios(motor, seed, 0, 1).duration[0])
-    least = (2 + CHECK) * population * LEAST * length
+    fewest = max(LEAST, len(drawn.motors))
+    least = (2 + CHECK) * population * fewest * length
     if not least <= budget <= 1e9:
         raise UserError(f"budget: {budget:g} s; allowed for {name}: {least:g} to 1e9 s")
     units = 1 + GENERATIONS * (1 + 1 / CHECK)
-    batch = int(np.clip(budget / (units * population * length), LEAST, MOST))
+    batch = _shared(np.clip(budget / (units * population * length), fewest, MOST), drawn)
     judged = population * batch
-    judges = _scenarios(motor, seed, 0, judged)
 
-    factory = SimFactory(motor, design)
-    start = rule.defaults()
-    (cost,), used = costs([rule.build(name, start, motor)], judges, factory, engine)
-    search = _Search(rule, motor, factory, engine, start, cost, cost, used)
+    factories = [SimFactory(motor, design) for motor in drawn.motors]
+    search = _Search(rule, factories, engine, seed, judged, rule.defaults())
+    (search.best_cost,) = _costs(search, [search.best], 0, judged)
+    search.start_cost = search.best_cost
     try:
-        _run(search, es, judges, seed, batch, budget, progress)
+        _run(search, es, batch, budget, length, progress)
     except KeyboardInterrupt:
         search.interrupted = True
     provenance = {
         "command": command,
         "policy": rule.spec(search.best, motor),
-        "motor": motor.name,
-        "motor_digest": motor.digest,
+        **drawn.origin(),
         "design": _plain(asdict(design)),
         "suite": SUITE,
         "role": ROLE,
@@ -139,50 +147,59 @@ def tune(
 
 
 def _run(
-    search: _Search,
-    es: Any,
-    judges: Scenarios,
-    seed: int,
-    batch: int,
-    budget: float,
-    progress: Progress | None,
+    search: _Search, es: Any, batch: int, budget: float, length: float, progress: Progress | None
 ) -> None:
     """Generations until the budget could be exceeded, the last judgement included."""
-    rule, motor, judged = search.rule, search.motor, float(judges.duration.sum())
-    last = 0
+    rule, last = search.rule, 0
     while True:
-        part = _scenarios(motor, seed, search.generations + 1, batch)
-        longest = es.popsize * float(part.duration.sum())
-        go_on = search.used + longest + judged <= budget
+        longest = (es.popsize * batch + search.judged) * length
+        go_on = search.used + longest <= budget
         if go_on:
             points, values = _ask(es, rule)
-            policies = [rule.build(rule.name, v, motor) for v in values]
-            found, seconds = costs(policies, part, search.factory, search.engine)
+            found = _costs(search, values, search.generations + 1, batch)
             es.tell(points, [cost.objective for cost in found])
-            search.used += seconds
             search.generations += 1
         end = not go_on or bool(es.stop())
         if (end or search.generations % CHECK == 0) and search.generations > last:
             last = search.generations
             centre = _decode(rule, es.result.xfavorite)
             if rule.allows(centre):
-                _judge(search, centre, judges)
+                _judge(search, centre)
         if progress is not None:
             progress(min(search.used / budget, 1.0), search.best_cost, search.start_cost)
         if end:
             return
 
 
-def _scenarios(motor: Motor, seed: int, generation: int, n: int) -> Scenarios:
+def _shared(batch: float, machines: Machines) -> int:
+    """Scenarios of a candidate, the same number on every machine."""
+    n = len(machines.motors)
+    return int(batch) // n * n
+
+
+def _costs(
+    search: _Search, values: Sequence[dict[str, float]], generation: int, n: int
+) -> list[Cost]:
+    """Cost of every candidate over n scenarios: the mean over the machines that share them."""
+    share, parts = n // len(search.factories), []
+    for i, factory in enumerate(search.factories):
+        policies = [search.rule.build(search.rule.name, v, factory.motor) for v in values]
+        part = _scenarios(factory.motor, search.seed, generation, share, i)
+        found, seconds = costs(policies, part, factory, search.engine)
+        search.used += seconds
+        parts.append([astuple(cost) for cost in found])
+    return [Cost(*(float(x) for x in row)) for row in np.mean(parts, axis=0)]
+
+
+def _scenarios(motor: Motor, seed: int, generation: int, n: int, machine: int = 0) -> Scenarios:
     """Scenarios of a generation, from 1 on; 0 are those that the centres are judged on."""
-    return suite(SUITE, motor, int(combine(seed, generation)[0]) >> 1, n, ROLE)
+    words = (seed, generation, machine) if machine else (seed, generation)
+    return suite(SUITE, motor, int(combine(*words)[0]) >> 1, n, ROLE)
 
 
-def _judge(search: _Search, values: dict[str, float], judges: Scenarios) -> None:
+def _judge(search: _Search, values: dict[str, float]) -> None:
     """Keep these values if they are better than the best."""
-    policy = search.rule.build(search.rule.name, values, search.motor)
-    (cost,), seconds = costs([policy], judges, search.factory, search.engine)
-    search.used += seconds
+    (cost,) = _costs(search, [values], 0, search.judged)
     if cost.objective < search.best_cost.objective:
         search.best, search.best_cost = values, cost
 

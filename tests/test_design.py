@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sensorless.control_design import design_curves, operating_line
+from sensorless.control_design import design_curves, operating_line, torque_constant
 from sensorless.drive import DriveDesign, control_record, plant_record, sensor_record
 from sensorless.errors import UserError
 from sensorless.motor import Motor
@@ -50,6 +50,19 @@ def test_injected_current(motor: Motor) -> None:
 def test_deadbeat_gain(motor: Motor) -> None:
     """L_d / T_s = 315 V/A."""
     assert deadbeat_gain(motor) == pytest.approx(315.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "want"),
+    [
+        ("paper", 3.0 * 0.993 * 2),
+        ("ipmsm_2200w", 4.5 * 0.545 * 3),
+        ("pmsyrm_5600w", 2 * 29.7 / 8.527),
+    ],
+)
+def test_torque_constant(name: str, want: float) -> None:
+    """The magnet's where it makes rated torque alone; else that of the rated point."""
+    assert torque_constant(Motor.load(name)) == pytest.approx(want, rel=1e-3)
 
 
 @pytest.mark.parametrize(("hertz", "want"), [(math.inf, 1.0), (30.0, 0.03700), (1e6, 1.0)])

@@ -56,10 +56,9 @@ def test_each_estimator_holds_rated_torque(name: str) -> None:
     """Injection at 10 % of rated speed, the observer at 30 %, in both directions of torque.
 
     The observer's error is that of its q inductance; dead time and the currents' own share of the
-    error are left out. Slow speed loop: its design counts the magnet's torque alone, reluctance
-    makes it faster.
+    error are left out.
     """
-    design = DriveDesign(speed_hz=1.0)
+    design = DriveDesign()
     motor = Motor.load(name)
     tau = motor.tau_rated * np.array([-1.0, 0.0, 1.0])
     low = steady(motor, design, 0.1 * motor.n_rated_rpm, tau, 1.0, settle=2.5)

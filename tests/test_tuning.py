@@ -9,6 +9,7 @@ import pytest
 from sensorless import tuning
 from sensorless.baselines.linear import RULE
 from sensorless.drive import DriveDesign
+from sensorless.envs.machine_family import family, family_digest
 from sensorless.envs.policy import Policy, TablePolicy
 from sensorless.envs.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
@@ -91,7 +92,36 @@ def test_the_same_words_give_the_same_result_on_real_drives(
     first, second = (tuning.tune("linear", PAPER, DESIGN, 8.0, 7) for _ in range(2))
     assert first == second
     assert first.provenance["generations"] >= tuning.CHECK
+    third, fourth = (tuning.tune("linear", PAPER, DESIGN, 8.0, 7, machines=2) for _ in range(2))
+    assert third == fourth
+    assert third.provenance["start"] != first.provenance["start"]
     assert (np.random.get_state()[1] == state).all(), "leaves the global generator alone"  # type: ignore[index]
+
+
+def test_random_machines_share_the_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each machine has scenarios of its own; the mean over all is what is made least."""
+    met: dict[str, list[Scenarios]] = {}
+
+    def by_machine(
+        policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, *_: object
+    ) -> tuple[list[Cost], float]:
+        met.setdefault(factory.motor.name, []).append(scenarios)
+        found, seconds = bowl(policies, scenarios, factory)
+        shift = 0.3 * (list(met).index(factory.motor.name) - 1)  # cancels in the mean
+        return [Cost(0.0, c.torque_dev + shift, 0.0) for c in found], seconds
+
+    monkeypatch.setattr(tuning, "costs", by_machine)
+    found = tuning.tune("linear", PAPER, DESIGN, 20000.0, 5, machines=3)
+    assert found.parameters == pytest.approx({"lo": 0.15, "hi": 0.6}, abs=0.02)
+    known, motors = found.provenance, family(5, 3)
+    assert list(met) == [motor.name for motor in motors]
+    assert known["machines"]["digest"] == family_digest(motors)
+    assert "motor_digest" not in known
+    assert known["used_s"] <= known["budget_s"]
+    assert known["best"]["objective"] < 0.01
+    first = [parts[1] for parts in met.values()]
+    assert len(np.unique(np.concatenate([s.seed for s in first]))) == sum(map(len, first))
+    assert {len(s) for s in first} == {known["scenarios_per_candidate"] // 3}
 
 
 def test_every_generation_has_scenarios_of_its_own() -> None:

@@ -1,0 +1,88 @@
+"""Machines side by side behave as each does alone, to the bit."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sensorless.envs.blend_vector_env import BlendVectorEnv
+from sensorless.envs.counter_random import Seeds
+from sensorless.envs.machine_family import family
+from sensorless.envs.scenario import Scenarios
+from sensorless.envs.several import FINAL, SeveralMachines
+from sensorless.envs.stress import stress_scenarios
+from sensorless.errors import UserError
+from sensorless.motor import Motor
+
+MOTORS = (*family(4, 2), Motor.load("pmsyrm_5600w"))
+SIZES = (3, 1, 2)
+ROWS = (slice(0, 3), slice(3, 4), slice(4, 6))
+
+
+def brief(motor: Motor, seeds: Seeds) -> Scenarios:
+    """Episodes of 4 to 16 ms, some of which lose lock."""
+    scenarios = stress_scenarios(motor, seeds)
+    scenarios.duration = 0.004 + 0.001 * (seeds % np.uint64(13)).astype(float)
+    scenarios.theta_err_0 = np.where(seeds % np.uint64(3) == 0, 2.0, scenarios.theta_err_0)
+    return scenarios
+
+
+def envs(mode: str = "SameStep") -> list[BlendVectorEnv]:
+    return [
+        BlendVectorEnv(n, autoreset_mode=mode, scenarios=brief, motor=motor)
+        for n, motor in zip(SIZES, MOTORS, strict=True)
+    ]
+
+
+def same(whole: Any, part: Any, rows: slice) -> None:
+    for x, y in zip(whole[rows], part, strict=True):
+        np.testing.assert_array_equal(x, y)
+
+
+def test_rows_are_those_of_the_single_machines() -> None:
+    several, alone = SeveralMachines(envs()), envs()
+    assert several.observation_space.shape == (6, several.single_observation_space.shape[0])  # type: ignore[index]
+    obs, info = several.reset(seed=30)
+    for env, rows in zip(alone, ROWS, strict=True):
+        mine, own = env.reset(seed=30 + rows.start)
+        same(obs, mine, rows)
+        same(info["privileged"], own["privileged"], rows)
+    rng, ended, partly = np.random.default_rng(0), 0, 0
+    for _ in range(60):
+        action = rng.uniform(-1.0, 1.0, (6, 1)).astype(np.float32)
+        *whole, info = several.step(action)
+        for env, rows in zip(alone, ROWS, strict=True):
+            *part, own = env.step(action[rows])
+            for x, y in zip(whole, part, strict=True):
+                same(x, y, rows)
+            for name in set(own) - set(FINAL):
+                same(info[name], own[name], rows)
+            assert ("final_obs" in own) <= ("final_obs" in info)
+            if "final_obs" in info:
+                ended += 1
+                partly += "final_obs" not in own
+                over = own.get("_final_obs", np.zeros(env.num_envs, dtype=bool))
+                same(info["_final_obs"], over, rows)
+                same(info["_final_info"], over, rows)
+            for i in np.flatnonzero(own.get("_final_obs", [])):
+                np.testing.assert_array_equal(info["final_obs"][rows][i], own["final_obs"][i])
+                for name, last in own["final_info"].items():
+                    np.testing.assert_array_equal(info["final_info"][name][rows][i], last[i])
+    assert ended > 20 and partly > 5
+    several.close()
+
+
+def test_a_list_of_seeds_reaches_each_drive() -> None:
+    seeds = [9, 3, 5, 77, 1, 2]
+    obs, _ = SeveralMachines(envs()).reset(seed=seeds)
+    for env, rows in zip(envs(), ROWS, strict=True):
+        same(obs, env.reset(seed=seeds[rows])[0], rows)
+
+
+def test_what_cannot_be_joined_is_refused() -> None:
+    with pytest.raises(UserError, match="'SameStep'"):
+        SeveralMachines(envs("NextStep"))
+    with pytest.raises(UserError, match="no environment"):
+        SeveralMachines([])
+    with pytest.raises(UserError, match="options: scenario; allowed"):
+        SeveralMachines(envs()).reset(seed=1, options={"scenario": None})
