@@ -74,9 +74,10 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=2000, help="scenarios to judge on")
     parser.add_argument("--sets", nargs="+", choices=list(SETS), default=list(SETS))
     parser.add_argument("--motor", default="paper")
+    parser.add_argument("--estimator", default="angles", help="of the drive: angles or flux")
     parser.add_argument("--out", type=Path, default=Path("results/studies/axes.json"))
     args = parser.parse_args()
-    design = DriveDesign()
+    design = DriveDesign(estimator=args.estimator)
     factory = SimFactory(Motor.load(args.motor), design)
     base = TrainConfig(motor=args.motor, steps=args.steps)
     args.out.parent.mkdir(parents=True, exist_ok=True)
@@ -84,11 +85,11 @@ def main() -> None:
         json.loads(args.out.read_text(encoding="utf-8"))["runs"] if args.out.exists() else []
     )
     core = versions()["core"]
-    known = {(r["set"], r["seed"], r["steps"], r["size"], r["core"]) for r in done}
+    known = {(r["estimator"], r["set"], r["seed"], r["steps"], r["size"], r["core"]) for r in done}
     reference: Scores | None = None
     for seed in args.seeds:
         for name in args.sets:
-            if (name, seed, args.steps, args.size, core) in known:
+            if (args.estimator, name, seed, args.steps, args.size, core) in known:
                 continue
             if reference is None:
                 reference = judged(make_policy("eq25", factory.motor), factory, args.size)
@@ -97,7 +98,8 @@ def main() -> None:
                 train(replace(base, axes=SETS[name], seed=seed), design, run)
                 policy = load_run(run, factory.motor)
             row = compared(judged(policy, factory, args.size), reference)
-            asked = {"set": name, "axes": SETS[name], "seed": seed, "steps": args.steps}
+            asked = {"estimator": args.estimator, "set": name, "axes": SETS[name], "seed": seed}
+            asked["steps"] = args.steps
             done.append({**asked, "size": args.size, "core": core, **row})
             study = {"motor": args.motor, "versions": versions(), "runs": done}
             write_atomic(args.out, json.dumps(study, indent=1) + "\n")

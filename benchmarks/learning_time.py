@@ -1,4 +1,4 @@
-"""How long PPO takes to pass the tuned rule, and to reach the reference, in validation.
+"""How long PPO takes to pass the tuned rule, and to come near the reference, in validation.
 
     python benchmarks/learning_time.py RUN ... [--rule linear-tuned] [--reference reference]
 
@@ -25,6 +25,8 @@ from sensorless.report_learning import RULE, Curve, curves_of, levels_of
 
 WANTED = {"rule": 120.0, "reference": 900.0}
 """Time that each may take [s]."""
+NEAR = 0.02
+"""Share of its objective within which the reference, the best of its seeds, counts as reached."""
 
 
 def crossing(curve: Curve, level: float) -> dict[str, Any] | None:
@@ -66,7 +68,7 @@ def study(folder: Path, rule: str, reference: str) -> dict[str, Any]:
         "levels": {word: dataclasses.asdict(c) | {"objective": c.objective}
                    for word, c in levels.items()},
         "rule": crossing(curve, levels[rule].objective),
-        "reference": crossing(curve, levels[reference].objective),
+        "reference": crossing(curve, (1.0 + NEAR) * levels[reference].objective),
     }  # fmt: skip
 
 
@@ -114,7 +116,7 @@ def main() -> None:
     console.print(show(runs, options.rule, options.reference))
     record = {
         "rule": options.rule, "reference": options.reference, "objective": OBJECTIVE,
-        "wanted_s": WANTED, "machine": platform.platform(),
+        "near": NEAR, "wanted_s": WANTED, "machine": platform.platform(),
         "in_time": {what: in_time(runs, what) for what in WANTED}, "runs": runs,
     }  # fmt: skip
     write_atomic(options.out, json.dumps(record, indent=1) + "\n")

@@ -100,6 +100,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--size", type=int, default=1000, help="scenarios to judge on")
     parser.add_argument("--motor", default="paper")
+    parser.add_argument("--estimator", default="angles", help="of the drive: angles or flux")
     parser.add_argument("--axes", default=TrainConfig.axes)
     parser.add_argument("--start", default=TrainConfig.start)
     parser.add_argument("--out", type=Path, default=Path("results/studies/ppo_search.json"))
@@ -114,7 +115,7 @@ def main() -> None:
         chosen = TrainConfig(steps=args.steps)
         start = {key: getattr(chosen, key) for key in SEARCHED}
         study.enqueue_trial({**start, "horizon_ms": chosen.decision_ms / (1.0 - chosen.gamma)})
-    factory = SimFactory(Motor.load(args.motor), DriveDesign())
+    factory = SimFactory(Motor.load(args.motor), DriveDesign(estimator=args.estimator))
     base = TrainConfig(motor=args.motor, steps=args.steps, axes=args.axes, start=args.start)
     objective = worth(base, args.seeds, args.size, factory)
 

@@ -144,7 +144,10 @@ def test_one_machine_is_as_before() -> None:
     ("words", "said"),
     [
         (["train", "--name", "x", "--machines", "257"], "machines: 257; allowed: 0 to 256"),
-        (["train", "--name", "x", "--machines", "20", "--n-envs", "16"], "allowed: up to half of n_envs"),
+        (
+            ["train", "--name", "x", "--machines", "20", "--n-envs", "16"],
+            "allowed: up to half of n_envs",
+        ),
         (["tune", "linear", "--machines", "300", "--out", "x.json"], "machines: 300; allowed: 1"),
     ],
 )
