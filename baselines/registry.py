@@ -101,10 +101,10 @@ def make_policy(spec: str, motor: Motor) -> Policy:
         return rule.build(spec, rule.parse(spec, text if colon else None, motor), motor)
     if word.endswith(shipped.SUFFIX) and shipped.tuned_file(word).is_file() and not colon:
         return load_tuned(shipped.tuned_file(word), motor)
-    run = shipped.reference_run()
-    if spec == shipped.RUN and run is not None:
+    run = shipped.reference_run(spec)
+    if run is not None:
         learned = load_run(run, motor)
-        learned.name = shipped.RUN
+        learned.name = spec
         return learned
     if word == "tuned" and text:
         return load_tuned(Path(text), motor)

@@ -8,13 +8,15 @@ from sensorless.envs.policy import trained_estimator
 
 FOLDER = Path(__file__).absolute().parents[1] / "reference"
 """``results/reference`` of the repository."""
-RUN = "reference"
+RUNS = {"reference": "", "reference-smo": "sliding-mode"}
+"""Learned schedules by name, and where in ``FOLDER`` they are."""
 SUFFIX = "-tuned"
 
 
-def reference_run() -> Path | None:
-    """Folder of the reference run, if it is there."""
-    return FOLDER if (FOLDER / "table.json").is_file() else None
+def reference_run(name: str = "reference") -> Path | None:
+    """Folder of a learned schedule of ``RUNS``, if it is there."""
+    folder = FOLDER / RUNS[name] if name in RUNS else None
+    return folder if folder is not None and (folder / "table.json").is_file() else None
 
 
 def tuned_file(name: str) -> Path:
@@ -43,6 +45,7 @@ def docs() -> dict[str, str]:
         lines[name] = f"{tuned.rule} with parameters found by CMA-ES in {budget:g} s simulated" + (
             f", estimator={own}" if own not in (None, DriveDesign.estimator) else ""
         )
-    if reference_run() is not None:
-        lines[RUN] = "the schedule of results/reference, learned by PPO"
+    for name, where in RUNS.items():
+        if reference_run(name) is not None:
+            lines[name] = f"the schedule of {Path('results/reference', where)}, learned by PPO"
     return lines

@@ -21,7 +21,7 @@ from rich.table import Table
 from sensorless.errors import UserError
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.objective import OBJECTIVE
-from sensorless.report_learning import RULE, Curve, curves_of, levels_of
+from sensorless.report_learning import Curve, curves_of, levels_of, rule_for
 
 WANTED = {"rule": 120.0, "reference": 900.0}
 """Time that each may take [s]."""
@@ -106,16 +106,17 @@ def main() -> None:
     """Judge, print and record."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("runs", nargs="+", type=Path, metavar="RUN")
-    parser.add_argument("--rule", default=RULE)
+    parser.add_argument("--rule", help="the ramp tuned on the first run's estimator by default")
     parser.add_argument("--reference", default="reference")
     parser.add_argument("--out", type=Path, default=Path("results/studies/learning_time.json"))
     options = parser.parse_args()
     ensure_writable(options.out.parent)
-    runs = {str(run): study(run, options.rule, options.reference) for run in options.runs}
+    rule = options.rule or rule_for(options.runs[0])
+    runs = {str(run): study(run, rule, options.reference) for run in options.runs}
     console = Console()
-    console.print(show(runs, options.rule, options.reference))
+    console.print(show(runs, rule, options.reference))
     record = {
-        "rule": options.rule, "reference": options.reference, "objective": OBJECTIVE,
+        "rule": rule, "reference": options.reference, "objective": OBJECTIVE,
         "near": NEAR, "wanted_s": WANTED, "machine": platform.platform(),
         "in_time": {what: in_time(runs, what) for what in WANTED}, "runs": runs,
     }  # fmt: skip

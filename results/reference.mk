@@ -4,7 +4,7 @@ SENSORLESS ?= $(abspath .venv/bin/sensorless)
 OUT        ?= results/reference
 WORK       ?= build/reference
 
-# Simulated seconds for every rule, and about as many for PPO: decisions of 5 ms.
+# Simulated seconds for every rule, and as many for PPO: decisions of 5 ms.
 BUDGET ?= 50000
 TRAIN  ?= --steps 10000000
 SEEDS  ?= 1 2 3 4 5
@@ -14,10 +14,16 @@ SEED   ?= 11
 GRID   ?= 41
 RULES  ?= linear smoothstep sine quadratic hysteresis ramp gated emf physics fusion error_blend \
           flux_observer fuzzy logistic grid
+# On the flux observer in place of the sliding-mode one; flux_observer is the ramp there.
+FLUX_RULES ?= hysteresis gated fuzzy logistic grid
 
-TUNED := $(RULES:%=$(OUT)/tuned/%-tuned.json)
+TUNED := $(RULES:%=$(OUT)/tuned/%-tuned.json) $(FLUX_RULES:%=$(OUT)/tuned/%-flux-tuned.json)
+# PPO on the flux observer from the tuned logistic rule and from Eq. 25, and on the SMO.
 RUNS  := $(SEEDS:%=$(OUT)/seed-%/table.json)
-JUDGED := eq25 hfi smo hysteresis fuzzy $(TUNED) $(SEEDS:%=$(OUT)/seed-%) oracle sensored
+FRESH := $(SEEDS:%=$(OUT)/fresh-%/table.json)
+SMO   := $(SEEDS:%=$(OUT)/sliding-mode/seed-%/table.json)
+JUDGED := eq25 hfi smo hysteresis fuzzy $(TUNED) $(SEEDS:%=$(OUT)/seed-%) $(SEEDS:%=$(OUT)/fresh-%) \
+          $(OUT)/sliding-mode oracle sensored
 
 .PHONY: all
 .DELETE_ON_ERROR:
@@ -28,18 +34,43 @@ $(OUT)/tuned/%-tuned.json:
 	@mkdir -p $(@D)
 	$(SENSORLESS) tune $* --budget $(BUDGET) --out $@
 
-# A run that was interrupted starts again: resumed it would not be the same.
-$(OUT)/seed-%/table.json:
-	@rm -rf $(WORK)/runs/seed-$*; mkdir -p $(WORK) $(@D)
-	cd $(WORK) && $(SENSORLESS) train --name seed-$* --seed $* $(TRAIN)
-	@cd $(WORK)/runs/seed-$* && cp config.json progress.csv table.json $(abspath $(@D))
+$(OUT)/tuned/%-flux-tuned.json:
+	@mkdir -p $(@D)
+	$(SENSORLESS) tune $* --budget $(BUDGET) --set estimator=flux --out $@
+
+# A run that was interrupted starts again: resumed it would not be the same. $(1): its seed, $(2): its
+# settings. The start is copied to where training runs, so that no path is recorded with it.
+define train
+@rm -rf $(WORK)/$(@D); mkdir -p $(WORK)/$(@D) $(@D)
+@for start in $(filter %-tuned.json,$^); do cp $$start $(WORK)/$(@D); done
+cd $(WORK)/$(@D) && $(SENSORLESS) train --name run --seed $(1) $(TRAIN) $(2)
+@cd $(WORK)/$(@D)/runs/run && cp config.json progress.csv table.json $(abspath $(@D))
+endef
+
+REFINE := --axes start --noise 0.06 --lr-nodes 6e-3
+
+$(OUT)/seed-%/table.json: $(OUT)/tuned/logistic-flux-tuned.json
+	$(call train,$*,--set estimator=flux --start logistic-flux-tuned.json $(REFINE))
+
+$(OUT)/fresh-%/table.json:
+	$(call train,$*,--set estimator=flux)
+
+$(OUT)/sliding-mode/seed-%/table.json: $(OUT)/tuned/logistic-tuned.json
+	$(call train,$*,--start logistic-tuned.json $(REFINE))
 
 # The seed that was best in validation, on scenarios that judging does not see.
-$(OUT)/table.json: $(RUNS)
-	@best=$$(for run in $(^D); do awk -F, -v run=$$run 'NR > 1 && (best == "" || $$6 < best) { best = $$6 } \
-	  END { print best, run }' $$run/progress.csv; done | sort -g | head -n 1 | cut -d ' ' -f 2); \
-	echo "best in validation: $$best"; cp $$best/config.json $$best/progress.csv $$best/table.json $(OUT)
+define best
+@best=$$(for run in $(^D); do awk -F, -v run=$$run 'NR > 1 && (best == "" || $$6 < best) { best = $$6 } \
+  END { print best, run }' $$run/progress.csv; done | sort -g | head -n 1 | cut -d ' ' -f 2); \
+echo "best in validation: $$best"; cp $$best/config.json $$best/progress.csv $$best/table.json $(@D)
+endef
 
-$(OUT)/report/index.html: $(OUT)/table.json $(TUNED)
+$(OUT)/table.json: $(RUNS) $(FRESH)
+	$(best)
+
+$(OUT)/sliding-mode/table.json: $(SMO)
+	$(best)
+
+$(OUT)/report/index.html: $(OUT)/table.json $(OUT)/sliding-mode/table.json $(TUNED)
 	@rm -rf $(@D)
 	$(SENSORLESS) report $(OUT) --size $(SIZE) --seed $(SEED) --grid $(GRID) $(JUDGED:%=--policy %)

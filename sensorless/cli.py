@@ -174,14 +174,14 @@ def demo(
     """Train, evaluate, draw and export on the paper's motor, in about three minutes."""
     from sensorless.agents.train_config import TrainConfig
     from sensorless.cli_train import run_training
-    from sensorless.demo import draw, fresh_folder, hand_over, judge
+    from sensorless.demo import ESTIMATOR, draw, fresh_folder, hand_over, judge
     from sensorless.drive import DriveDesign
 
     config = TrainConfig(minutes=minutes)
     fresh_folder(out)
     run = out / "ppo-table"
     errors.print(f"[bold]1/4[/] training a schedule for {minutes:g} min, starting from Eq. 25")
-    run_training(config, DriveDesign(), run, resume=False)
+    run_training(config, DriveDesign(estimator=ESTIMATOR), run, resume=False)
     errors.print(f"[bold]2/4[/] evaluating on {size} stress scenarios")
     with policy_progress() as report:
         results = judge(out, f"./{run}" if not run.is_absolute() else str(run), size, seed, report)

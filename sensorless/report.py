@@ -175,7 +175,7 @@ class Report:
         ]
 
     def _curves(self) -> list[Figure]:
-        folder = shipped.FOLDER if self.run == shipped.RUN else Path(self.run)
+        folder = shipped.reference_run(self.run) or Path(self.run)
         curves = curves_of(folder) if folder.is_dir() else {}
         if not curves:
             return []

@@ -20,8 +20,8 @@ from sensorless.plots import _figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-RULE = "linear-tuned"
-"""What a schedule that learns has to pass, if it is shipped."""
+RULES = {"angles": "linear-tuned", "flux": "flux_observer-tuned"}
+"""Tuned ramp that a schedule that learns has to pass, by the estimator of its drive."""
 CURVES = (
     ("objective", "objective [%]"),
     ("lost_rate", "lost in validation [%]"),
@@ -74,17 +74,23 @@ def levels_of(folder: Path, words: Sequence[str]) -> dict[str, Cost]:
 
 
 def shipped_levels(folder: Path) -> dict[str, Cost]:
-    """Cost of ``RULE`` and of the reference on a run's scenarios, as far as there are such.
+    """Cost of the tuned ramp and of the reference on a run's scenarios, as far as there are such.
 
     The reference is made for one machine, and for no other.
     """
     if not (folder / CONFIG).is_file():
         return {}
-    words = [RULE] if shipped.tuned_file(RULE).is_file() else []
+    rule = rule_for(folder)
+    words = [rule] if shipped.tuned_file(rule).is_file() else []
     reference = shipped.reference_run()
     if reference is not None and _motor_of(reference) == _motor_of(folder):
-        words.append(shipped.RUN)
+        words.append("reference")
     return levels_of(folder, words)
+
+
+def rule_for(folder: Path) -> str:
+    """Name of the tuned ramp on the estimator of a run."""
+    return RULES.get(design_and_motor(folder)[0].estimator, RULES["angles"])
 
 
 def _motor_of(folder: Path) -> str:
