@@ -37,7 +37,7 @@ class TrainConfig:
     """of scenarios, exploration and critic"""
     policy_kind: str = "table"
     """what chooses k_s: table, or mlp, a network over all signals (see sensorless distill)"""
-    axes: str = "speed:0:1:16,torque_current:-1.5:1.5:5,disagreement:-1.5:1.5:5"
+    axes: str = "speed:0:1:16,disagreement:-1.5:1.5:5"
     """SIGNAL:LOW:HIGH:NODES of every axis of the table, commas between; speed:NODES puts nodes at
     the ends of a linear start; the word start takes the axes of the start"""
     start: str = "eq25"
