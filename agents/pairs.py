@@ -50,6 +50,6 @@ class PairedRolloutBuffer(RolloutBuffer):
 
 def restart(model: Any, seed: int) -> None:
     """Begin an episode in every environment of a model, partners in step."""
-    model.env._seeds = paired_seeds(seed, model.n_envs)
+    model.env.seed_each(paired_seeds(seed, model.n_envs))
     model._last_obs = model.env.reset()
     model._last_episode_starts = np.ones((model.n_envs,), dtype=bool)

@@ -1,5 +1,6 @@
 """The native vector environment as stable-baselines3 wants one. Imports torch: import it late."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
@@ -57,6 +58,10 @@ class SB3VecEnv(VecEnv):
         if not self.privileged:
             return observation
         return np.concatenate([observation, info["privileged"], self._which], axis=-1)
+
+    def seed_each(self, seeds: Sequence[int]) -> None:
+        """Seed of every drive for the next reset."""
+        self._seeds = list(seeds)
 
     def reset(self) -> Floats:
         """Begin an episode in every drive, with the seeds and options set before."""

@@ -48,6 +48,8 @@ cd $(WORK)/$(@D) && $(SENSORLESS) train --name run --seed $(1) $(TRAIN) $(2)
 endef
 
 REFINE := --axes start --noise 0.06 --lr-nodes 6e-3
+comma  := ,
+WIDE   := speed:16$(comma)torque_current:-1.5:1.5:5$(comma)disagreement:-1.5:1.5:5
 
 $(OUT)/seed-%/table.json: $(OUT)/tuned/logistic-flux-tuned.json
 	$(call train,$*,--set estimator=flux --start logistic-flux-tuned.json $(REFINE))
@@ -55,8 +57,8 @@ $(OUT)/seed-%/table.json: $(OUT)/tuned/logistic-flux-tuned.json
 $(OUT)/fresh-%/table.json:
 	$(call train,$*,--set estimator=flux)
 
-$(OUT)/sliding-mode/seed-%/table.json: $(OUT)/tuned/logistic-tuned.json
-	$(call train,$*,--start logistic-tuned.json $(REFINE))
+$(OUT)/sliding-mode/seed-%/table.json: $(OUT)/tuned/linear-tuned.json
+	$(call train,$*,--start linear-tuned.json --axes '$(WIDE)')
 
 # The seed that was best in validation, on scenarios that judging does not see.
 define best

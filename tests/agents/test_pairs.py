@@ -18,7 +18,7 @@ from sensorless.motor import Motor
 def test_partners_see_the_same_scenario_to_the_bit() -> None:
     config = TrainConfig(n_envs=4)
     env = training_env(config, DriveDesign(), [Motor.load("paper")])
-    env._seeds = list(paired_seeds(7, 4))
+    env.seed_each(paired_seeds(7, 4))
     first = np.asarray(env.reset())
     assert np.array_equal(first[0::2], first[1::2])
     assert not np.array_equal(first[0], first[2])
