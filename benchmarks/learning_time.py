@@ -30,11 +30,11 @@ NEAR = 0.02
 
 
 def crossing(curve: Curve, level: float) -> dict[str, Any] | None:
-    """First validation at or below an objective; None if there is none.
+    """First validation below an objective; None if there is none.
 
     ``seconds`` and ``steps`` of training then, and whether it ``stays`` there in all that follow.
     """
-    below = curve["objective"] <= level
+    below = curve["objective"] < level
     if not below.any():
         return None
     first = int(np.argmax(below))

@@ -31,8 +31,8 @@ MARGIN = 0.02
 """Torque deviation that counts as none."""
 METRICS = ("torque_dev_rms", "torque_ripple_rms", "overshoot_pct")
 FAMILY = "results/studies/motors"
-POLICIES = (f"{FAMILY}/ppo", f"{FAMILY}/logistic-family.json", "eq25", "logistic-tuned")
-AGAINST = (f"{FAMILY}/linear-family.json", "linear-tuned")
+POLICIES = (f"{FAMILY}/ppo", "eq25", "logistic-flux-tuned")
+AGAINST = (f"{FAMILY}/linear-family.json", "linear-tuned", "flux_observer")
 MACHINES = tuple(sorted(path.stem for path in MOTORS.glob("*.toml")))
 
 

@@ -22,7 +22,8 @@ TUNED := $(RULES:%=$(OUT)/tuned/%-tuned.json) $(FLUX_RULES:%=$(OUT)/tuned/%-flux
 RUNS  := $(SEEDS:%=$(OUT)/seed-%/table.json)
 FRESH := $(SEEDS:%=$(OUT)/fresh-%/table.json)
 SMO   := $(SEEDS:%=$(OUT)/sliding-mode/seed-%/table.json)
-JUDGED := eq25 hfi smo hysteresis fuzzy $(TUNED) $(SEEDS:%=$(OUT)/seed-%) $(SEEDS:%=$(OUT)/fresh-%) \
+# A wide band beside flux_observer-tuned: the search ends where few scenarios are lost and keeps its start.
+JUDGED := eq25 hfi smo hysteresis fuzzy flux_observer:50,600 $(TUNED) $(SEEDS:%=$(OUT)/seed-%) $(SEEDS:%=$(OUT)/fresh-%) \
           $(OUT)/sliding-mode oracle sensored
 
 .PHONY: all
