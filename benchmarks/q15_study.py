@@ -25,7 +25,6 @@ from sensorless.errors import UserError
 from sensorless.evaluate import Scores, score, versions
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.ks_image import lookup
-from sensorless.ks_table import KsTable
 from sensorless.motor import Motor
 from sensorless.suites import SuiteRows
 
@@ -48,27 +47,27 @@ SHARES = ("overshoot_clean_above",)
 class Q15Policy(TablePolicy):
     """A schedule table as the firmware holds it in Q15."""
 
-    def __init__(self, name: str, table: KsTable) -> None:
-        super().__init__(name, table)
-        self._image = table.record("q15").reshape(1), table.stored("q15")
+    def __init__(self, exact: TablePolicy) -> None:
+        super().__init__(exact.name, exact.table, exact.estimator)
+        self._image = self.table.record("q15").reshape(1), self.table.stored("q15")
 
     def act(self, obs: Signals) -> Signals:
         """Interpolated weights (n,) of the Q15 nodes."""
         return lookup(*self._image, np.ascontiguousarray(obs, dtype=np.float32))
 
 
-def table_of(word: str, motor: Motor) -> KsTable:
-    """Table of a policy.
+def table_policy(word: str, motor: Motor) -> TablePolicy:
+    """Policy by its word.
 
     Raises
     ------
     UserError
-        The policy is none.
+        It is no table.
     """
     policy = make_policy(word, motor)
     if not isinstance(policy, TablePolicy):
         raise UserError(f"policy: {word!r}; allowed: one that is a table")
-    return policy.table
+    return policy
 
 
 def changes(exact: Scores, rounded: Scores, seed: int) -> dict[str, dict[str, Any]]:
@@ -90,10 +89,11 @@ def changes(exact: Scores, rounded: Scores, seed: int) -> dict[str, dict[str, An
 
 def study(word: str, motor: Motor, suite: str, seed: int, size: int) -> dict[str, Any]:
     """One policy's table both ways."""
-    table = table_of(word, motor)
+    policy = table_policy(word, motor)
+    table = policy.table
     rows = SuiteRows(suite, motor, seed, size)
     factory = SimFactory(motor, DriveDesign())
-    exact, rounded = (score(p(word, table), rows, factory) for p in (TablePolicy, Q15Policy))
+    exact, rounded = (score(p, rows, factory) for p in (policy, Q15Policy(policy)))
     return {
         "nodes": int(table.values.size),
         "bytes": {form: int(table.stored(form).nbytes) for form in ("f32", "q15")},

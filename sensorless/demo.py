@@ -11,7 +11,8 @@ from sensorless.evaluate import PolicyProgress, evaluate
 from sensorless.export import export, table_of
 from sensorless.motor import Motor
 from sensorless.options import plan_from, scenario_from
-from sensorless.plots import save, schedules, waveforms
+from sensorless.plots import save, waveforms
+from sensorless.report_figures import schedule_maps
 from sensorless.results import Results
 from sensorless.trace import trace
 
@@ -61,8 +62,8 @@ def draw(folder: Path, run: str, results: Results) -> list[Path]:
     plan = plan_from(speed, load, None, duration, motor, 0)
     run_9 = trace(eq25, plan, motor, design)
     save(waveforms({"Fig. 9 under Eq. 25, no load": run_9}), paths[0])
-    tables = {p.name: p.table for p in (eq25, learned) if isinstance(p, TablePolicy)}
-    save(schedules(tables, motor), paths[1])
+    assert isinstance(eq25, TablePolicy) and isinstance(learned, TablePolicy)
+    save(schedule_maps(learned.name, learned.table, eq25.table, motor), paths[1])
     word = results.policies[eq25.name]["worst"][0]["scenario"]
     case = scenario_from(word, motor)
     traces = {

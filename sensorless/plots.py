@@ -6,11 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sensorless.core_api import SIGNAL_NAMES
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
-from sensorless.ks_table import KsTable
-from sensorless.motor import Motor
 from sensorless.trace import Trace, lost_cause
 
 if TYPE_CHECKING:
@@ -107,7 +104,7 @@ def waveforms(traces: dict[str, Trace]) -> "Figure":
         "speed [r/min]",
         "torque [N m]",
         "angle error [° el.]\ntruth − estimate",
-        "$k_s$\n1 HFI, 0 SMO",
+        "$k_s$\n1 HFI, 0 observer",
     )
     for ax, label in zip(axes[:, 0], labels, strict=True):
         ax.set_ylabel(label, fontsize=9)
@@ -144,46 +141,10 @@ def _torques(ax: Any, t: Trace) -> None:
 def _angles(ax: Any, t: Trace) -> None:
     for key, name in (("_hfi", "hfi"), ("_smo", "smo"), ("", "blend")):
         error = np.rad2deg(t[f"theta_e_err{key}"])
-        label = {"hfi": "HFI", "smo": "SMO", "blend": "blend"}[name]
+        label = {"hfi": "HFI", "smo": "observer", "blend": "blend"}[name]
         ax.plot(t["t"], error, color=COLOURS[name], lw=0.7, label=label)
 
 
 def _pairs(x: Any) -> Any:
     """Mean of each two samples in a row."""
     return 0.5 * (x + np.concatenate([x[:1], x[:-1]]))
-
-
-def schedules(tables: dict[str, KsTable], motor: Motor) -> "Figure":
-    """k_s over speed and torque current, one map a schedule; other signals at zero."""
-    figure, axes = _figure(
-        figsize=(4.6 * len(tables) + 0.8, 4.0), ncols=len(tables), sharey=True, squeeze=False
-    )
-    speed, current = np.linspace(0.0, 1.0, 151), np.linspace(-1.5, 1.5, 121)
-    obs = np.zeros((len(current), len(speed), len(SIGNAL_NAMES)), dtype=np.float32)
-    obs[..., SIGNAL_NAMES.index("speed")] = speed
-    obs[..., SIGNAL_NAMES.index("torque_current")] = current[:, None]
-    image = None
-    for ax, (name, table) in zip(axes[0], tables.items(), strict=True):
-        k_s = table.evaluate(obs.reshape(-1, len(SIGNAL_NAMES))).reshape(obs.shape[:2])
-        image = ax.pcolormesh(
-            speed * motor.n_rated_rpm,
-            current,
-            k_s,
-            vmin=0.0,
-            vmax=1.0,
-            cmap="viridis",
-            shading="auto",
-        )
-        ax.contour(
-            speed * motor.n_rated_rpm,
-            current,
-            k_s,
-            levels=[0.1, 0.5, 0.9],
-            colors="w",
-            linewidths=0.8,
-        )
-        ax.set_title(name)
-        ax.set_xlabel("|speed estimate| [r/min]")
-    axes[0, 0].set_ylabel("torque current / rated\n< 0 regenerating, > 0 motoring")
-    figure.colorbar(image, ax=axes[0].tolist(), label="$k_s$ (1 = HFI, 0 = SMO)")
-    return figure  # type: ignore[no-any-return]

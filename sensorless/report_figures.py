@@ -101,7 +101,7 @@ def schedule_maps(name: str, table: KsTable, reference: KsTable, motor: Motor) -
     for ax in axes[0, 1:] if len(table.axes) > 1 else ():
         ax.plot(*(part.ravel() for part in nodes), ".", color="w", ms=2.5, alpha=0.8)
     axes[0, 0].set_ylabel(_label(up, motor))
-    figure.colorbar(image, ax=axes[0].tolist(), label="$k_s$ (1 = HFI, 0 = SMO)")
+    figure.colorbar(image, ax=axes[0].tolist(), label="$k_s$ (1 = HFI, 0 = observer)")
     return figure  # type: ignore[no-any-return]
 
 

@@ -38,11 +38,11 @@ Curve = dict[str, Any]
 def curves_of(folder: Path) -> dict[str, Curve]:
     """Validation over training time, columns by name, of the runs inside a folder or of its own.
 
-    A folder with runs in it is a copy of one of them.
+    A folder with runs in it is a copy of one of them, and left out where it is itself inside.
     """
     out = {}
     for path in sorted(folder.glob(f"*/{PROGRESS}")) or [folder / PROGRESS]:
-        if path.is_file():
+        if path.is_file() and (path.parent == folder or not any(path.parent.glob(f"*/{PROGRESS}"))):
             with path.open(encoding="utf-8", newline="") as file:
                 rows = list(csv.DictReader(file))
             if rows:

@@ -39,16 +39,19 @@ def run(tmp_path: Path) -> Path:
 def test_levels_are_validated_like_the_run(run: Path) -> None:
     motor = Motor.load("paper")
     found = levels_of(run, ["linear-tuned", "eq25"])
-    factory = SimFactory(motor, DriveDesign())
+    config = json.loads((run / "config.json").read_text())
+    factory = SimFactory(motor, DriveDesign(estimator=config["design"]["estimator"]))
+    assert factory.design.estimator == "flux"
     assert found == {w: validate(make_policy(w, motor), factory, 16) for w in found}
     with pytest.raises(UserError, match="nobody"):
         levels_of(run, ["nobody"])
 
 
 def test_the_shipped_levels_are_those_of_the_same_motor(run: Path, tmp_path: Path) -> None:
-    assert list(shipped_levels(run)) == ["linear-tuned", "reference"]
+    assert list(shipped_levels(run)) == ["flux_observer-tuned", "reference"]
     config = json.loads((run / "config.json").read_text())
     config["train"]["motor"] = "ipmsm_2200w"
+    config["design"]["estimator"] = "angles"
     (run / "config.json").write_text(json.dumps(config))
     assert list(shipped_levels(run)) == ["linear-tuned"]
     assert shipped_levels(run / "no-run") == {}

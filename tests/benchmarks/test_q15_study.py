@@ -36,15 +36,16 @@ def test_metrics_change_by_less_than_one_percent(q15: ModuleType, word: str) -> 
 
 
 def test_the_nodes_are_rounded_to_half_a_step(q15: ModuleType) -> None:
-    table = q15.table_of("logistic-tuned", MOTOR)
+    policy = q15.table_policy("logistic-tuned", MOTOR)
+    table = policy.table
     obs = np.random.default_rng(0).uniform(-1.0, 1.0, (1000, SIGNAL_N)).astype(np.float32)
-    exact, rounded = table.evaluate(obs), q15.Q15Policy("x", table).act(obs)
+    exact, rounded = table.evaluate(obs), q15.Q15Policy(policy).act(obs)
     assert 0.0 < np.abs(exact - rounded).max() <= 0.5 / 32767.0 + 2e-7
 
 
 def test_a_policy_that_is_no_table_is_refused(q15: ModuleType) -> None:
     with pytest.raises(UserError, match="hysteresis"):
-        q15.table_of("hysteresis", MOTOR)
+        q15.table_policy("hysteresis", MOTOR)
 
 
 def test_a_change_is_put_over_what_it_belongs_to(q15: ModuleType) -> None:
