@@ -11,12 +11,12 @@ while its error is one that a loaded drive lives with, then the square of the wa
 lock: few scenarios are lost, many more come near, and these tell an agent where the danger is. So
 no decision costs more than ``RewardWeights.worst_running`` per 1 ms.
 
-The weights follow ``objective.OBJECTIVE`` near its best values: there, one percent less of torque
-deviation or of ripple gains as much as it does in the objective, and losing lock costs no less.
+The weights are chosen so that, near good schedules, one percent less of torque deviation or of
+ripple gains roughly in the proportion in which it does in ``objective.OBJECTIVE``.
 
-Losing lock ends an episode and with it all running costs. It must never pay to lose lock early, so
-its penalty is above the worst running cost over the whole horizon the agent looks ahead: with
-gamma = 0.997 a decision of 1 ms, 1 / (1 - gamma) = 333 decisions, or 333 ms.
+Losing lock ends an episode and with it all running costs. It must never pay to lose lock early: the
+penalty is above the worst running costs of 333 ms, and above those of a whole scenario of 2 s
+without the angle's, which only counts on the way to losing lock.
 """
 
 import dataclasses
@@ -34,7 +34,7 @@ from sensorless.motor import Motor
 Term = NDArray[np.float32]
 
 HORIZON_MS = 333.0
-"""What the default penalty dominates [ms]."""
+"""Time whose worst running costs, the angle's included, the default penalty dominates [ms]."""
 
 SCALE_TORQUE = 0.20
 """Torque deviation that costs half [rated torque]."""

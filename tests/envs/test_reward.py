@@ -34,6 +34,7 @@ def zero_sums(periods: int = 5) -> np.ndarray[tuple[int], np.dtype[np.void]]:
 def test_losing_lock_costs_more_than_the_worst_that_could_follow() -> None:
     assert WEIGHTS.lost >= WEIGHTS.worst_running * HORIZON_MS
     assert WEIGHTS.worst_running == pytest.approx(1.0757)
+    assert WEIGHTS.lost >= 2000.0 * (WEIGHTS.worst_running - WEIGHTS.angle)
 
 
 def test_a_perfect_decision_costs_nothing() -> None:
