@@ -4,7 +4,7 @@ PYTHON ?= python3
 
 VENV  := .venv
 READY := $(VENV)/.installed
-CORE  := $(wildcard core/*.c core/*.h) core/binding.py
+CORE  := $(wildcard core/*/*.c core/*/*.h) core/binding.py
 
 C_WARNINGS := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra \
               -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror -fsyntax-only -Icore -Ibuild/generated
@@ -41,7 +41,7 @@ reference: $(READY) ## Make what is missing of results/reference (half an hour)
 	@$(MAKE) --no-print-directory -f results/reference.mk
 
 clean: ## Remove all that was built, keep the libraries in .venv
-	rm -rf build dist *.egg-info core/*.o sensorless/_core* $(READY)
+	rm -rf build dist *.egg-info core/*/*.o sensorless/_core* $(READY)
 	rm -rf .mypy_cache .pytest_cache .ruff_cache
 	find . -path ./$(VENV) -prune -o -name __pycache__ -exec rm -rf {} +
 
@@ -84,8 +84,8 @@ c-warnings: $(READY)
 	@echo "==> C warnings"
 	@failed=0; for cc in gcc clang; do \
 	  if ! command -v $$cc >/dev/null; then echo "$$cc: not found"; [ $$cc = clang ] || exit 1; continue; fi; \
-	  for file in core/*.c; do $$cc $(C_WARNINGS) $$file || failed=1; done; \
-	  for file in core/*.h; do \
+	  for file in core/*/*.c; do $$cc $(C_WARNINGS) $$file || failed=1; done; \
+	  for file in core/*/*.h; do \
 	    echo "#include \"$${file#core/}\"" | $$cc $(C_WARNINGS) -x c - || failed=1; done; \
 	done; exit $$failed
 
@@ -94,6 +94,6 @@ c-lint:
 	@echo "==> C format and lint"
 	@for tool in clang-format cppcheck; do command -v $$tool >/dev/null || { \
 	  echo "$$tool: not found"; [ "$$CI" != true ] || exit 1; }; done
-	@! command -v clang-format >/dev/null || clang-format --dry-run --Werror core/*.[ch] firmware/*.[ch]
+	@! command -v clang-format >/dev/null || clang-format --dry-run --Werror core/*/*.[ch] firmware/*.[ch]
 	@! command -v cppcheck >/dev/null || cppcheck --quiet --std=c99 --error-exitcode=1 \
 	  --enable=warning,portability,performance -Icore -Ibuild/generated core firmware

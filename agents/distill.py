@@ -12,17 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.agents.mlp_schedule import MlpSchedule
-from sensorless.agents.table_fit import TableFit
+from sensorless.agents.mlp.schedule import MlpSchedule
+from sensorless.agents.table.fit import TableFit
 from sensorless.agents.validation import validate
-from sensorless.core_api import Array
+from sensorless.core.api import Array
 from sensorless.envs.counter_random import combine
-from sensorless.envs.policy import Policy, Signals, TablePolicy
-from sensorless.envs.scenario import SimFactory
-from sensorless.ks_table import Axis, KsTable
-from sensorless.objective import Cost
-from sensorless.rollout import rollouts
-from sensorless.suites import suite
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.evaluation.objective import Cost
+from sensorless.evaluation.rollout import rollouts
+from sensorless.policy import Policy, Signals, TablePolicy
+from sensorless.table.ks_table import Axis, KsTable
 
 STRIDE = 5
 """Decisions from one sample of a drive to the next."""

@@ -4,11 +4,11 @@ import json
 from pathlib import Path
 from typing import Any
 
-from sensorless.agents.mlp_schedule import MlpSchedule
-from sensorless.envs.policy import TablePolicy, trained_estimator
+from sensorless.agents.mlp.schedule import MlpSchedule
 from sensorless.errors import UserError
-from sensorless.ks_table import KsTable
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy, trained_estimator
+from sensorless.table.ks_table import KsTable
 
 TABLE, MLP, CONFIG = "table.json", "mlp.npz", "config.json"
 

@@ -5,13 +5,13 @@ from dataclasses import astuple
 
 import numpy as np
 
-from sensorless.envs.policy import Policy
-from sensorless.envs.scenario import SimFactory
-from sensorless.metrics import torque_dev_rms
-from sensorless.objective import Cost
-from sensorless.ripple_metrics import torque_ripple_rms
-from sensorless.rollout import rollouts
-from sensorless.suites import suite
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.evaluation.metrics.catalogue import torque_dev_rms
+from sensorless.evaluation.metrics.ripple import torque_ripple_rms
+from sensorless.evaluation.objective import Cost
+from sensorless.evaluation.rollout import rollouts
+from sensorless.policy import Policy
 
 
 def validate(policy: Policy, factory: SimFactory, size: int, seed: int = 0) -> Cost:

@@ -3,9 +3,9 @@
 import numpy as np
 
 from sensorless.baselines.rule import Parameter, Rule, Values
-from sensorless.envs.policy import TablePolicy
-from sensorless.ks_table import Axis, KsTable
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import Axis, KsTable
 
 
 def constant_table(k_s: float) -> KsTable:

@@ -10,7 +10,7 @@ the sliding-mode observer's EMF takes the place of that difference; u_dc is the 
 
 from sensorless.baselines.hysteresis import Hysteresis
 from sensorless.baselines.rule import Parameter, Rule, Values
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 
 
 def emf_threshold(name: str, threshold: float, band: float, motor: Motor) -> Hysteresis:

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.baselines.rule import Parameter, Rule, Values
-from sensorless.core_api import SIGNAL_NAMES
-from sensorless.envs.policy import Signals
-from sensorless.motor import Motor
+from sensorless.core.api import SIGNAL_NAMES
+from sensorless.machine.motor import Motor
+from sensorless.policy import Signals
 
 CUT = 0.02
 RESIDUAL = 0.5

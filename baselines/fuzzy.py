@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.baselines.rule import Parameter, Rule, Values, speed
-from sensorless.envs.policy import TablePolicy
 from sensorless.errors import UserError
-from sensorless.ks_table import Axis, KsTable
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import Axis, KsTable
 
 TERMS = {
     "speed": ("slow", "low", "high", "fast"),

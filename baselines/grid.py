@@ -9,9 +9,9 @@ from itertools import product
 import numpy as np
 
 from sensorless.baselines.rule import Parameter, Rule, Values
-from sensorless.envs.policy import TablePolicy
-from sensorless.ks_table import Axis, KsTable
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import Axis, KsTable
 
 AXES = (
     Axis("speed", 0.0, 0.75, 6),

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from sensorless.baselines.linear import EQ25_BAND
 from sensorless.baselines.rule import Rule, Values, speed
-from sensorless.core_api import SIGNAL_NAMES
-from sensorless.envs.policy import Signals
-from sensorless.motor import Motor
+from sensorless.core.api import SIGNAL_NAMES
+from sensorless.machine.motor import Motor
+from sensorless.policy import Signals
 
 GAP = 0.05
 """Half width of the gap over its centre: VESC's +-5 %."""

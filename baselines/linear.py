@@ -11,9 +11,9 @@ speed gives k_s = 1) and the cases of equality.
 import numpy as np
 
 from sensorless.baselines.rule import Rule, Values, speed
-from sensorless.envs.policy import TablePolicy
-from sensorless.ks_table import Axis, KsTable
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import Axis, KsTable
 
 EQ25_BAND = (300.0 / 1500.0, 400.0 / 1500.0)
 """The paper's band, 300 to 400 r/min, as shares of its motor's rated speed."""

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from sensorless.baselines.linear import EQ25_BAND
 from sensorless.baselines.rule import RPM, Parameter, Rule, Values, speed
-from sensorless.envs.policy import TablePolicy
-from sensorless.ks_table import Axis, KsTable
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import Axis, KsTable
 
 AXES = (
     Axis("speed", 0.0, 1.2, 25),

@@ -2,8 +2,8 @@
 
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.baselines.rule import Rule, Values, speed
-from sensorless.envs.policy import TablePolicy
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy
 
 
 def ramp_on(name: str, estimator: str, doc: str) -> Rule:

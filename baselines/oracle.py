@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.baselines.rule import Parameter, Rule, Values
-from sensorless.core_api import Array
-from sensorless.envs.policy import Signals
-from sensorless.motor import Motor
+from sensorless.core.api import Array
+from sensorless.machine.motor import Motor
+from sensorless.policy import Signals
 
 WAKE_K_S = 0.01
 

@@ -8,7 +8,7 @@ takes from a phase. The phobia firmware computes its threshold in this way.
 
 from sensorless.baselines.hysteresis import Hysteresis
 from sensorless.baselines.rule import Parameter, Rule, Values
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 
 
 def physics_speed(share: float, motor: Motor) -> float:

@@ -8,9 +8,9 @@ As a table it is off by at most 6.1e-5 (|f''| = 2).
 from sensorless.baselines.linear import EQ25_BAND
 from sensorless.baselines.rule import Rule, Values, speed
 from sensorless.baselines.shapes import speed_curve
-from sensorless.envs.policy import TablePolicy
-from sensorless.ks_table import KsTable
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import KsTable
 
 
 def quadratic_table(corner: float) -> KsTable:

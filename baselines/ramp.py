@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from sensorless.baselines.hysteresis import GAP, Hysteresis
 from sensorless.baselines.linear import EQ25_BAND
 from sensorless.baselines.rule import Parameter, Rule, Values, speed
-from sensorless.envs.policy import Signals, decision_time
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import Signals, decision_time
 
 
 class TimeRamp:

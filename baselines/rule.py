@@ -4,9 +4,9 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from sensorless.envs.policy import Policy
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import Policy
 
 Values = Mapping[str, float]
 """Parameters by name. They hold no property of a machine: speeds are shares of rated speed."""

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.baselines.rule import Rule
-from sensorless.envs.policy import Signals
+from sensorless.policy import Signals
 
 
 class Sensored:

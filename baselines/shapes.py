@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.ks_table import Axis, KsTable
+from sensorless.table.ks_table import Axis, KsTable
 
 NODES = 65
 """Nodes of a curve. Between two of them, h = 1 / 64 of the band apart, a straight line replaces the

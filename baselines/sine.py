@@ -12,9 +12,9 @@ import numpy as np
 from sensorless.baselines.linear import EQ25_BAND
 from sensorless.baselines.rule import Rule, Values, speed
 from sensorless.baselines.shapes import speed_curve
-from sensorless.envs.policy import TablePolicy
-from sensorless.ks_table import KsTable
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import KsTable
 
 
 def sine_table(low: float, high: float) -> KsTable:

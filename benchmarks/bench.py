@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks import core_speed, env_speed, memory, training_speed
-from sensorless.core_api import ffi, lib
+from sensorless.core.api import ffi, lib
 from sensorless.files import write_atomic
 
 

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from sensorless.core_api import ffi, lib
-from sensorless.drive import DriveDesign
-from sensorless.ks_table import Axis, KsTable
-from sensorless.motor import Motor
-from sensorless.pil_identity import identity
+from sensorless.core.api import ffi, lib
+from sensorless.design.drive import DriveDesign
+from sensorless.machine.motor import Motor
+from sensorless.pil.identity import identity
+from sensorless.table.ks_table import Axis, KsTable
 
 
 def bumpy_table() -> KsTable:

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import Run, best_rates
-from sensorless.core_api import SIGNAL_N, lib, sim_run
-from sensorless.drive import DriveDesign
+from sensorless.core.api import SIGNAL_N, lib, sim_run
+from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import combine
-from sensorless.envs.scenario import Scenarios, SimFactory
-from sensorless.motor import Motor
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.machine.motor import Motor
 
 DECISION = 5
 """Periods of a 1 ms decision."""

@@ -11,7 +11,7 @@ import numpy as np
 
 import sensorless  # noqa: F401  (registers the environment)
 from benchmarks.timing import Run, best_rates
-from sensorless.agents.sb3_adapter import SB3VecEnv
+from sensorless.agents.train.sb3_adapter import SB3VecEnv
 
 ID = "sensorless/Blend-v0"
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmarks.core_speed import LONG, core_loop
 from sensorless import _core  # type: ignore[attr-defined]
-from sensorless.core_api import lib
+from sensorless.core.api import lib
 
 LOOP = "block_period_twin"
 

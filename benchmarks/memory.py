@@ -14,7 +14,7 @@ import gymnasium
 import numpy as np
 
 import sensorless  # noqa: F401  (registers the environment)
-from sensorless.core_api import SIM
+from sensorless.core.api import SIM
 
 DRIVES = 16384
 """For the memory of one."""

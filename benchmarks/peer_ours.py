@@ -5,12 +5,12 @@ import sys
 import numpy as np
 
 from benchmarks.peer_clock import rate, tell
-from sensorless.core_api import PLANT_STATE, SIGNAL_N, Array, sim_run
-from sensorless.core_machine import plant_run
-from sensorless.drive import DriveDesign, plant_record
+from sensorless.core.api import PLANT_STATE, SIGNAL_N, Array, sim_run
+from sensorless.core.machine import plant_run
+from sensorless.design.drive import DriveDesign, plant_record
 from sensorless.envs.counter_random import combine
-from sensorless.envs.scenario import Scenarios, SimFactory
-from sensorless.motor import Motor
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.machine.motor import Motor
 
 DRIVES = 256
 PERIODS = 100

@@ -18,13 +18,13 @@ from typing import Any
 
 import numpy as np
 
-from sensorless.baselines.registry import make_policy
-from sensorless.drive import DriveDesign
-from sensorless.engine import LOCAL, Engine, engine_named
-from sensorless.envs.scenario import Scenarios, SimFactory
-from sensorless.evaluate import Scores, score
-from sensorless.motor import Motor
-from sensorless.suites import suite
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.evaluation.engines.engine import LOCAL, Engine, engine_named
+from sensorless.evaluation.evaluate import Scores, score
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
 
 CHUNK = 1024
 """Scenarios a task: cut to 0.2 s, they take as long as 100 of the usual length."""

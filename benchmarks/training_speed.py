@@ -16,13 +16,13 @@ from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
 from benchmarks.timing import Run, best_rates
-from sensorless.agents.sb3_adapter import SB3VecEnv
-from sensorless.agents.train import TablePPO, _model
-from sensorless.agents.train_config import TrainConfig
-from sensorless.agents.training_env import training_env
-from sensorless.drive import DriveDesign
-from sensorless.envs.stress import DURATION
-from sensorless.motor import Motor
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.env import training_env
+from sensorless.agents.train.sb3_adapter import SB3VecEnv
+from sensorless.agents.train.train import TablePPO, _model
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.stress import DURATION
+from sensorless.machine.motor import Motor
 
 
 class FreeVecEnv(SB3VecEnv):

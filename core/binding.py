@@ -23,22 +23,8 @@ sys.path.insert(0, str(CORE))
 from source_hash import source_hash  # noqa: E402  (a build script has no package around it)
 
 GENERATED = CORE.parent / "build" / "generated"
-SOURCES = (
-    "batch.c",
-    "batch_avx2.c",
-    "batch_avx512.c",
-    "carrier.c",
-    "drive.c",
-    "drive_start.c",
-    "ks_schedule.c",
-    "ks_selftest.c",
-    "ks_table.c",
-    "replay.c",
-    "simulate.c",
-    "truth.c",
-    "workers.c",
-)
-HEADERS = ("simulate.h", "carrier.h", "replay.h", "ks_selftest.h")
+SOURCES = sorted(path.relative_to(CORE).as_posix() for path in CORE.glob("*/*.c"))
+HEADERS = ("sim/simulate.h", "sim/carrier.h", "sim/replay.h", "drive/ks_selftest.h")
 CFLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
 THREADS = [] if os.name == "nt" else ["-pthread"]
 STDINT = (
@@ -135,7 +121,7 @@ def make_builder() -> FFI:
         f'{includes}\nconst char core_hash[] = "{source_hash()}";\n',
         sources=[os.path.relpath(CORE / name) for name in SOURCES],
         include_dirs=[str(CORE), str(GENERATED)],
-        depends=[os.path.relpath(path) for path in sorted(CORE.glob("*.h"))],
+        depends=[os.path.relpath(path) for path in sorted(CORE.glob("*/*.h"))],
         extra_compile_args=CFLAGS + THREADS,
         extra_link_args=THREADS,
     )

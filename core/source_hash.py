@@ -9,6 +9,6 @@ CORE = Path(__file__).resolve().parent
 def source_hash() -> str:
     """SHA-256 over the names and contents of all C sources and headers, 16 hex digits."""
     digest = hashlib.sha256()
-    for path in sorted(CORE.glob("*.[ch]")):
+    for path in sorted(CORE.glob("*/*.[ch]")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]

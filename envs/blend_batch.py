@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core_api import SIGNAL_N, SIM, Array, lib, sim_run, sim_start, sums_matrix, words
+from sensorless.core.api import SIGNAL_N, SIM, Array, lib, sim_run, sim_start, sums_matrix, words
 from sensorless.envs.blend_settings import BlendSettings
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.privileged import FIXED, Values, fixed, privileged
 from sensorless.envs.reward import Term, terms, total
-from sensorless.envs.scenario import Scenarios, SimFactory
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.signals import Observation, bounded
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.intp]

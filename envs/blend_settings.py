@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from sensorless.drive import DriveDesign
+from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import Seeds
 from sensorless.envs.reward import RewardWeights
-from sensorless.envs.scenario import Scenarios
-from sensorless.envs.stress import stress_scenarios
+from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 
 Sampler = Callable[[Motor, Seeds], Scenarios]
 

@@ -9,9 +9,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core_api import Array, sim_truth
-from sensorless.envs.scenario import LOST_TIME, Scenarios
-from sensorless.motor import Motor
+from sensorless.core.api import Array, sim_truth
+from sensorless.envs.scenarios.scenario import LOST_TIME, Scenarios
+from sensorless.machine.motor import Motor
 
 Values = NDArray[np.float32]
 

@@ -27,9 +27,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core_api import Array
+from sensorless.core.api import Array
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 
 Term = NDArray[np.float32]
 

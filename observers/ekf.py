@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
-from sensorless.core_api import Array
-from sensorless.core_machine import flux_map_currents
-from sensorless.magnetics import Floats, flux, flux_map_record
-from sensorless.motor import Motor
+from sensorless.core.api import Array
+from sensorless.core.machine import flux_map_currents
+from sensorless.machine.magnetics import Floats, flux, flux_map_record
+from sensorless.machine.motor import Motor
 
 TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 FLUX_STEP = 1e-6

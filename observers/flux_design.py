@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 from sensorless.observers.pll_design import pll_gains
 
 

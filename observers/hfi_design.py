@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from sensorless.core_api import lib
-from sensorless.motor import Motor
+from sensorless.core.api import lib
+from sensorless.machine.motor import Motor
 from sensorless.observers.pll_design import pll_gains
 
 SCHEMES = {"rotating": lib.HFI_ROTATING, "stationary": lib.HFI_STATIONARY}

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 from sensorless.observers.pll_design import pll_gains
 
 

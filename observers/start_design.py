@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from sensorless.magnetics import currents, flux
-from sensorless.motor import Motor
+from sensorless.machine.magnetics import currents, flux
+from sensorless.machine.motor import Motor
 from sensorless.observers.hfi_design import error_slope
 from sensorless.observers.pll_design import pll_gains
 

@@ -1,5 +1,5 @@
 """``python -m sensorless``."""
 
-from sensorless.cli import main
+from sensorless.cli.app import main
 
 main()

@@ -85,12 +85,16 @@ def test_imports_point_down(path: Path) -> None:
 @pytest.mark.parametrize(
     ("module", "source", "climbs"),
     [
-        ("sensorless.drive", "from sensorless.envs.scenario import Scenario", True),
-        ("sensorless.motor", "def late():\n    import sensorless.cli", True),
+        (
+            "sensorless.design.drive",
+            "from sensorless.envs.scenarios.scenario import Scenario",
+            True,
+        ),
+        ("sensorless.machine.motor", "def late():\n    import sensorless.cli.app", True),
         ("sensorless.envs.reward", "from sensorless import metrics", True),
-        ("sensorless", "from sensorless.drive import Drive", True),
+        ("sensorless", "from sensorless.design.drive import Drive", True),
         ("sensorless.envs.blend_env", "from sensorless.envs.signals import SIGNALS", False),
-        ("sensorless.cli", "import numpy\nfrom sensorless import __version__, agents", False),
+        ("sensorless.cli.app", "import numpy\nfrom sensorless import __version__, agents", False),
     ],
 )
 def test_the_check_can_fail(module: str, source: str, climbs: bool) -> None:

@@ -8,21 +8,21 @@ import pytest
 from typer.testing import CliRunner
 
 from sensorless.agents.distill import distill
-from sensorless.agents.mlp_schedule import LAYERS, MlpSchedule
-from sensorless.agents.table_fit import SNAP, TableFit, roughness
-from sensorless.agents.train import train
-from sensorless.agents.train_config import TrainConfig
+from sensorless.agents.mlp.schedule import LAYERS, MlpSchedule
+from sensorless.agents.table.fit import SNAP, TableFit, roughness
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.train import train
 from sensorless.baselines.linear import EQ25_BAND, linear_table
-from sensorless.baselines.registry import make_policy
-from sensorless.cli import app
-from sensorless.core_api import SIGNAL_N
-from sensorless.drive import DriveDesign
-from sensorless.envs.policy import TablePolicy
-from sensorless.envs.scenario import SimFactory
+from sensorless.cli.app import app
+from sensorless.core.api import SIGNAL_N
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
-from sensorless.export import export
-from sensorless.ks_table import Axis, KsTable
-from sensorless.motor import Motor
+from sensorless.export.export import export
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import Axis, KsTable
 
 MOTOR = Motor.load("paper")
 AXES = (Axis("speed", 0.0, 1.0, 16), Axis("torque_current", -1.5, 1.5, 3))

@@ -7,22 +7,22 @@ from pathlib import Path
 import pytest
 
 from sensorless.agents.loading import CONFIG, TABLE, load_run
-from sensorless.agents.mlp_schedule import MlpSchedule
-from sensorless.agents.start import start_table
-from sensorless.agents.train import train
-from sensorless.agents.train_config import TrainConfig
+from sensorless.agents.mlp.schedule import MlpSchedule
+from sensorless.agents.table.start import start_table
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.train import train
 from sensorless.baselines.linear import EQ25_BAND, linear_table
-from sensorless.baselines.registry import make_policy
-from sensorless.baselines.tuned import Tuned
-from sensorless.drive import DriveDesign
-from sensorless.envs.policy import TablePolicy
-from sensorless.envs.scenario import SimFactory
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
-from sensorless.evaluate import evaluate
-from sensorless.motor import Motor
-from sensorless.rollout import rollout
-from sensorless.suites import suite
-from sensorless.trace import trace
+from sensorless.evaluation.evaluate import evaluate
+from sensorless.evaluation.rollout import rollout
+from sensorless.evaluation.trace import trace
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.policies.tuned import Tuned
+from sensorless.policy import TablePolicy
 
 MOTOR = Motor.load("paper")
 FLUX = DriveDesign(estimator="flux")

@@ -5,14 +5,14 @@ import pytest
 import torch
 from gymnasium import spaces
 
-from sensorless.agents.node_kernel import NodeKernel
-from sensorless.agents.node_noise import NodeNoise
 from sensorless.agents.pairs import PairedRolloutBuffer, opposite, paired_seeds
-from sensorless.agents.train_config import TrainConfig
-from sensorless.agents.training_env import training_env
-from sensorless.drive import DriveDesign
+from sensorless.agents.table.kernel import NodeKernel
+from sensorless.agents.table.noise import NodeNoise
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.env import training_env
+from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 
 
 def test_partners_see_the_same_scenario_to_the_bit() -> None:

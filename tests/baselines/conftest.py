@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES
-from sensorless.envs.policy import Signals
+from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
+from sensorless.policy import Signals
 
 Make = Callable[..., Signals]
 

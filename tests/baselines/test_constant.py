@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sensorless.baselines.constant import constant_table
-from sensorless.core_api import SIGNAL_N
+from sensorless.core.api import SIGNAL_N
 
 
 @pytest.mark.parametrize("k_s", [0.0, 0.1, 0.37, 0.5, 1.0])

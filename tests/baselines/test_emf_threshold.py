@@ -5,8 +5,8 @@ from collections.abc import Callable
 import pytest
 
 from sensorless.baselines.emf_threshold import emf_threshold
-from sensorless.envs.policy import Signals
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import Signals
 
 PAPER = Motor.load("paper")
 RATED_EMF = PAPER.omega_rated * PAPER.psi_f

@@ -7,7 +7,7 @@ import pytest
 from filterpy.kalman import KalmanFilter
 
 from sensorless.baselines.fusion import InnovationFusion
-from sensorless.envs.policy import Signals
+from sensorless.policy import Signals
 
 Make = Callable[..., Signals]
 

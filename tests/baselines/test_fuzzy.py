@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from sensorless.baselines.fuzzy import LEVELS, RULES, TERMS, FuzzySystem, fuzzy_table, peak_values
-from sensorless.baselines.registry import make_policy
-from sensorless.envs.policy import Signals
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.policy import Signals
 
 pytest.importorskip("simpful")
 

@@ -15,8 +15,8 @@ from sensorless.baselines.gated import (
     WAKE_K_S,
     Gated,
 )
-from sensorless.envs.policy import Signals
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import Signals
 
 Make = Callable[..., Signals]
 

@@ -5,9 +5,9 @@ from collections.abc import Callable
 import pytest
 
 from sensorless.baselines.grid import RULE, SHAPE
-from sensorless.baselines.registry import make_policy
-from sensorless.envs.policy import Signals, TablePolicy
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.policy import Signals, TablePolicy
 
 PAPER = Motor.load("paper")
 

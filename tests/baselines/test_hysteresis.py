@@ -3,7 +3,7 @@
 import numpy as np
 
 from sensorless.baselines.hysteresis import SPEED, Hysteresis
-from sensorless.core_api import SIGNAL_N
+from sensorless.core.api import SIGNAL_N
 
 
 def run(policy: Hysteresis, speeds: list[list[float]]) -> list[list[float]]:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from sensorless.baselines.linear import EQ25_BAND, linear_table
-from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES
-from sensorless.envs.policy import TablePolicy
+from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
+from sensorless.policy import TablePolicy
 
 
 def at_speed(*speeds: float) -> np.ndarray[tuple[int, int], np.dtype[np.float32]]:

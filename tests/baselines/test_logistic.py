@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sensorless.baselines.logistic import RULE, logistic_table
-from sensorless.envs.policy import Signals
+from sensorless.policy import Signals
 
 BASE = {**RULE.defaults(), "speed": 0.3, "width": 0.2}
 

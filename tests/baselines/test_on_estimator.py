@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from sensorless.baselines.registry import RULES, make_policy
-from sensorless.baselines.tuned import Tuned
-from sensorless.cli import app
-from sensorless.drive import DriveDesign, control_record
-from sensorless.envs.policy import decision_periods, design_for, estimator_of
-from sensorless.envs.scenario import SimFactory
-from sensorless.export_code import params_header
-from sensorless.export_provenance import motor_hash
-from sensorless.ks_table import KsTable
-from sensorless.motor import Motor
-from sensorless.rollout import rollout
-from sensorless.suites import suite
-from sensorless.trace import trace
-from sensorless.tuning_batch import SideBySide
+from sensorless.cli.app import app
+from sensorless.design.drive import DriveDesign, control_record
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.evaluation.rollout import rollout
+from sensorless.evaluation.trace import trace
+from sensorless.export.code import params_header
+from sensorless.export.provenance import motor_hash
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import RULES, make_policy
+from sensorless.policies.tuned import Tuned
+from sensorless.policy import decision_periods, design_for, estimator_of
+from sensorless.table.ks_table import KsTable
+from sensorless.tuning.batch import SideBySide
 
 PAPER = Motor.load("paper")
 

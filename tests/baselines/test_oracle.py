@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from sensorless.baselines.oracle import WAKE_K_S, Oracle
-from sensorless.baselines.registry import RULES, make_policy
-from sensorless.core_api import SIM, Array
-from sensorless.envs.policy import PrivilegedPolicy, Signals, decide
-from sensorless.motor import Motor
+from sensorless.core.api import SIM, Array
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import RULES, make_policy
+from sensorless.policy import PrivilegedPolicy, Signals, decide
 
 
 def drives(err_hfi: list[float], err_smo: list[float], injecting: bool = True) -> Array:

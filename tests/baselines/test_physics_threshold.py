@@ -6,8 +6,8 @@ import pytest
 
 from sensorless.baselines.hysteresis import Hysteresis
 from sensorless.baselines.physics_threshold import physics_speed
-from sensorless.baselines.registry import make_policy
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
 
 PAPER = Motor.load("paper")
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from sensorless.baselines.ramp import RULE, TimeRamp
-from sensorless.envs.policy import Signals
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policy import Signals
 
 PAPER = Motor.load("paper")
 

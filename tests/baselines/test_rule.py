@@ -2,10 +2,10 @@
 
 import pytest
 
-from sensorless.baselines.registry import RULES
 from sensorless.baselines.rule import RPM, Rule
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import RULES
 
 PAPER = Motor.load("paper")
 GATED = RULES["gated"]

@@ -8,8 +8,8 @@ import pytest
 from sensorless.baselines.quadratic import quadratic_table
 from sensorless.baselines.sine import sine_table
 from sensorless.baselines.smoothstep import smoothstep_table
-from sensorless.envs.policy import Signals
-from sensorless.ks_table import KsTable
+from sensorless.policy import Signals
+from sensorless.table.ks_table import KsTable
 
 LOW, HIGH = 0.1, 0.4
 

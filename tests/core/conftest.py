@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sensorless.core_api import SIGNAL_N, Array, sim_run
-from sensorless.drive import DriveDesign
-from sensorless.envs.scenario import Scenarios, SimFactory
-from sensorless.magnetics import Floats
-from sensorless.motor import Motor, Saturation
+from sensorless.core.api import SIGNAL_N, Array, sim_run
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.machine.magnetics import Floats
+from sensorless.machine.motor import Motor, Saturation
 
 Call = Callable[..., None]
 
@@ -29,12 +29,22 @@ def c(tmp_path_factory: pytest.TempPathFactory) -> Call:
     out = tmp_path_factory.mktemp("shim") / "shim.so"
     sources = [
         str(Path(__file__).with_name("shim.c")),
-        str(CORE / "carrier.c"),
-        str(CORE / "batch.c"),
+        str(CORE / "sim" / "carrier.c"),
+        str(CORE / "sim" / "batch.c"),
     ]
     compiler = os.environ.get("CC", "cc").split()
     subprocess.run(
-        [*compiler, *FLAGS, "-shared", "-fPIC", f"-I{CORE}", *sources, "-o", str(out)],
+        [
+            *compiler,
+            *FLAGS,
+            "-shared",
+            "-fPIC",
+            f"-I{CORE}",
+            f"-I{CORE}/sim",
+            *sources,
+            "-o",
+            str(out),
+        ],
         check=True,
     )
     lib = ctypes.CDLL(str(out))

@@ -1,6 +1,6 @@
 /* The inline stages of the core as functions a test can call; every argument a pointer or a number. */
-#include "batch.h"
-#include "sim_period.h"
+#include "sim/batch.h"
+#include "sim/sim_period.h"
 
 /* Only which drives would run as a block is of interest here. */
 void batch_avx2(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {

@@ -9,13 +9,13 @@ import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env, data_equivalence
 
-from sensorless.drive import DriveDesign
+from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_env import BlendEnv
 from sensorless.envs.privileged import N_PRIVILEGED, PRIVILEGED
 from sensorless.envs.reward import TERMS, RewardWeights
-from sensorless.envs.scenario import Scenarios
+from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 
 MOTOR = Motor.load("paper")
 SEED = np.array([1], dtype=np.uint64)

@@ -14,10 +14,10 @@ from sensorless.envs.blend_env import BlendEnv
 from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import Seeds
 from sensorless.envs.reward import TERMS
-from sensorless.envs.scenario import Scenarios
-from sensorless.envs.stress import stress_scenarios
+from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 
 N = 5
 NOT_A_SEED: Any = "x"

@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from sensorless.core_api import SIM
+from sensorless.core.api import SIM
 from sensorless.envs.reward import (
     ANGLE_FREE,
     ANGLE_LOST,
@@ -18,7 +18,7 @@ from sensorless.envs.reward import (
     total,
 )
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 
 MOTOR = Motor.load("paper")
 WEIGHTS = RewardWeights()

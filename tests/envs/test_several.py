@@ -7,12 +7,12 @@ import pytest
 
 from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import Seeds
-from sensorless.envs.machine_family import family
-from sensorless.envs.scenario import Scenarios
+from sensorless.envs.scenarios.machine_family import family
+from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.envs.several import FINAL, SeveralMachines
-from sensorless.envs.stress import stress_scenarios
 from sensorless.errors import UserError
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 
 MOTORS = (*family(4, 2), Motor.load("pmsyrm_5600w"))
 SIZES = (3, 1, 2)

@@ -1,13 +1,13 @@
 import numpy as np
 
-from sensorless.core_api import SIGNAL_NAMES, sim_run
-from sensorless.drive import DriveDesign
+from sensorless.core.api import SIGNAL_NAMES, sim_run
+from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_env import BlendEnv
 from sensorless.envs.counter_random import combine
-from sensorless.envs.scenario import SimFactory
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.envs.signals import HIGH, LOW, N_SIGNALS, SIGNALS, bounded
-from sensorless.envs.stress import stress_scenarios
-from sensorless.motor import Motor
+from sensorless.machine.motor import Motor
 
 
 def test_table_agrees_with_the_core() -> None:

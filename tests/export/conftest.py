@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sensorless.drive import DriveDesign
-from sensorless.export import Exported, export
-from sensorless.ks_table import Axis, KsTable
-from sensorless.motor import Motor
+from sensorless.design.drive import DriveDesign
+from sensorless.export.export import Exported, export
+from sensorless.machine.motor import Motor
+from sensorless.table.ks_table import Axis, KsTable
 
 
 @pytest.fixture(scope="session")

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from sensorless.baselines.registry import make_policy
-from sensorless.drive import DriveDesign
+from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
-from sensorless.export import export, table_of
-from sensorless.ks_table import KsTable
-from sensorless.motor import Motor
+from sensorless.export.export import export, table_of
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.table.ks_table import KsTable
 
 FUZZY = pytest.mark.skipif(importlib.util.find_spec("simpful") is None, reason="needs simpful")
 

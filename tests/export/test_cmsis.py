@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sensorless.core_api import SIGNAL_N, SIGNAL_NAMES
-from sensorless.export import Exported
-from sensorless.export_cmsis import cmsis_files, padded, readme
-from sensorless.ks_table import Axis, KsTable
+from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
+from sensorless.export.cmsis import cmsis_files, padded, readme
+from sensorless.export.export import Exported
+from sensorless.table.ks_table import Axis, KsTable
 
 F = np.float32
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sensorless.core_api import Array
-from sensorless.drive import DriveDesign, control_record
+from sensorless.core.api import Array
+from sensorless.design.drive import DriveDesign, control_record
 from sensorless.errors import UserError
-from sensorless.export import Exported
-from sensorless.export_code import c_float
-from sensorless.export_core import core_files
-from sensorless.motor import Motor
+from sensorless.export.code import c_float
+from sensorless.export.core_files import core_files
+from sensorless.export.export import Exported
+from sensorless.machine.motor import Motor
 
 GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 

@@ -8,11 +8,11 @@ import pytest
 
 from sensorless.baselines.constant import constant_table
 from sensorless.baselines.linear import linear_table
-from sensorless.drive import DriveDesign
-from sensorless.export import Exported, export
-from sensorless.export_fit import fit, readme, two_threshold
-from sensorless.ks_table import Axis, KsTable
-from sensorless.motor import Motor
+from sensorless.design.drive import DriveDesign
+from sensorless.export.export import Exported, export
+from sensorless.export.fit import fit, readme, two_threshold
+from sensorless.machine.motor import Motor
+from sensorless.table.ks_table import Axis, KsTable
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.2, 0.4), (0.0, 0.1), (0.05, 1.0)])

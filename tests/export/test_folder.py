@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sensorless.drive import DriveDesign
+from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
-from sensorless.export import Exported, export
-from sensorless.ks_table import KsTable
-from sensorless.motor import Motor
+from sensorless.export.export import Exported, export
+from sensorless.machine.motor import Motor
+from sensorless.table.ks_table import KsTable
 
 
 def test_the_json_is_the_table_and_its_origin(

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sensorless.drive import DriveDesign
+from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
-from sensorless.export import Exported, export
-from sensorless.export_vectors import drive_vectors
-from sensorless.ks_table import Axis, KsTable
-from sensorless.motor import Motor
+from sensorless.export.export import Exported, export
+from sensorless.export.vectors import drive_vectors
+from sensorless.machine.motor import Motor
+from sensorless.table.ks_table import Axis, KsTable
 
 GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sensorless.core_machine import plant_run
-from sensorless.magnetics import Floats, flux
-from sensorless.motor import Motor
+from sensorless.core.machine import plant_run
+from sensorless.machine.magnetics import Floats, flux
+from sensorless.machine.motor import Motor
 from sensorless.observers.ekf import MachineEkf, run_ekf
-from sensorless.plant_case import PlantCase
-from sensorless.plant_io import plant_arrays
+from sensorless.plant.case import PlantCase
+from sensorless.plant.run import plant_arrays
 
 MOTOR = Motor.load("paper")
 

@@ -1,0 +1,136 @@
+"""The schedule table as a torch module: its node values are the parameters that PPO trains."""
+
+from dataclasses import replace
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from sensorless.core.api import SIGNAL_NAMES
+from sensorless.table.ks_table import KsTable
+
+MARGIN = 0.25
+"""How far node values may lie outside of [0, 1]."""
+
+
+class TableModule(nn.Module):
+    """Multilinear interpolation over evenly spaced, clipped axes, as ``core/ks_table.c`` does it.
+
+    The same float32 operations in the same order: ``forward`` equals ``KsTable.evaluate`` of
+    ``table()`` to the bit, and the start is exact.
+
+    ``values`` are the node values without squashing, clipped to [0, 1] where they are read, with
+    the gradient of no clipping. ``project`` keeps them within ``MARGIN`` of that range after a step
+    of the optimiser, so no gradient dies; a node at a bound starts ``MARGIN`` beyond it, so that
+    exploration does not lift it off. That matters at 0, where any k_s above turns the injection on,
+    and at 1, where the other estimator may have no signal at all: noise that does either trains a
+    schedule for noise.
+
+    Parameters
+    ----------
+    table : KsTable
+        Axes and start values.
+    """
+
+    x0: Tensor
+    inv_step: Tensor
+    last: Tensor
+
+    def __init__(self, table: KsTable) -> None:
+        super().__init__()
+        axes = table.axes
+        self._table = table
+        self.shape = tuple(axis.n for axis in axes)
+        self._columns = [SIGNAL_NAMES.index(axis.signal) for axis in axes]
+        self._speed = SIGNAL_NAMES.index("speed")
+        self._strides = [int(np.prod(self.shape[a + 1 :])) for a in range(len(axes))]
+        k_s = torch.tensor(table.values.reshape(-1))
+        beyond = MARGIN * ((k_s >= 1.0).float() - (k_s <= 0.0).float())
+        self.values = nn.Parameter(k_s + beyond)
+        for name, numbers in {
+            "x0": [axis.lo for axis in axes],
+            "inv_step": [float(axis.inv_step) for axis in axes],
+            "last": [axis.n - 1 for axis in axes],
+        }.items():
+            self.register_buffer(name, torch.tensor(numbers, dtype=torch.float32), persistent=False)
+
+    def corners(self, obs: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Cells that observations (n, at least SIGNAL_N) fall into.
+
+        Returns
+        -------
+        nodes (n, 2^axes) int64
+            The cell's corners; bit a of a corner's number says whether it is the upper node of
+            axis a.
+        frac (n, axes)
+            Place inside of the cell, 0 to 1.
+        finite (n,) bool
+            Whether all signals of the axes are finite.
+        """
+        y = obs[:, self._columns]
+        finite = torch.isfinite(y).all(dim=1)
+        pos = ((torch.nan_to_num(y) - self.x0) * self.inv_step).clamp(min=0.0).minimum(self.last)
+        low = pos.trunc().minimum(self.last - 1.0)
+        nodes = (low.to(torch.int64) * torch.tensor(self._strides)).sum(dim=1, keepdim=True)
+        for stride in self._strides:
+            nodes = torch.cat((nodes, nodes + stride), dim=1)
+        return nodes, pos - low, finite
+
+    def at(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
+        """k_s (n,) where ``corners`` says; the table's fallback where a signal is not finite."""
+        nodes_k_s = self.values.detach().clamp(0.0, 1.0) + (self.values - self.values.detach())
+        k_s = self._mixed(nodes_k_s.take(nodes), frac).clamp(0.0, 1.0)
+        return torch.where(finite, k_s, torch.full_like(k_s, self._table.fallback))
+
+    def centre(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
+        """What exploration is drawn about (n,): k_s, or up to ``MARGIN`` beyond 0 and 1.
+
+        Beyond are the unclipped values where all corners are 0, or all 1.
+        """
+        k_s = self.at(nodes, frac, finite)
+        beyond = self._mixed(self.values.take(nodes), frac)
+        return torch.where(finite & ((k_s <= 0.0) | (k_s >= 1.0)), beyond, k_s)
+
+    def _mixed(self, value: Tensor, frac: Tensor) -> Tensor:
+        """Interpolation (n,) between values (n, 2^axes) of the corners."""
+        for a in reversed(range(len(self.shape))):
+            half = 1 << a
+            low = value[:, :half]
+            value = low + frac[:, a : a + 1] * (value[:, half:] - low)
+        return value[:, 0]
+
+    def forward(self, obs: Tensor) -> Tensor:
+        """k_s (n,) at observations (n, at least SIGNAL_N)."""
+        return self.at(*self.corners(obs))
+
+    @staticmethod
+    def weights(frac: Tensor) -> Tensor:
+        """Weights (n, 2^axes) of the corners in the interpolation; they add up to 1."""
+        out = torch.ones_like(frac[:, :1])
+        for upper in frac.split(1, dim=1):
+            out = torch.cat((out * (1.0 - upper), out * upper), dim=1)
+        return out
+
+    @torch.no_grad()
+    def project(self, *, monotone: bool = False) -> None:
+        """Node values back to where they are allowed.
+
+        Parameters
+        ----------
+        monotone : bool
+            Also not rising along the axis of speed: the mean of the running minimum from below and
+            the running maximum from above, which leaves a falling line as it is.
+        """
+        self.values.clamp_(-MARGIN, 1.0 + MARGIN)
+        if not monotone or self._speed not in self._columns:
+            return
+        axis = self._columns.index(self._speed)
+        grid = self.values.view(self.shape)
+        least = grid.cummin(dim=axis).values
+        most = grid.flip(axis).cummax(dim=axis).values.flip(axis)
+        grid.copy_(0.5 * (least + most))
+
+    def table(self, values: Tensor | None = None) -> KsTable:
+        """Return the table as it stands, or with other ``values``."""
+        nodes = (self.values.detach() if values is None else values).clamp(0.0, 1.0)
+        return replace(self._table, values=nodes.numpy().reshape(self.shape).copy())

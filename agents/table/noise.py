@@ -1,0 +1,47 @@
+"""Exploration that persists: each environment follows its own perturbed table for a while."""
+
+import torch
+from stable_baselines3.common.distributions import DiagGaussianDistribution
+from torch import Tensor
+from torch.distributions import Normal
+
+from sensorless.agents.pairs import opposite
+from sensorless.agents.table.kernel import NodeKernel
+
+
+class NodeNoise(DiagGaussianDistribution):
+    """Gaussian over the action whose samples come from noise on the nodes of a table.
+
+    a = mean + std (w . z) / |w|_C,   z ~ N(0, C) for every environment, held until ``draw``
+
+    with w the weights of the corners of the cell an observation falls into and C the correlation
+    between nodes: generalised state-dependent exploration (arXiv 2005.05719) on the basis functions
+    of the table, normalised so that the standard deviation is the same everywhere. Each single
+    action is Normal(mean, std), and that is what PPO's ratio uses.
+    """
+
+    def __init__(self, kernel: NodeKernel) -> None:
+        super().__init__(action_dim=1)
+        self._kernel = kernel
+        self._z = torch.zeros(0, 0)
+        self._offset = torch.zeros(0, 1)
+
+    def draw(self, n_envs: int) -> None:
+        """Draw new noise for every pair of environments and every node, opposite in the two."""
+        self._z = opposite(self._kernel.sample((n_envs + 1) // 2))[:n_envs]
+
+    def at(
+        self, mean: Tensor, std: Tensor, nodes: Tensor, frac: Tensor, weights: Tensor
+    ) -> "NodeNoise":
+        """Set the distribution at n observations from means (n, 1), corner nodes and weights."""
+        self.distribution = Normal(mean, std.expand_as(mean))
+        if len(self._z) == len(mean):
+            z = (self._z.gather(1, nodes) * weights).sum(dim=1, keepdim=True)
+            self._offset = std * z / self._kernel.spread(frac)
+        else:
+            self._offset = std * torch.randn_like(mean)
+        return self
+
+    def sample(self) -> Tensor:
+        """Return the means moved by the held noise."""
+        return self.distribution.mean + self._offset

@@ -1,0 +1,121 @@
+"""The table that training starts from: a schedule of the command line on a grid of its own."""
+
+import numpy as np
+
+from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import Axis, KsTable
+
+TO_RATED = 1.0
+"""Speed that a placed axis reaches at least, over rated speed."""
+
+
+def start_table(axes: str, start: str, motor: Motor, slew_per_s: float) -> KsTable:
+    """Copy a schedule onto a grid.
+
+    A linear ramp of the speed is copied exactly: the ends of its band have to be nodes. So is a
+    table whose own axes are taken. Any other is sampled at the nodes.
+
+    Parameters
+    ----------
+    axes : str
+        ``SIGNAL:LOW:HIGH:NODES,...``; ``speed:NODES`` places the nodes so that the ends of a linear
+        start are among them; ``start`` takes the axes of the start.
+    start : str
+        A policy that is a table, as ``sensorless evaluate`` knows them.
+    motor : Motor
+    slew_per_s : float
+        Largest change of k_s in the drive [1/s].
+
+    Raises
+    ------
+    UserError
+        Bad words, a start that is no table, looks at a signal without an axis, or is a ramp with an
+        end between two nodes.
+    """
+    source = _source(start, motor)
+    if axes == "start":
+        return KsTable(source.axes, source.values, slew_per_s=slew_per_s)
+    ramp = source.axes[0] if source.values.tolist() == [1.0, 0.0] else None
+    shape = grid(axes, ramp if ramp is not None and ramp.signal == "speed" else None)
+    known = [axis.signal for axis in shape]
+    for axis in source.axes:
+        if axis.signal not in known:
+            raise UserError(f"axes: {axes!r}; allowed with start {start!r}: with {axis.signal}")
+        if axis is ramp:
+            _check_corners(shape[known.index(axis.signal)], ramp, start, motor)
+    obs = np.zeros((*(axis.n for axis in shape), SIGNAL_N), dtype=np.float32)
+    for a, nodes in enumerate(np.meshgrid(*(axis.nodes for axis in shape), indexing="ij")):
+        obs[..., SIGNAL_NAMES.index(shape[a].signal)] = nodes
+    k_s = source.evaluate(obs.reshape(-1, SIGNAL_N)).reshape(obs.shape[:-1])
+    # A node of a ramp's end lies a rounding beside it: 0 has to stay 0, which turns injection off.
+    return KsTable(shape, np.round(k_s, 5), slew_per_s=slew_per_s)
+
+
+def _source(start: str, motor: Motor) -> KsTable:
+    from sensorless.policies.registry import make_policy
+
+    try:
+        policy = make_policy(start, motor)
+    except UserError as error:
+        raise UserError(f"start: {error}") from None
+    if not isinstance(policy, TablePolicy):
+        raise UserError(
+            f"start: {start!r} is no table; allowed: eq25, linear:LO,HI [r/min], logistic, a file "
+            "of sensorless tune or a run folder with a table"
+        )
+    return policy.table
+
+
+def grid(text: str, ramp: Axis | None = None) -> tuple[Axis, ...]:
+    """Axes from words as in ``start_table``.
+
+    Parameters
+    ----------
+    text : str
+    ramp : Axis, optional
+        Band whose ends ``speed:NODES`` puts on nodes.
+    """
+    try:
+        words = [word.split(":") for word in text.split(",")]
+        return tuple(
+            _placed(int(word[1]), ramp)
+            if len(word) == 2 and word[0] == "speed" and ramp is not None
+            else _axis(*word)
+            for word in words
+        )
+    except (ValueError, TypeError) as error:
+        if isinstance(error, UserError):
+            raise
+        raise UserError(
+            f"axes: {text!r}; allowed: SIGNAL:LOW:HIGH:NODES,..., start, or speed:NODES with a "
+            "linear start"
+        ) from None
+
+
+def _axis(name: str, low: str, high: str, n: str) -> Axis:
+    return Axis(name, float(low), float(high), int(n))
+
+
+def _placed(n: int, ramp: Axis) -> Axis:
+    """Finest speed axis of n nodes from 0 or above to rated speed with both ends on nodes."""
+    for cells in range(max(n - 1, 1), 0, -1):
+        step = (ramp.hi - ramp.lo) / cells
+        first = max(ramp.lo - np.floor(ramp.lo / step + 1e-6) * step, 0.0)
+        last = first + (n - 1) * step
+        if last >= max(TO_RATED, ramp.hi) - 1e-6 * step:
+            return Axis("speed", float(first), float(last), n)
+    return Axis("speed", ramp.lo, ramp.lo + (n - 1) * (ramp.hi - ramp.lo), n)
+
+
+def _check_corners(axis: Axis, ramp: Axis, start: str, motor: Motor) -> None:
+    nodes = np.linspace(axis.lo, axis.hi, axis.n)
+    for end in (ramp.lo, ramp.hi):
+        if np.min(np.abs(nodes - end)) > 1e-3 * (nodes[1] - nodes[0]):
+            near = ", ".join(f"{x * motor.n_rated_rpm:g}" for x in nodes)
+            raise UserError(
+                f"start: {start!r}: {end * motor.n_rated_rpm:g} r/min is no node of the speed "
+                f"axis; allowed: {near}, or axes speed:{axis.n},..."
+            )

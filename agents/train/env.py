@@ -1,0 +1,51 @@
+"""Environments to train in: stress scenarios of the role ``train``."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.sb3_adapter import SB3VecEnv
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.blend_vector_env import BlendVectorEnv
+from sensorless.envs.counter_random import Seeds, combine
+from sensorless.envs.reward import RewardWeights
+from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.suites import ROLES
+from sensorless.envs.several import SeveralMachines
+from sensorless.machine.motor import Motor
+
+
+def training_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+    """Stress scenarios of the role ``train``."""
+    return stress_scenarios(motor, combine(ROLES["train"], seeds))
+
+
+def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Motor]) -> SB3VecEnv:
+    """All environments of a run, with the truth appended for the critic.
+
+    Their pairs are shared out evenly over the machines; the first ones get what is left over.
+    """
+    share, more = divmod(config.n_envs // 2, len(motors))
+    envs = [
+        BlendVectorEnv(
+            2 * (share + (i < more)),
+            autoreset_mode="SameStep",
+            motor=motor,
+            design=design,
+            decision_period=1e-3 * config.decision_ms,
+            scenarios=training_scenarios,
+            weights=RewardWeights(lost=config.lost_penalty, angle=config.angle_cost),
+        )
+        for i, motor in enumerate(motors)
+    ]
+    return SB3VecEnv(envs[0] if len(envs) == 1 else SeveralMachines(envs), privileged=True)
+
+
+def stream(seed: int, step: int) -> int:
+    """Seed of the scenario streams of a run that begins or goes on at a step.
+
+    The streams of environment i follow from this plus i; hashing keeps those of two runs apart.
+    """
+    return int(combine(seed, step)[0] >> np.uint64(2))

@@ -1,0 +1,132 @@
+"""What a training run leaves on disk, and what is needed to go on with it."""
+
+import dataclasses
+import json
+import platform
+import sys
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from sensorless.agents.loading import CONFIG, MLP, TABLE
+from sensorless.agents.mlp.schedule import MlpSchedule
+from sensorless.agents.train.config import TrainConfig
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.machines import Machines
+from sensorless.errors import UserError
+from sensorless.files import ensure_writable, write_atomic
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import KsTable
+
+PROGRESS = "progress.csv"
+START = "start.json"
+"""Schedule that training started from."""
+LATEST = "checkpoints/latest.zip"
+
+
+def versions() -> dict[str, str]:
+    """Versions of what a result depends on."""
+    names = ("numpy", "torch", "stable-baselines3", "gymnasium")
+    return {"python": platform.python_version(), **{name: version(name) for name in names}}
+
+
+def describe(
+    config: TrainConfig, machines: Machines, design: DriveDesign, start: KsTable
+) -> dict[str, Any]:
+    """Content of ``config.json``."""
+    return {
+        "command": " ".join(["sensorless", *sys.argv[1:]]),
+        **machines.origin(),
+        "start_digest": start.digest,
+        "train": dataclasses.asdict(config),
+        "design": dataclasses.asdict(design),
+        "versions": versions(),
+    }
+
+
+def create(
+    folder: Path, config: TrainConfig, machines: Machines, design: DriveDesign, start: KsTable
+) -> None:
+    """Make a new run folder with its configuration and its start.
+
+    Raises
+    ------
+    UserError
+        The folder holds something already, or cannot be written to.
+    """
+    fresh(folder)
+    ensure_writable(folder / "checkpoints")
+    text = json.dumps(describe(config, machines, design, start), indent=1)
+    write_atomic(folder / CONFIG, text + "\n")
+    start.save(folder / START)
+
+
+def fresh(folder: Path) -> None:
+    """Make a new run folder.
+
+    Raises
+    ------
+    UserError
+        The folder holds something already, or cannot be written to.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise UserError(
+            f"name: {str(folder)!r} exists already; allowed: a new name, or --resume {folder}"
+        )
+    ensure_writable(folder)
+
+
+def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
+    """What a run was trained on.
+
+    Raises
+    ------
+    UserError
+        No run folder, one whose configuration cannot be read, or a run over several machines.
+    """
+    try:
+        data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
+        if "machines" in data:
+            raise UserError(f"run: {folder}: trained on {data['motor']}; allowed: one of one motor")
+        return DriveDesign(**data["design"]), Motor.load(data["train"]["motor"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        if isinstance(error, UserError):
+            raise
+        raise UserError(f"run: {folder / CONFIG}: {error}; allowed: a training run") from None
+
+
+def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:
+    """Configuration of a run to go on with, the digest of its machines, and its start.
+
+    Raises
+    ------
+    UserError
+        No run folder, or one whose configuration cannot be read.
+    """
+    if not (folder / CONFIG).is_file() or not (folder / LATEST).is_file():
+        raise UserError(
+            f"resume: {str(folder)!r}: no {CONFIG} or no {LATEST}; allowed: the folder of a run"
+        )
+    try:
+        data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
+        config, design = TrainConfig(**data["train"]), DriveDesign(**data["design"])
+        digest = data["machines"]["digest"] if config.machines else data["motor_digest"]
+        return config, design, digest, KsTable.load(folder / START)
+    except (ValueError, KeyError, TypeError) as error:
+        if isinstance(error, UserError):
+            raise
+        raise UserError(f"{folder / CONFIG}: {error}; allowed: as training wrote it") from None
+
+
+def save_schedule(
+    folder: Path, policy: TablePolicy | MlpSchedule, config: dict[str, Any], **facts: Any
+) -> None:
+    """Write the schedule with its provenance, under the name that ``load_run`` looks for."""
+    known = ("command", "motor", "motor_digest", "machines", "design", "versions")
+    origin = {key: config[key] for key in known if key in config}
+    origin["seed"] = config["train"]["seed"]
+    if isinstance(policy, TablePolicy):
+        policy.table.save(folder / TABLE, {**origin, **facts})
+    else:
+        policy.save(folder / MLP, {**origin, **facts})

@@ -1,0 +1,144 @@
+"""PPO (stable-baselines3) on the schedule table, or on a network in its place."""
+
+import dataclasses
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.logger import configure
+from stable_baselines3.common.save_util import load_from_zip_file
+
+from sensorless.agents.mlp.policy import MlpActorCritic
+from sensorless.agents.pairs import PairedRolloutBuffer
+from sensorless.agents.table.policy import TableActorCritic
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.env import training_env
+from sensorless.agents.train.run_folder import LATEST, create, reopen
+from sensorless.agents.train.sb3_adapter import SB3VecEnv
+from sensorless.agents.train.watch import Progress, Watch
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.machines import Machines
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.errors import UserError
+from sensorless.evaluation.objective import Cost
+from sensorless.machine.motor import Motor
+from sensorless.table.ks_table import KsTable
+
+VALUE_SCALE = 20.0
+"""Size of a usual return; the critic works in units of it."""
+
+
+class TablePPO(PPO):
+    """PPO that leaves the learning rates to the policy's own optimiser."""
+
+    def _update_learning_rate(self, optimizers: Any) -> None:
+        """Keep what the policy set."""
+
+
+def train(
+    config: TrainConfig,
+    design: DriveDesign,
+    folder: Path,
+    *,
+    resume: bool = False,
+    report: Progress | None = None,
+) -> Cost:
+    """Train into a run folder; returns what the best schedule reached in validation.
+
+    A run that is resumed goes on counting its steps with the same settings but for ``minutes`` and
+    ``steps``; it is not bit-identical to one that was never interrupted, because the environments
+    begin new episodes.
+
+    Raises
+    ------
+    UserError
+        A setting out of range, a folder in use, or a checkpoint of another motor.
+    KeyboardInterrupt
+        After checkpoint and best schedule were saved.
+    """
+    torch.set_num_threads(1)
+    if resume:
+        old, design, digest, table = reopen(folder)
+        motor = old.motor if config.motor == TrainConfig.motor else config.motor
+        machines = Machines.of(Motor.load(motor), old.machines, old.seed)
+        if digest != machines.digest:
+            raise UserError(
+                f"resume: {str(folder)!r} was trained on {old.motor!r}, digest {digest[:16]}; "
+                f"allowed: {machines.name!r}, digest {machines.digest[:16]}"
+            )
+        config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)
+    else:
+        reference = Motor.load(config.motor)
+        machines = Machines.of(reference, config.machines, config.seed)
+        table = config.start_table(reference, design.k_s_slew)
+    model = _model(config, table, training_env(config, design, machines.motors))
+    if resume:
+        _restore(model, folder / LATEST)
+    else:
+        create(folder, config, machines, design, table)
+    model.set_logger(configure(str(folder / "tb"), ["tensorboard"]))
+    factories = [SimFactory(motor, design) for motor in machines.motors]
+    watch = Watch(folder, config, factories, report)
+    try:
+        model.learn(10**15, callback=watch, log_interval=1, reset_num_timesteps=not resume)
+        watch.judge()
+    except KeyboardInterrupt:
+        watch.checkpoint()
+        raise
+    finally:
+        model.logger.close()
+    assert watch.best is not None
+    return watch.best
+
+
+def _model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
+    actor: type[TableActorCritic] | type[MlpActorCritic] = TableActorCritic
+    kwargs = {"table": table, "noise": config.noise, "value_scale": VALUE_SCALE, "hidden": 64}
+    if config.policy_kind == "table":
+        kwargs |= {
+            "lr_nodes": config.lr_nodes,
+            "smoothness": config.smoothness,
+            "monotone": config.monotone,
+        }
+    else:
+        actor = MlpActorCritic
+    return TablePPO(
+        actor,
+        env,
+        learning_rate=config.lr_critic,
+        n_steps=config.n_steps,
+        batch_size=min(config.batch_size, config.n_envs * config.n_steps),
+        n_epochs=config.n_epochs,
+        gamma=config.gamma,
+        gae_lambda=config.gae_lambda,
+        clip_range=config.clip_range,
+        max_grad_norm=1e9,
+        vf_coef=0.5 / VALUE_SCALE**2,
+        use_sde=True,
+        rollout_buffer_class=PairedRolloutBuffer,
+        seed=config.seed,
+        device="cpu",
+        policy_kwargs=kwargs,
+    )
+
+
+def _restore(model: TablePPO, path: Path) -> None:
+    """Weights, optimiser and step counter of a checkpoint; nothing in it is unpickled.
+
+    Raises
+    ------
+    UserError
+        The checkpoint is damaged or belongs to another table.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            steps = json.loads(archive.read("data"))["num_timesteps"]
+        _, parameters, _ = load_from_zip_file(path, load_data=False, device="cpu")
+        model.set_parameters(parameters, exact_match=True, device="cpu")
+        model.num_timesteps = int(steps)
+    except (zipfile.BadZipFile, RuntimeError, ValueError, KeyError, TypeError, OSError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise UserError(f"{path}: {reason}; allowed: a checkpoint of this run") from None

@@ -1,0 +1,149 @@
+"""What happens beside the updates of PPO: validation, the best schedule, checkpoints, the end."""
+
+import csv
+import dataclasses
+import json
+import math
+import time
+from collections.abc import Callable, Sequence
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from stable_baselines3.common.callbacks import BaseCallback
+from torch import Tensor
+
+from sensorless.agents.loading import CONFIG, MLP, TABLE, load_run, provenance
+from sensorless.agents.pairs import restart
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.env import stream
+from sensorless.agents.train.run_folder import LATEST, PROGRESS, save_schedule
+from sensorless.agents.validation import validate_all
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.stress import DURATION
+from sensorless.evaluation.objective import Cost
+from sensorless.files import write_atomic
+from sensorless.machine.motor import Motor
+
+Progress = Callable[[float, int, Cost | None], None]
+"""Called with the share done, the decisions made, and a new validation if there is one."""
+
+COLUMNS = ("steps", "seconds", "lost_rate", "torque_dev", "torque_ripple", "objective", "best")
+
+
+class Watch(BaseCallback):
+    """Ends the training in time, validates, and keeps checkpoint and best schedule on disk.
+
+    What is validated, and kept if it is the best so far, is the mean of the actor over the last
+    ``config.average`` updates: the step of the optimiser has a size of its own even where the
+    gradient is nothing but noise, and the mean takes most of that out.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        config: TrainConfig,
+        factories: Sequence[SimFactory],
+        report: Progress | None,
+    ) -> None:
+        super().__init__()
+        self._folder, self._config, self._report = folder, config, report
+        self._factories = factories
+        self._facts: dict[str, Any] = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
+        self._start = time.monotonic()
+        self._updates, self._judged = 0, -1
+        decision = 1e-3 * config.decision_ms
+        self._rollouts = max(1, math.ceil(DURATION / (config.n_steps * decision) - 1e-9))
+        self._first_step = self._last_step = 0
+        self._mean: Tensor | None = None
+        self._rows = _rows(folder / PROGRESS)
+        self._before = float(self._rows[-1]["seconds"]) if self._rows else 0.0
+        self.best = _kept(folder, factories[0].motor)
+
+    def _on_training_start(self) -> None:
+        self._first_step = self.model.num_timesteps
+        policy: Any = self.model.policy
+        self._steps = policy.steps()
+        self.judge()
+
+    def _on_step(self) -> bool:
+        return self.share < 1.0
+
+    @property
+    def share(self) -> float:
+        """Part of the budget that is used up."""
+        if self._config.steps:
+            return (self.model.num_timesteps - self._first_step) / self._config.steps
+        return (time.monotonic() - self._start) / max(60.0 * self._config.minutes, 1e-9)
+
+    def _on_rollout_start(self) -> None:
+        policy: Any = self.model.policy
+        left = 1.0 - (1.0 - self._config.lr_end) * min(self.share, 1.0)
+        for group, whole in zip(policy.optimizer.param_groups, self._steps, strict=True):
+            group["lr"] = left * whole
+        if self._updates % self._rollouts == 0:
+            restart(self.model, stream(self._config.seed, self.model.num_timesteps))
+        policy.learn_actor = self._updates >= self._config.warm_up
+        self._updates += 1
+        now = policy.vector()
+        window = min(self._updates, self._config.average)
+        mean = now if self._mean is None else self._mean
+        self._mean = mean + (now - mean) / window
+        if self.model.num_timesteps - self._last_step >= self._config.eval_freq:
+            self.judge()
+        elif self._report is not None:
+            self._report(min(self.share, 1.0), self.model.num_timesteps, None)
+
+    def judge(self) -> None:
+        """Validate the mean actor, unless it just was, keep the best, and save a checkpoint."""
+        if self._judged == self._updates:
+            return
+        self._judged = self._updates
+        policy: Any = self.model.policy
+        schedule = policy.schedule(policy.vector() if self._mean is None else self._mean)
+        found = validate_all(schedule, self._factories, self._config.validate_size)
+        better = self.best is None or found.objective < self.best.objective
+        if better:
+            self.best = found
+            facts = {"steps": self.model.num_timesteps, "validation": dataclasses.asdict(found)}
+            save_schedule(self._folder, schedule, self._facts, **facts)
+        self._log(found, better)
+        self.checkpoint()
+        if self._report is not None:
+            self._report(min(self.share, 1.0), self.model.num_timesteps, found)
+        self._last_step = self.model.num_timesteps
+
+    def _log(self, found: Cost, better: bool) -> None:
+        """Add a row to the learning curve: TensorBoard, and a file that a resumed run keeps."""
+        values = {**dataclasses.asdict(found), "objective": found.objective}
+        for name, value in values.items():
+            self.logger.record(f"validation/{name}", value)
+        seconds = self._before + time.monotonic() - self._start
+        row = {"steps": self.model.num_timesteps, "seconds": f"{seconds:.1f}"}
+        self._rows.append({**row, **values, "best": int(better)})
+        text = StringIO()
+        writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(self._rows)
+        write_atomic(self._folder / PROGRESS, text.getvalue())
+
+    def checkpoint(self) -> None:
+        """Save model and optimiser, whole or not at all."""
+        part = self._folder / "checkpoints" / "part.zip"
+        self.model.save(part)
+        part.replace(self._folder / LATEST)
+
+
+def _rows(path: Path) -> list[dict[str, Any]]:
+    """Learning curve of the run so far."""
+    if not path.is_file():
+        return []
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def _kept(folder: Path, motor: Motor) -> Cost | None:
+    """Validation of the best schedule so far."""
+    if not any((folder / name).is_file() for name in (TABLE, MLP)):
+        return None
+    return Cost(**provenance(load_run(folder, motor))["validation"])

@@ -1,0 +1,74 @@
+"""The machine without its drive, as the compiled core runs it."""
+
+import numpy as np
+
+from sensorless.core.api import CARRIER_NAMES, PIECES_A_PERIOD, Array, lib, pointer
+
+
+def flux_map_currents(flux_map: Array, bridge: bool, psi: Array) -> Array:
+    """Currents (n, 2) [A] at flux linkages ``psi`` (n, 2) [Vs] of a FLUX_MAP record."""
+    points = np.ascontiguousarray(psi, dtype=np.float64)
+    out = np.empty_like(points)
+    lib.flux_map_currents(
+        pointer(flux_map.reshape(1), "flux_map_t[]"),
+        int(bridge),
+        pointer(points, "double[]"),
+        pointer(out, "double[]"),
+        len(points),
+    )
+    return out
+
+
+def plant_run(plant: Array, state: Array, u: Array) -> Array:
+    """Run the machine alone.
+
+    Parameters
+    ----------
+    plant, state : records of PLANT and PLANT_STATE, shape (1,)
+        ``state`` is changed in place and must hold flux, speed and angle.
+    u : array, shape (n, 3)
+        Stator voltage alpha, beta [V] and load torque [N m], each held for one period.
+
+    Returns
+    -------
+    array, shape (n + 1, 7)
+        i_d, i_q [A], psi_d, psi_q [Vs], torque [N m], omega_m [rad/s], theta_e unwrapped [rad].
+    """
+    inputs = np.ascontiguousarray(u, dtype=np.float64)
+    out = np.empty((len(inputs) + 1, 7))
+    p, x = pointer(plant, "plant_params_t[]"), pointer(state, "plant_state_t[]")
+    lib.plant_start(p, x)
+    lib.plant_run(p, x, pointer(inputs, "double[]"), pointer(out, "double[]"), len(inputs))
+    return out
+
+
+def carrier_run(sensor: Array, plant: Array, state: Array, u: Array) -> Array:
+    """Run the machine alone on an inverter that switches, with a look between its edges.
+
+    Parameters
+    ----------
+    sensor, plant, state : records of SENSOR, PLANT and PLANT_STATE, shape (1,)
+        ``state`` is changed in place and must hold flux, speed and angle.
+    u : array, shape (n, 4)
+        Stator voltage alpha, beta and DC link [V] and load torque [N m], each for one period.
+
+    Returns
+    -------
+    array, shape (rows, len(CARRIER_NAMES))
+        A row for every Runge-Kutta step, ``n_sub`` of them from edge to edge, and one for the end;
+        its voltage acts from that row to the next.
+    """
+    inputs = np.ascontiguousarray(u, dtype=np.float64)
+    most = len(inputs) * PIECES_A_PERIOD * int(plant["n_sub"][0]) + 1
+    out = np.empty((most, len(CARRIER_NAMES)))
+    p, x = pointer(plant, "plant_params_t[]"), pointer(state, "plant_state_t[]")
+    lib.plant_start(p, x)
+    n = lib.carrier_run(
+        pointer(sensor, "sensor_params_t[]"),
+        p,
+        x,
+        pointer(inputs, "double[]"),
+        pointer(out, "double[]"),
+        len(inputs),
+    )
+    return out[:n]

@@ -1,0 +1,69 @@
+/* Averaged two-level inverter and the current measurement. Host only. */
+#ifndef SENSORLESS_INVERTER_H
+#define SENSORLESS_INVERTER_H
+
+#include "drive/control.h"
+#include "noise.h"
+
+typedef struct {
+    float dead_time_share;    /* dead time / PWM period */
+    float inv_i_zero;         /* slope of the dead-time voltage through zero current [1/A] */
+    float gain_a, gain_b;     /* gain of the phase-current channels, 1 = exact */
+    float offset_a, offset_b; /* [A] */
+    float noise_rms;          /* [A] */
+    float lsb;                /* resolution of the converter [A], above range / 2^30 */
+    float inv_lsb;            /* 1 / lsb [1/A] */
+    float range;              /* largest current the converter shows [A] */
+    int32_t carrier; /* 1: switching instants of a carrier, see carrier.h; 0: mean voltage */
+} sensor_params_t;
+
+/* Voltages of the three legs against the middle of the link [V]. */
+typedef struct {
+    float a, b, c;
+} legs_t;
+
+/* Legs for the stator voltage u [V], with the common-mode voltage that uses the link best. */
+CORE_INLINE legs_t inverter_legs(ab_t u) {
+    float a = u.a;
+    float b = -0.5f * u.a + HALF_SQRT3_F * u.b;
+    float c = -0.5f * u.a - HALF_SQRT3_F * u.b;
+    float mid = 0.5f * (max_f(a, max_f(b, c)) + min_f(a, min_f(b, c)));
+    legs_t y = {a - mid, b - mid, c - mid};
+    return y;
+}
+
+/* Mean stator voltage of a period [V]: dead time against the direction of each phase current i_ab [A],
+ * legs limited to the link. */
+CORE_INLINE ab_t inverter_voltage(const sensor_params_t *p, ab_t u, float u_dc, ab_t i_ab) {
+    legs_t leg = inverter_legs(u);
+    float u_dt = u_dc * p->dead_time_share;
+    float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
+    float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
+    float half = 0.5f * u_dc;
+    float leg_a = leg.a - u_dt * clamp_f(i_ab.a * p->inv_i_zero, -1.0f, 1.0f);
+    float leg_b = leg.b - u_dt * clamp_f(i_b * p->inv_i_zero, -1.0f, 1.0f);
+    float leg_c = leg.c - u_dt * clamp_f(i_c * p->inv_i_zero, -1.0f, 1.0f);
+    leg_a = clamp_f(leg_a, -half, half);
+    leg_b = clamp_f(leg_b, -half, half);
+    leg_c = clamp_f(leg_c, -half, half);
+    ab_t y = {0.333333333f * (2.0f * leg_a - leg_b - leg_c), INV_SQRT3_F * (leg_b - leg_c)};
+    return y;
+}
+
+/* Rounded to the nearest step of the converter and limited to its range. Only a positive number is
+ * made an integer: gcc may turn the way there and back into a truncation, which keeps a sign of zero
+ * that an integer does not have. */
+CORE_INLINE float sensor_quantise(const sensor_params_t *p, float i) {
+    float n = clamp_f(i, -p->range, p->range) * p->inv_lsb;
+    float steps = p->lsb * (float)(int32_t)(abs_f(n) + 0.5f);
+    return n < 0.0f ? 0.0f - steps : steps;
+}
+
+/* Measured phase current of channel 0 (a) or 1 (b) at period k [A]. */
+CORE_INLINE float sensor_read(const sensor_params_t *p, float i, float gain, float offset,
+                              uint32_t seed, uint32_t k, uint32_t channel) {
+    float noise = p->noise_rms * noise_normal(seed, 2U * k + channel);
+    return sensor_quantise(p, gain * i + offset + noise);
+}
+
+#endif

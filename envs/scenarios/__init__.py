@@ -1,0 +1,1 @@
+"""What a drive is put through: scenarios, suites, random machines."""

@@ -1,0 +1,40 @@
+"""What a schedule is made on: the one machine asked for, or random ones."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from sensorless.envs.scenarios.machine_family import NAME, family, family_digest
+from sensorless.machine.motor import Motor
+
+
+@dataclass(frozen=True)
+class Machines:
+    """One machine, or some of a family."""
+
+    motors: tuple[Motor, ...]
+    seed: int | None
+    """Of the family; none for the one machine."""
+
+    @classmethod
+    def of(cls, motor: Motor, n: int, seed: int) -> "Machines":
+        """n random machines of a seed, or the motor if n is 0; errors as in ``family``."""
+        return cls(family(seed, n), seed) if n else cls((motor,), None)
+
+    @property
+    def name(self) -> str:
+        """What a person calls them."""
+        if self.seed is None:
+            return self.motors[0].name
+        return f"{len(self.motors)} machines of {NAME}, seed {self.seed}"
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 over all their numbers, hexadecimal."""
+        return self.motors[0].digest if self.seed is None else family_digest(self.motors)
+
+    def origin(self) -> dict[str, Any]:
+        """What a schedule says about them. One of several machines names none as its own."""
+        if self.seed is None:
+            return {"motor": self.name, "motor_digest": self.digest}
+        facts = {"family": NAME, "seed": self.seed, "n": len(self.motors), "digest": self.digest}
+        return {"motor": self.name, "machines": facts}

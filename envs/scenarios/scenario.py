@@ -1,0 +1,204 @@
+"""What happens to a drive: its profile, its start, and how reality differs from its parameters."""
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core.api import PROFILE_N, SIM, Array, sim_start
+from sensorless.design.drive import DriveDesign, control_record, fill, plant_record, sensor_record
+from sensorless.envs.counter_random import Floats, Seeds
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+from sensorless.observers.start_design import knows_poles
+
+Bools = NDArray[np.bool_]
+
+NEVER = np.iinfo(np.int32).max
+LOST_ANGLE_DEG = 60.0
+LOST_TIME = 0.01
+
+
+@dataclass
+class Scenarios:
+    """A batch of n scenarios; every field has n rows. Speeds are mechanical, torques in N m.
+
+    Profile arrays have ``PROFILE_N`` columns, one a segment; a segment whose ``t`` is infinite
+    never starts. Each quantity runs to its target with its own rate (infinite: a step).
+    """
+
+    seed: Seeds
+    duration: Floats
+    """[s]"""
+    t: Floats
+    """start of each segment [s]; the first is 0"""
+    omega: Floats
+    """speed target [rad/s]"""
+    omega_rate: Floats
+    """[rad/s^2]"""
+    tau: Floats
+    """load torque, positive brakes positive speed [N m]"""
+    tau_rate: Floats
+    """[N m/s]"""
+    u_dc: Floats
+    """DC-link voltage over the motor's nominal one"""
+    omega_0: Floats
+    """speed at the start [rad/s]"""
+    theta_0: Floats
+    """electrical angle at the start [rad]"""
+    theta_err_0: Floats
+    """truth minus the estimators' angle at the start [rad]"""
+    seek: Bools
+    """the drive knows neither its angle nor its speed and runs its start sequence first"""
+    passive: Bools
+    """the load only resists, like friction: its magnitude acts against the motion, none at rest"""
+    R_s: Floats
+    """resistance over the controller's value"""
+    L_q_hat: Floats
+    """observer's q inductance over its design value"""
+    psi_f: Floats
+    """magnet strength over its nominal value"""
+    J: Floats
+    """inertia over its nominal value"""
+    cross_hat: Floats
+    """cross-coupling compensation over its design value"""
+    dead_time: Floats
+    """[s]"""
+    noise: Floats
+    """current noise, RMS [A]"""
+    gain: Floats
+    """(n, 2) gains of the phase-current channels"""
+    offset: Floats
+    """(n, 2) offsets of the phase-current channels [A]"""
+
+    def __len__(self) -> int:
+        """Return the number of scenarios."""
+        return len(self.seed)
+
+    def __getitem__(self, rows: slice | Array) -> "Scenarios":
+        """Rows of every field."""
+        return Scenarios(**{f.name: getattr(self, f.name)[rows] for f in dataclasses.fields(self)})
+
+    @classmethod
+    def nominal(cls, motor: Motor, seed: Seeds, duration: float) -> "Scenarios":
+        """Standstill without load on a drive that knows its machine exactly."""
+        n = len(seed)
+        ones, zeros = np.ones(n), np.zeros(n)
+        profile = np.zeros((n, PROFILE_N))
+        t = np.full((n, PROFILE_N), np.inf)
+        t[:, 0] = 0.0
+        fast = np.full((n, PROFILE_N), np.inf)
+        return cls(
+            seed=np.asarray(seed, dtype=np.uint64),
+            duration=duration * ones,
+            t=t,
+            omega=profile,
+            omega_rate=fast,
+            tau=profile.copy(),
+            tau_rate=fast.copy(),
+            u_dc=np.ones((n, PROFILE_N)),
+            omega_0=zeros,
+            theta_0=zeros.copy(),
+            theta_err_0=zeros.copy(),
+            seek=np.zeros(n, dtype=bool),
+            passive=np.zeros(n, dtype=bool),
+            R_s=ones,
+            L_q_hat=ones.copy(),
+            psi_f=ones.copy(),
+            J=ones.copy(),
+            cross_hat=ones.copy(),
+            dead_time=motor.dead_time * ones,
+            noise=0.005 * ones,
+            gain=np.ones((n, 2)),
+            offset=np.zeros((n, 2)),
+        )
+
+
+class SimFactory:
+    """Turns scenarios into started ``SIM`` records for one motor and one design."""
+
+    def __init__(self, motor: Motor, design: DriveDesign) -> None:
+        self.motor = motor
+        self.design = design
+        template = np.zeros(1, dtype=SIM)
+        fill(
+            template[0],
+            {
+                "control": control_record(motor, design),
+                "plant": plant_record(motor),
+                "sensor": sensor_record(motor),
+                "omega_scale": motor.n_p,
+                "i_trip": motor.i_trip,
+                "err_limit": np.deg2rad(LOST_ANGLE_DEG),
+                "err_periods": round(LOST_TIME / motor.T_s),
+                "with_twin": 1,
+            },
+        )
+        template["sensor"]["carrier"] = int(design.carrier)
+        self._template = template
+
+    def build(
+        self,
+        s: Scenarios,
+        *,
+        sensored: bool = False,
+        twin: bool = True,
+        estimator: str | None = None,
+    ) -> Array:
+        """Drives at the start of their scenarios, array of ``SIM`` with shape (n,).
+
+        ``estimator`` takes the place of the design's own, if given.
+
+        Raises
+        ------
+        UserError
+            A start from an unknown angle on a machine whose poles saturation cannot tell apart.
+        """
+        motor = self.motor
+        if np.any(s.seek) and not knows_poles(motor):
+            raise UserError(
+                f"seek: {motor.name} does not saturate along d, so that its poles look alike; "
+                "allowed: starts at a known angle, or a machine with a saturation model"
+            )
+        sims = np.repeat(self._template, len(s))
+        if estimator not in (None, self.design.estimator):
+            design = dataclasses.replace(self.design, estimator=estimator)
+            sims["control"] = control_record(motor, design)
+        plant, control, sensor = sims["plant"], sims["control"], sims["sensor"]
+        plant["R_s"] *= s.R_s
+        plant["inv_J"] /= s.J
+        for magnet in ("i_f", "psi_n"):  # the machine has its magnet in either of them
+            plant["map"][magnet] *= s.psi_f
+        control["L_q"]["y"] *= s.L_q_hat[:, None]
+        control["theta_cross"]["y"] *= s.cross_hat[:, None]
+        sensor["dead_time_share"] = s.dead_time / motor.T_s
+        sensor["noise_rms"] = s.noise
+        for j, phase in enumerate("ab"):
+            sensor[f"gain_{phase}"] = s.gain[:, j]
+            sensor[f"offset_{phase}"] = s.offset[:, j]
+        _fill_profile(sims["profile"], s, motor)
+        start = sims["start"]
+        start["omega_m"], start["theta_e"] = s.omega_0, s.theta_0
+        start["theta_err"], start["k_s"] = s.theta_err_0, 1.0
+        start["seek"] = s.seek
+        stick = 0.5 * motor.J * s.J / (motor.T_s * motor.tau_rated)
+        sims["inv_stick"] = np.where(s.passive, stick, 0.0)
+        sims["k_end"] = np.rint(s.duration / motor.T_s)
+        sims["seed"] = (s.seed & np.uint64(0xFFFFFFFF)).astype(np.uint32)
+        sims["sensored"], sims["with_twin"] = int(sensored), int(twin)
+        sim_start(sims)
+        return sims
+
+
+def _fill_profile(profile: Array, s: Scenarios, motor: Motor) -> None:
+    """Scenario rows in SI units to ``profile_t`` in periods and electrical speed."""
+    n_p, T_s, top = motor.n_p, motor.T_s, np.float32(1e9)
+    periods = np.where(np.isfinite(s.t), np.rint(np.where(np.isfinite(s.t), s.t, 0.0) / T_s), NEVER)
+    profile["start"] = periods.astype(np.int64).clip(0, NEVER)
+    profile["omega_ref"] = n_p * s.omega
+    profile["omega_step"] = np.minimum(n_p * s.omega_rate * T_s, top)
+    profile["tau"] = s.tau
+    profile["tau_step"] = np.minimum(s.tau_rate * T_s, top)
+    profile["u_dc"] = motor.u_dc * s.u_dc
+    profile["u_dc_step"] = motor.u_dc * T_s / 0.01

@@ -1,0 +1,55 @@
+"""Starts from an unknown angle: standing and spinning shafts, under load."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.envs.counter_random import Draws, Seeds
+from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.machine.motor import Motor
+
+HALF_LOAD = 0.5
+"""Largest load over rated torque."""
+BEGIN = 0.1
+"""Speed target after the start sequence [s]."""
+
+
+def starts_scenarios(
+    motor: Motor, seeds: Seeds, indices: NDArray[np.int64], *_: object
+) -> Scenarios:
+    """The rotor at any angle; every second row has its first estimate 180 degrees off.
+
+    Eight rows in turn, two of each: at rest without load; at rest with a load of up to half of
+    rated torque in either direction, which moves the shaft until the drive knows its rotor; at rest
+    with a load as large that only resists; on a shaft that spins at any speed within the rated one,
+    with such an active load. From 0.1 s on the speed runs to a target of 10 to 40 % of rated in
+    either direction, on a ramp of 30 % of rated torque. The first estimate is up to 90 degrees off,
+    or that and half a turn. Inertia, magnet, resistance, dead time and sensors are as uncertain as
+    in ``stress``.
+    """
+    d = Draws(seeds)
+    s = Scenarios.nominal(motor, seeds, 1.2)
+    omega_rated = motor.omega_rated / motor.n_p
+    active, passive, spins = (indices // 2 % 4 == kind for kind in (1, 2, 3))
+
+    s.seek[:] = True
+    s.passive[:] = passive
+    s.theta_0 = d.uniform(-np.pi, np.pi)
+    s.theta_err_0 = d.uniform(-0.5, 0.5) * np.pi + np.where(indices % 2 == 1, np.pi, 0.0)
+    load = d.uniform(0.0, HALF_LOAD) * motor.tau_rated
+    sign = np.where(d.chance(0.5), 1.0, -1.0)
+    s.tau[:] = np.where(active | spins, sign * load, np.where(passive, load, 0.0))[:, None]
+    s.omega_0 = np.where(spins, d.uniform(-1.0, 1.0) * omega_rated, 0.0)
+    s.omega[:] = s.omega_0[:, None]
+    s.t[:, 1] = BEGIN
+    way = np.where(d.chance(0.5), 1.0, -1.0)
+    s.omega[:, 1:] = (way * d.uniform(0.1, 0.4) * omega_rated)[:, None]
+
+    s.R_s = d.uniform(0.75, 1.40)
+    s.psi_f = d.uniform(0.94, 1.06)
+    s.J = np.exp(d.uniform(np.log(0.5), np.log(3.0)))
+    s.dead_time = d.uniform(0.25, 1.5) * motor.dead_time
+    s.noise = d.uniform(0.002, 0.012) * (motor.i_rated / 5.63)
+    s.gain = 1.0 + np.stack([d.uniform(-0.02, 0.02), d.uniform(-0.02, 0.02)], axis=-1)
+    s.offset = 0.005 * motor.i_rated * np.stack([d.uniform(-1, 1), d.uniform(-1, 1)], axis=-1)
+    s.omega_rate[:] = (0.3 * motor.tau_rated / (motor.J * s.J))[:, None]
+    return s

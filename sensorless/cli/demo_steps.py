@@ -1,0 +1,83 @@
+"""The whole road in one command: train, judge, look, export."""
+
+import shutil
+from pathlib import Path
+
+from sensorless.cli.words import plan_from, scenario_from
+from sensorless.design.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.evaluation.evaluate import PolicyProgress, evaluate
+from sensorless.evaluation.results import Results
+from sensorless.evaluation.trace import trace
+from sensorless.export.export import export, table_of
+from sensorless.machine.motor import Motor
+from sensorless.plots.schedule import schedule_maps
+from sensorless.plots.waveforms import save, waveforms
+from sensorless.policies.registry import make_policy
+from sensorless.policy import TablePolicy, design_for
+
+MARK = ".sensorless-demo"
+ESTIMATOR = "flux"
+"""Of the drive that the demo trains on: Eq. 25 is judged on both, the last of RULES is it there."""
+RULES = ("eq25", "hysteresis", "flux_observer")
+FIG9 = ("0:200,1:350,2:600", "0:0", 3.0)
+
+
+def fresh_folder(folder: Path) -> None:
+    """Make an empty folder, or empty one that an earlier demo wrote.
+
+    Raises
+    ------
+    UserError
+        The folder holds something else.
+    """
+    if folder.exists():
+        if not folder.is_dir() or (any(folder.iterdir()) and not (folder / MARK).is_file()):
+            raise UserError(
+                f"out: {str(folder)!r} holds something else; allowed: a new folder, "
+                "or one of an earlier demo"
+            )
+        shutil.rmtree(folder)
+    try:
+        folder.mkdir(parents=True)
+        (folder / MARK).touch()
+    except OSError as error:
+        raise UserError(f"out: {str(folder)!r}: {error.strerror}; allowed: writable") from None
+
+
+def judge(folder: Path, run: str, size: int, seed: int, report: PolicyProgress) -> Results:
+    """Rules, the trained table and the sensored drive on the stress suite."""
+    motor = Motor.load("paper")
+    policies = [*RULES, run, "sensored"]
+    out = folder / "results.json"
+    return evaluate(motor, DriveDesign(), "stress", seed, size, policies, out=out, progress=report)
+
+
+def draw(folder: Path, run: str, results: Results) -> list[Path]:
+    """Figures: Fig. 9, the schedules, and the hand-over where Eq. 25 fared worst."""
+    motor, design = Motor.load("paper"), DriveDesign()
+    eq25, learned = make_policy("eq25", motor), make_policy(run, motor)
+    paths = [folder / name for name in ("fig9.png", "schedules.png", "hand-over.png")]
+    speed, load, duration = FIG9
+    plan = plan_from(speed, load, None, duration, motor, 0)
+    run_9 = trace(eq25, plan, motor, design)
+    save(waveforms({"Fig. 9 under Eq. 25, no load": run_9}), paths[0])
+    assert isinstance(eq25, TablePolicy) and isinstance(learned, TablePolicy)
+    save(schedule_maps(learned.name, learned.table, eq25.table, motor), paths[1])
+    word = results.policies[eq25.name]["worst"][0]["scenario"]
+    case = scenario_from(word, motor)
+    traces = {
+        f"{word} under {policy.name}": trace(policy, case, motor, design)
+        for policy in (eq25, learned)
+    }
+    save(waveforms(traces), paths[2])
+    return paths
+
+
+def hand_over(folder: Path, run: str) -> tuple[Path, str]:
+    """Export the trained table; returns the folder and what its self test said."""
+    motor = Motor.load("paper")
+    policy = make_policy(run, motor)
+    table, design = table_of(policy, run), design_for(policy, DriveDesign())
+    done = export(table, motor, design, folder / "firmware", policy=policy.name)
+    return done.folder, done.self_test.message

@@ -1,0 +1,154 @@
+"""Words of the command line that several commands share."""
+
+import dataclasses
+import re
+from pathlib import Path
+
+import numpy as np
+
+from sensorless.core.api import PROFILE_N
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.counter_random import combine
+from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.envs.scenarios.suites import suite
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+
+RPM = np.pi / 30.0
+
+
+def design_from(settings: list[str] | None) -> DriveDesign:
+    """Drive design from words NAME=VALUE over the defaults.
+
+    Raises
+    ------
+    UserError
+        Unknown name, or a value of the wrong type or out of range.
+    """
+    fields = {f.name: f for f in dataclasses.fields(DriveDesign)}
+    values: dict[str, float | bool | str] = {}
+    for word in settings or []:
+        name, _, text = word.partition("=")
+        if name not in fields:
+            raise UserError(
+                f"set: {word!r}; allowed: NAME=VALUE with NAME one of {', '.join(fields)}"
+            )
+        values[name] = _value(name, text, fields[name].default)
+    return DriveDesign(**values)  # type: ignore[arg-type]
+
+
+def _value(name: str, text: str, default: object) -> float | bool | str:
+    if isinstance(default, bool):
+        if text not in ("true", "false"):
+            raise UserError(f"{name}: {text!r}; allowed: true, false")
+        return text == "true"
+    if isinstance(default, str):
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise UserError(f"{name}: {text!r}; allowed: a number") from None
+
+
+def scenario_from(word: str, motor: Motor) -> Scenarios:
+    """One scenario from SUITE:SEED:INDEX[:SIZE], as an evaluation lists it.
+
+    Raises
+    ------
+    UserError
+        Not of that form, no such suite, or a size where none is needed or none where it is.
+    """
+    match = re.fullmatch(r"([a-z]+):(\d+):(\d+)(?::(\d+))?", word)
+    if match is None:
+        raise UserError(f"scenario: {word!r}; allowed: SUITE:SEED:INDEX[:SIZE], e.g. stress:7:12")
+    name, seed, index = match[1], int(match[2]), int(match[3])
+    size = int(match[4]) if match[4] else index + 1
+    if name == "envelope" and match[4] is None:
+        raise UserError(f"scenario: {word!r}; allowed for envelope: with its SIZE at the end")
+    if index >= size:
+        raise UserError(f"scenario: {word!r}; allowed: INDEX below SIZE")
+    return suite(name, motor, seed, size)[index : index + 1]
+
+
+def plan_from(
+    speed: str,
+    load: str,
+    ramp: float | None,
+    duration: float,
+    motor: Motor,
+    seed: int,
+    *,
+    start: bool = False,
+    theta_err: float = 0.0,
+    spin: float = 0.0,
+) -> Scenarios:
+    """One scenario from plans of speed [r/min] and load [N m].
+
+    Parameters
+    ----------
+    speed, load : str
+        ``TIME:VALUE`` words with commas between, in order of time [s].
+    ramp : float, optional
+        Slope of the speed reference [r/min/s]; none: steps.
+    duration : float
+        [s]
+    start : bool
+        The drive has to find its rotor first.
+    theta_err : float
+        Truth minus the drive's first angle, electrical [deg].
+    spin : float
+        Speed of the shaft at the beginning [r/min].
+    """
+    if not -180.0 <= theta_err <= 180.0:
+        raise UserError(f"theta_err: {theta_err:g}; allowed: -180 to 180 degrees")
+    if not abs(spin) <= 2.0 * motor.n_rated_rpm:
+        raise UserError(f"spin: {spin:g} r/min; allowed: up to twice {motor.n_rated_rpm:g}")
+    if not 0.0 < duration <= 1000.0:
+        raise UserError(f"duration: {duration:g} s; allowed: above 0 and at most 1000")
+    if ramp is not None and not 0.0 < ramp < 1e9:
+        raise UserError(f"ramp: {ramp:g} r/min/s; allowed: above 0")
+    speeds, loads = _plan("speed", speed), _plan("load", load)
+    times = sorted({0.0} | {t for t, _ in speeds} | {t for t, _ in loads})
+    if len(times) > PROFILE_N:
+        raise UserError(f"speed, load: {len(times)} points in time; allowed: {PROFILE_N}")
+    s = Scenarios.nominal(motor, combine(seed, np.arange(1)), duration)
+    for j, t in enumerate(times):
+        s.t[0, j] = t
+        s.omega[0, j:] = RPM * _at(speeds, t)
+        s.tau[0, j:] = _at(loads, t)
+    s.omega_rate[:] = np.inf if ramp is None else ramp * RPM
+    s.seek[:], s.theta_err_0[:], s.omega_0[:] = start, np.deg2rad(theta_err), spin * RPM
+    return s
+
+
+def _plan(name: str, text: str) -> list[tuple[float, float]]:
+    try:
+        points = [(float(t), float(v)) for t, _, v in (w.partition(":") for w in text.split(","))]
+    except ValueError:
+        points = []
+    good = bool(points) and all(np.isfinite(p).all() and p[0] >= 0.0 for p in points)
+    if not good or [t for t, _ in points] != sorted({t for t, _ in points}):
+        raise UserError(f"{name}: {text!r}; allowed: TIME:VALUE,TIME:VALUE,... with rising times")
+    return points
+
+
+def _at(points: list[tuple[float, float]], t: float) -> float:
+    """Value of the last point not after t; 0 before the first."""
+    return next((v for when, v in reversed(points) if when <= t), 0.0)
+
+
+def check_output(path: Path | None, name: str = "out") -> None:
+    """Find out before the work whether a file can be written.
+
+    Raises
+    ------
+    UserError
+        Its folder does not exist or cannot be written to.
+    """
+    from sensorless.evaluation.results import check_writable
+
+    if path is not None:
+        try:
+            check_writable(path)
+        except UserError as error:
+            raise UserError(str(error).replace("out:", f"{name}:", 1)) from None

@@ -1,0 +1,1 @@
+"""From physical settings to the numbers the drive runs on."""

@@ -1,0 +1,110 @@
+"""Speed and current control: from the machine and bandwidths to ``control_params_t``."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sensorless.core.api import CURVE_N
+from sensorless.design.cross_coupling import cross_curve, working_current
+from sensorless.machine.magnetics import Floats, apparent_q_inductance, mtpa
+from sensorless.machine.motor import Motor
+
+
+def operating_line(motor: Motor, use_mtpa: bool) -> Floats:
+    """Currents (CURVE_N, 2) [A] the drive works on, at evenly spaced i_q from 0 to ``i_max``.
+
+    The first row stands just beside zero, where quotients by i_q exist.
+    """
+    i_q = np.linspace(0.0, motor.i_max, CURVE_N)
+    i_q[0] = 1e-4 * motor.i_max
+    if not use_mtpa:
+        return np.stack([np.zeros(CURVE_N), i_q], axis=-1)
+    best_d, best_q = mtpa(motor)
+    return np.stack([np.interp(i_q, best_q, best_d), i_q], axis=-1)
+
+
+def design_curves(
+    motor: Motor, line: Floats, *, L_q_table: bool, cross: str, cross_torque: float = 0.5
+) -> tuple[Floats, Floats, Floats]:
+    """Curves over |i_q|: i_d of the operating line [A], L_q of the observer [H], theta_m / 2 [rad].
+
+    Parameters
+    ----------
+    L_q_table : bool
+        Apparent inductance along the line, or the constant data-sheet value.
+    cross, cross_torque : str, float
+        As in ``cross_curve``.
+    """
+    L_q = apparent_q_inductance(motor, line) if L_q_table else np.full(CURVE_N, motor.L_q)
+    angle = cross_curve(motor, line, cross, cross_torque)
+    i_d = line[:, 0].copy()
+    i_d[0] = 0.0
+    return i_d, L_q, angle
+
+
+def torque_constant(motor: Motor) -> float:
+    """Torque constant of the speed loop, times pole pairs: k_t of ``design_control`` [N m/A].
+
+    The magnet's, 1.5 n_p^2 psi_f, if the magnet alone makes rated torque from rated current;
+    otherwise rated torque over its torque current at maximum torque per ampere. With the magnet's
+    alone the loop of a reluctance machine would be much faster under load than asked for.
+    """
+    magnet = 1.5 * motor.n_p**2 * motor.psi_f
+    if magnet * motor.i_rated >= motor.n_p * motor.tau_rated:
+        return magnet
+    return motor.n_p * motor.tau_rated / working_current(motor, operating_line(motor, True), 1.0)
+
+
+def design_control(
+    motor: Motor,
+    *,
+    speed_hz: float,
+    speed_weight: float,
+    current_hz: float,
+    i_q_slew: float,
+    u_dt: float,
+) -> dict[str, Any]:
+    """Fields of ``control_params_t`` but for its curve.
+
+    Speed: critically damped closed loop of natural frequency ``speed_hz`` [Hz] on the inertia,
+    k_p = 2 w J / k_t, k_i = w^2 J / k_t with k_t of ``torque_constant``. Current: internal-model
+    control of bandwidth ``current_hz`` [Hz] (doi 10.1109/28.663477) with the q inductance of half
+    rated current.
+
+    Parameters
+    ----------
+    speed_weight : float
+        Share of the speed reference in the proportional part, 0 (IP) to 1 (PI).
+    i_q_slew : float
+        Largest slope of the torque-current reference [A/s].
+    u_dt : float
+        Dead-time voltage to compensate [V], 0 for none.
+    """
+    w = 2.0 * math.pi * speed_hz
+    k_t = torque_constant(motor)
+    alpha = 2.0 * math.pi * current_hz
+    half = np.array([[0.0, 0.5 * motor.i_rated]])
+    L_q = float(apparent_q_inductance(motor, half)[0])
+    return {
+        "k_p_speed": 2.0 * w * motor.J / k_t,
+        "k_i_speed": w * w * motor.J / k_t,
+        "weight_ref": speed_weight,
+        "i_q_step": i_q_slew * motor.T_s,
+        "i_max": motor.i_max,
+        "k_t_d": alpha * motor.L_d,
+        "k_t_q": alpha * L_q,
+        "k_p_d": 2.0 * alpha * motor.L_d - motor.R_s,
+        "k_p_q": 2.0 * alpha * L_q - motor.R_s,
+        "k_i_d": alpha * alpha * motor.L_d * motor.T_s,
+        "k_i_q": alpha * alpha * L_q * motor.T_s,
+        "L_d": motor.L_d,
+        "L_q": L_q,
+        "psi_f": motor.psi_f,
+        "k_fw": 0.02 * alpha * motor.T_s / (motor.omega_rated * motor.L_d),
+        "fw_margin": 0.97,
+        "i_d_min": -0.9 * motor.i_max,
+        "u_dt": u_dt,
+        "inv_i_dt": 1.0 / (0.05 * motor.i_rated),
+        "curve_inv_step": (CURVE_N - 1) / motor.i_max,
+    }

@@ -1,0 +1,1 @@
+"""Runs policies over suites and measures them."""

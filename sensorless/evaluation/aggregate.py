@@ -1,0 +1,173 @@
+"""From numbers per scenario to a mean and how sure it is: rates, means, paired differences."""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binomtest, bootstrap
+
+from sensorless.core.api import Array
+from sensorless.evaluation.rollout import CAUSES, Floats
+
+RESAMPLES = 2000
+"""Bootstrap samples of an interval."""
+
+Bools = NDArray[np.bool_]
+Interval = tuple[float, float]
+
+
+def rate_interval(hits: Bools) -> Interval:
+    """95 % Wilson score interval of the rate of ``hits``."""
+    test = binomtest(int(hits.sum()), len(hits))
+    interval = test.proportion_ci(confidence_level=0.95, method="wilson")
+    return float(interval.low), float(interval.high)
+
+
+def mean_interval(x: Floats, seed: int) -> Interval:
+    """95 % percentile bootstrap interval of the mean; NaN for fewer than two values.
+
+    The same ``seed`` draws the same samples: intervals do not depend on what was computed before.
+    """
+    if len(x) < 2:
+        return math.nan, math.nan
+    result = bootstrap(
+        (x,),
+        np.mean,
+        vectorized=True,
+        n_resamples=RESAMPLES,
+        method="percentile",
+        batch=max(1, 4_000_000 // len(x)),
+        random_state=np.random.default_rng(seed),
+    )
+    return float(result.confidence_interval.low), float(result.confidence_interval.high)
+
+
+def mean_of(values: Mapping[str, Floats], rows: Bools, seed: int) -> dict[str, Any]:
+    """Mean over ``rows``, interval and number of defined values of each metric.
+
+    Keys ``NAME`` and ``NAME_ci``, and ``defined`` with the number by name. A metric that is NaN in
+    a scenario leaves that scenario out; a metric defined nowhere has the mean NaN.
+    """
+    out: dict[str, Any] = {}
+    defined = {}
+    for name, x in values.items():
+        known = x[rows & np.isfinite(x)]
+        out[name] = float(np.mean(known)) if len(known) else math.nan
+        out[f"{name}_ci"] = mean_interval(known, seed)
+        defined[name] = len(known)
+    return {**out, "defined": defined}
+
+
+def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -> dict[str, Any]:
+    """Lost rates over all scenarios, means of ``metrics`` over those survived.
+
+    A scenario that ended early for whatever reason counts as lost. That includes those whose twin,
+    with the true angle, gave up (``twin_lost_rate``): they are beyond the machine, hence lost for
+    every policy, so that the rates of two policies differ by the policies alone.
+
+    Parameters
+    ----------
+    lost : (n,) bits of ``CAUSES``
+    """
+    survived = lost == 0
+    twin = lost & CAUSES["twin"] != 0
+    return {
+        "lost_rate": float(np.mean(~survived)),
+        "lost_ci": rate_interval(~survived),
+        "twin_lost_rate": float(np.mean(twin)),
+        "lost_by_cause": {name: int(np.sum(lost & bit != 0)) for name, bit in CAUSES.items()},
+        "survived": int(survived.sum()),
+        **mean_of(metrics, survived, seed),
+    }
+
+
+def paired(
+    lost: NDArray[np.int32],
+    metrics: Mapping[str, Floats],
+    reference_lost: NDArray[np.int32],
+    reference: Mapping[str, Floats],
+    seed: int,
+) -> dict[str, Any]:
+    """Differences to a reference, scenario by scenario: negative where this one has less.
+
+    Lost rates over all scenarios, ``metrics`` over those that both survived; ``there`` has the
+    means of the reference over the same scenarios.
+    """
+    here, there = lost != 0, reference_lost != 0
+    both = ~(here | there)
+    difference = here.astype(np.float64) - there.astype(np.float64)
+    apart = {name: x - reference[name] for name, x in metrics.items()}
+    base = {name: reference[name][both & np.isfinite(x)] for name, x in apart.items()}
+    return {
+        "survived_both": int(both.sum()),
+        "lost_only_here": int(np.sum(here & ~there)),
+        "lost_only_there": int(np.sum(there & ~here)),
+        "lost_rate": float(np.mean(difference)),
+        "lost_rate_ci": mean_interval(difference, seed),
+        **mean_of(apart, both, seed),
+        "there": {
+            "lost_rate": float(np.mean(there)),
+            **{name: float(np.mean(x)) if len(x) else math.nan for name, x in base.items()},
+        },
+    }
+
+
+def by_place(places: Array, survived: Bools) -> dict[str, list[Any]]:
+    """Lost rate and errors in each of p places, lists of p.
+
+    ``came``: scenarios that were in the place; ``lost``: those of them that were lost there, with
+    its rate and Wilson interval (NaN where none came). ``time_share`` and errors: over the
+    scenarios survived, RMS over the time that they were there.
+
+    Parameters
+    ----------
+    places : (n, p) of ``place_metrics.PLACE``
+    survived : (n,)
+    """
+    came, lost = (places["periods"] > 0), places["lost"]
+    kept = places[survived]
+    count = kept["periods"].sum(axis=0)
+    known = np.where(count > 0, count, np.nan)
+
+    def rms(name: str) -> Floats:
+        return np.asarray(np.sqrt(np.maximum(kept[name].sum(axis=0), 0.0) / known))
+
+    return {
+        "came": came.sum(axis=0).tolist(),
+        "lost": lost.sum(axis=0).tolist(),
+        "lost_rate": [
+            float(np.mean(x[c])) if c.any() else math.nan for x, c in _columns(lost, came)
+        ],
+        "lost_ci": [
+            rate_interval(x[c]) if c.any() else (math.nan, math.nan)
+            for x, c in _columns(lost, came)
+        ],
+        "time_share": (count / max(int(count.sum()), 1)).tolist(),
+        "angle_err_rms_deg": np.rad2deg(rms("err_sq")).tolist(),
+        "torque_dev_rms": rms("dev_sq").tolist(),
+        "torque_ripple_rms": rms("ripple_sq").tolist(),
+    }
+
+
+def _columns(*arrays: Bools) -> Iterator[tuple[Bools, ...]]:
+    return zip(*(x.T for x in arrays), strict=True)
+
+
+def worst(lost: NDArray[np.int32], time: Floats, deviation: Floats, count: int) -> list[int]:
+    """Indices of the ``count`` worst scenarios, worst first.
+
+    First those lost, the earliest first, but those in which the twin gave up, which no policy can
+    hold, behind the others; then the survivors by ``deviation``, largest first.
+
+    Parameters
+    ----------
+    lost : (n,) bits of ``CAUSES``
+    time : (n,) time lived [s]
+    deviation : (n,)
+    """
+    twin = lost & CAUSES["twin"] != 0
+    group = np.where(lost == 0, 2, np.where(twin, 1, 0))
+    within = np.where(lost == 0, -np.nan_to_num(deviation), time)
+    return [int(i) for i in np.lexsort((within, group))[:count]]

@@ -1,0 +1,148 @@
+"""Chunks as tasks of a Ray cluster.
+
+Ray starts a task again when its worker or its node is lost. Results are packed: those below 100 KiB
+go to the driver as soon as they are there, larger ones stay on their node and can be lost with it.
+Every task first compares the code of its worker with that of the driver: another version could give
+other bits.
+"""
+
+import logging
+import pickle
+import socket
+import zlib
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from itertools import islice
+from typing import Any
+
+from sensorless.errors import UserError
+from sensorless.evaluation.engines.code import code
+from sensorless.evaluation.engines.engine import Chunk, Result
+
+RETRIES = 8
+"""How often a chunk is run again because its worker or node was lost."""
+
+WINDOW_PER_CPU = 3
+"""Chunks that may be under way or waiting for their turn to be handed over, for each processor."""
+
+REACH_TIME = 10.0
+"""Given to a cluster to take a connection [s]."""
+
+STORE = 256 * 2**20
+"""Object store of a cluster of this machine's own [bytes]; a packed result is some 100 KiB."""
+
+
+class RayEngine:
+    """Tasks of the cluster that this process is connected to."""
+
+    def __init__(self, ray: Any) -> None:
+        self._ray = ray
+        self._task = ray.remote(max_retries=RETRIES)(_task())
+        self._window = WINDOW_PER_CPU * max(4, int(ray.cluster_resources().get("CPU", 0)))
+
+    def map(self, function: Callable[[Chunk], Result], chunks: Iterable[Chunk]) -> Iterator[Result]:
+        """Results in order, each as soon as it and all before it are there.
+
+        After an error or Ctrl-C the chunks under way are not cancelled: Ray 2.60 can abort the
+        process when it cancels a task that ends just then. They end by themselves, or with the job.
+        """
+        ray = self._ray
+        work = ray.put(ray.cloudpickle.dumps(function))
+        waiting = iter(chunks)
+        window: deque[Any] = deque()
+        while True:
+            for chunk in islice(waiting, self._window - len(window)):
+                window.append(self._task.remote(code(), work, ray.cloudpickle.dumps(chunk)))
+            if not window:
+                return
+            yield self._result(window[0])
+            window.popleft()
+
+    def _result(self, ref: Any) -> Any:
+        """Result of a task; the errors of its function are raised as they were there."""
+        try:
+            refusal, packed = self._ray.get(ref)
+        except self._ray.exceptions.RayTaskError as error:
+            raise error.cause from None
+        except self._ray.exceptions.RayError as error:
+            raise UserError(f"engine: ray lost a chunk for good: {_line(error)}") from None
+        if refusal is not None:
+            raise UserError(f"engine: {refusal}; allowed: the same installation on every node")
+        return pickle.loads(zlib.decompress(packed))
+
+
+def _task() -> Callable[[dict[str, str], bytes, bytes], tuple[str | None, bytes]]:
+    """What a worker runs; being local it travels as code, to workers without the package too."""
+
+    def run(wanted: dict[str, str], function: bytes, chunk: bytes) -> tuple[str | None, bytes]:
+        import os
+
+        import ray
+
+        os.environ.setdefault("SENSORLESS_THREADS", "1")  # Ray counts one processor for a task
+        node = f"ray node {ray.util.get_node_ip_address()}"
+        try:
+            from sensorless.evaluation.engines.code import code, difference
+        except ImportError as error:
+            return f"{node} cannot use the package sensorless ({error})", b""
+        found = difference(wanted, code())
+        if found:
+            return f"{node} has other code ({found})", b""
+        result = pickle.loads(function)(pickle.loads(chunk))
+        return None, zlib.compress(pickle.dumps(result), level=1)
+
+    return run
+
+
+@contextmanager
+def ray_engine(address: str | None) -> Iterator[RayEngine]:
+    """Engine on a running cluster, or on one of this machine's own that ends with the block.
+
+    Raises
+    ------
+    UserError
+        Ray is not installed, or the cluster cannot be reached, started or entered.
+    """
+    try:
+        import ray
+    except ImportError:
+        raise UserError(
+            "engine: ray is not installed; allowed: after pip install 'sensorless[scale]'"
+        ) from None
+    if address is not None:
+        _check_reachable(address)
+    logging.getLogger("ray").setLevel(logging.ERROR)
+    options: dict[str, Any] = {"log_to_driver": False, "configure_logging": False}
+    if address is None:
+        options |= {"include_dashboard": False, "object_store_memory": STORE}
+    try:
+        ray.init(address=address or "local", **options)
+    except (ConnectionError, OSError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
+        where = "local" if address is None else repr(address)
+        raise UserError(
+            f"ray-address: {where}: {_line(error)}; allowed: HOST:PORT of a running cluster of the "
+            "same Ray and Python, with its RAY_AUTH_MODE and RAY_AUTH_TOKEN in the environment"
+        ) from None
+    try:
+        yield RayEngine(ray)
+    finally:
+        ray.shutdown()
+
+
+def _check_reachable(address: str) -> None:
+    """Something listens at HOST:PORT; Ray itself would try for ten minutes."""
+    host, _, port = address.rpartition(":")
+    if not host or not port.isdecimal() or int(port) > 65535:
+        raise UserError(f"ray-address: {address!r}; allowed: HOST:PORT of a running cluster")
+    try:
+        socket.create_connection((host, int(port)), timeout=REACH_TIME).close()
+    except OSError as error:
+        raise UserError(
+            f"ray-address: {address!r}: {error}; allowed: HOST:PORT of a running cluster"
+        ) from None
+
+
+def _line(error: Exception) -> str:
+    """First line of a message."""
+    return next(iter(str(error).strip().splitlines()), type(error).__name__)

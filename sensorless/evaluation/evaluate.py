@@ -1,0 +1,240 @@
+"""A suite of scenarios under several policies, from names to results."""
+
+import platform
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core.api import Array, ffi, lib
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
+from sensorless.errors import UserError
+from sensorless.evaluation.aggregate import by_place, paired, summary, worst
+from sensorless.evaluation.engines.engine import LOCAL, Engine
+from sensorless.evaluation.metrics.catalogue import METRICS
+from sensorless.evaluation.metrics.place import QUADRANTS, SPEED_EDGES
+from sensorless.evaluation.metrics.place import by_place as sums_by_place
+from sensorless.evaluation.results import Results, check_writable
+from sensorless.evaluation.rollout import CAUSES, CHUNK, Floats, rollout
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.policy import Policy, PrivilegedPolicy, design_for
+
+Progress = Callable[[float], None]
+"""Called now and then with the share that is done, 0 to 1."""
+
+PolicyProgress = Callable[[str, float], None]
+"""Called with the name of a policy and the share of its scenarios that is done."""
+
+
+WORST = 10
+"""Scenarios of each policy that are listed as its worst."""
+WORST_METRICS = ("torque_dev_rms", "angle_err_max_deg")
+
+
+@dataclass(frozen=True)
+class Scores:
+    """One policy on n scenarios."""
+
+    lost: NDArray[np.int32]
+    """(n,) bits of ``CAUSES``"""
+    time: Floats
+    """(n,) time lived [s]"""
+    metrics: dict[str, Floats]
+    """(n,) each, all of ``METRICS``"""
+    places: dict[str, Array]
+    """(n, p) each, of ``place_metrics.by_place``"""
+
+
+def evaluate(
+    motor: Motor,
+    design: DriveDesign,
+    suite: str,
+    seed: int,
+    size: int,
+    policies: Sequence[str],
+    *,
+    out: Path | None = None,
+    every: bool = True,
+    progress: PolicyProgress | None = None,
+    engine: Engine = LOCAL,
+) -> Results:
+    """Run every policy over the same scenarios and compare each with the first one.
+
+    Parameters
+    ----------
+    suite, seed, size
+        As in ``sensorless.envs.scenarios.suites.suite``.
+    policies : sequence of str
+        As in ``sensorless.policies.registry.known``.
+    out : Path, optional
+        Results file to write; whether it can be written is found out before the run.
+    every : bool
+        The file holds the numbers of every single scenario.
+    engine : Engine
+        Where the scenarios run; the results are the same to the bit.
+
+    Raises
+    ------
+    UserError
+        Something that was asked for does not exist or is out of its range.
+    """
+    if out is not None:
+        check_writable(out)
+    named = _named(policies, motor)
+    scenarios = SuiteRows(suite, motor, seed, size)
+    factory = SimFactory(motor, design)
+    scores = {}
+    for name, policy in named.items():
+        report = None if progress is None else _report(progress, name)
+        scores[name] = score(policy, scenarios, factory, report, engine)
+    results = Results(
+        suite=suite,
+        seed=seed,
+        size=size,
+        motor=motor.name,
+        motor_digest=motor.digest,
+        design=asdict(design),
+        versions=versions(),
+        policies={
+            name: {"estimator": _estimator(named[name], design)}
+            | _entry(s, scenarios, suite, seed, _is_bound(named[name]))
+            for name, s in scores.items()
+        },
+        paired=_paired(scores, seed),
+    )
+    if out is not None:
+        results.write(out, every)
+    return results
+
+
+def score(
+    policy: Policy,
+    scenarios: Scenarios | SuiteRows,
+    factory: SimFactory,
+    progress: Progress | None = None,
+    engine: Engine = LOCAL,
+    chunk: int = CHUNK,
+) -> Scores:
+    """All metrics of a policy on every scenario, ``chunk`` of them at a time."""
+    total = len(scenarios)
+    chunks = (scenarios[first : first + chunk] for first in range(0, total, chunk))
+    parts = []
+    for part in engine.map(partial(_score_chunk, policy, factory), chunks):
+        parts.append(part)
+        if progress is not None:
+            progress(min(len(parts) * chunk / total, 1.0))
+    return Scores(
+        np.concatenate([p.lost for p in parts]),
+        np.concatenate([p.time for p in parts]),
+        {name: np.concatenate([p.metrics[name] for p in parts]) for name in METRICS},
+        {name: np.concatenate([p.places[name] for p in parts]) for name in parts[0].places},
+    )
+
+
+def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRows) -> Scores:
+    """All metrics of a policy on some scenarios."""
+    r = rollout(policy, rows.draw() if isinstance(rows, SuiteRows) else rows, factory)
+    metrics = {name: metric(r) for name, metric in METRICS.items()}
+    time = np.asarray(r.periods * r.motor.T_s, dtype=np.float64)
+    return Scores(r.lost, time, metrics, sums_by_place(r))
+
+
+def _named(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
+    """Policies by name; by their whole word where a name is taken."""
+    if not specs:
+        raise UserError("policy: none given; allowed: one or more")
+    out: dict[str, Policy] = {}
+    for spec in specs:
+        policy = make_policy(spec, motor)
+        name = spec if policy.name in out else policy.name
+        if name in out:
+            raise UserError(f"policy: {spec!r} is given twice; allowed: each policy once")
+        out[name] = policy
+    return out
+
+
+def _is_bound(policy: Policy) -> bool:
+    """It knows the truth: something to compare with, no rule for a drive."""
+    return policy.sensored or isinstance(policy, PrivilegedPolicy)
+
+
+def _estimator(policy: Policy, design: DriveDesign) -> str | None:
+    """Estimator that a policy runs on; None on the true angle."""
+    return None if policy.sensored else design_for(policy, design).estimator
+
+
+def _report(progress: PolicyProgress, name: str) -> Progress:
+    return lambda done: progress(name, done)
+
+
+def _entry(s: Scores, scenarios: SuiteRows, suite: str, seed: int, bound: bool) -> dict[str, Any]:
+    """Block of a policy in the results."""
+    survived = s.lost == 0
+    return {
+        "bound": bound,
+        **summary(s.lost, s.metrics, seed),
+        "by_quadrant": {"place": QUADRANTS, **by_place(s.places["quadrant"], survived)},
+        "by_speed": {"from_rated_speed": SPEED_EDGES, **by_place(s.places["speed"], survived)},
+        "worst": _worst(s, suite, seed),
+        "scenarios": {
+            "seed": scenarios.seed.tolist(),
+            "lost": (~survived).tolist(),
+            "lost_cause": [_cause(int(bits)) for bits in s.lost],
+            "time_s": s.time.tolist(),
+            **{name: x.tolist() for name, x in s.metrics.items()},
+        },
+    }
+
+
+def _worst(s: Scores, suite: str, seed: int) -> list[dict[str, Any]]:
+    """The worst scenarios, each with the word that replays it."""
+    return [
+        {
+            "scenario": scenario_word(suite, seed, i, len(s.lost)),
+            "lost_cause": _cause(int(s.lost[i])),
+            "time_s": float(s.time[i]),
+            "quadrant": next((q for q, x in zip(QUADRANTS, there, strict=True) if x), None),
+            **{name: float(s.metrics[name][i]) for name in WORST_METRICS},
+        }
+        for i in worst(s.lost, s.time, s.metrics["torque_dev_rms"], WORST)
+        for there in [s.places["quadrant"]["lost"][i]]
+    ]
+
+
+def _paired(scores: dict[str, Scores], seed: int) -> dict[str, dict[str, Any]]:
+    first, *others = scores
+    ref = scores[first]
+    return {
+        name: {
+            "with": first,
+            **paired(scores[name].lost, scores[name].metrics, ref.lost, ref.metrics, seed),
+        }
+        for name in others
+    }
+
+
+def _cause(bits: int) -> str | None:
+    """Names of the bits set, or nothing."""
+    return "+".join(name for name, bit in CAUSES.items() if bits & bit) or None
+
+
+def versions() -> dict[str, str]:
+    """What the numbers depend on besides the inputs."""
+    try:
+        own = version("sensorless")
+    except PackageNotFoundError:
+        own = "not installed"
+    return {
+        "sensorless": own,
+        "core": ffi.string(lib.core_hash).decode(),
+        "python": platform.python_version(),
+        **{name: version(name) for name in ("numpy", "scipy")},
+    }

@@ -1,0 +1,121 @@
+"""Where a policy is lost and which scenarios are its worst, as tables for the terminal."""
+
+import math
+from itertools import pairwise
+from typing import Any
+
+from rich.markup import escape
+from rich.table import Table
+
+from sensorless.evaluation.results import COLUMNS, Columns, Results
+
+PLACE_COLUMNS = (
+    ("torque_dev_rms", "dev.\n[%]", 100.0, 2),
+    ("torque_ripple_rms", "ripple\n[%]", 100.0, 2),
+    ("angle_err_rms_deg", "angle\n[°]", 1.0, 2),
+)
+"""Of a table by place: name, heading, factor, decimals."""
+
+
+def worst_table(results: Results, count: int) -> Table:
+    """The ``count`` worst scenarios of each policy, each as a word for ``simulate --scenario``.
+
+    Bounds are left out.
+    """
+    table = Table(title="worst cases", caption="replay one: sensorless simulate --scenario ...")
+    table.add_column("policy", overflow="fold")
+    table.add_column("scenario", no_wrap=True)
+    table.add_column("lost by")
+    for heading in ("lived\n[s]", "torque\ndev. [%]", "largest angle\nerror [°]"):
+        table.add_column(heading, justify="right")
+    for name, policy in results.policies.items():
+        for j, case in enumerate([] if policy["bound"] else policy["worst"][:count]):
+            where = f", {case['quadrant']}" if case["quadrant"] else ""
+            table.add_row(
+                escape(name) if j == 0 else "",
+                case["scenario"],
+                f"{case['lost_cause']}{where}" if case["lost_cause"] else "–",
+                f"{case['time_s']:.3f}",
+                number(100.0 * case["torque_dev_rms"], 2),
+                number(case["angle_err_max_deg"], 1),
+                end_section=j == count - 1,
+            )
+    return table
+
+
+def paired_table(results: Results, columns: Columns = COLUMNS) -> Table:
+    """Differences to the first policy, scenario by scenario, with 95 % intervals."""
+    first = next(iter(results.policies))
+    caption = (
+        "lost over all scenarios, others over those that both survive; mean difference "
+        "(95 % interval), negative: less than the first; below, in percent of the first's mean"
+    )
+    table = Table(title=f"difference to {escape(first)}", caption=caption)
+    table.add_column("policy", overflow="fold")
+    for _, heading, _, _ in columns:
+        table.add_column(heading, justify="right")
+    for name, pair in results.paired.items():
+        cells = (difference(pair, key, factor, digits) for key, _, factor, digits in columns)
+        table.add_row(escape(name), *cells)
+    return table
+
+
+def difference(pair: dict[str, Any], key: str, factor: float, decimals: int) -> str:
+    """One paired difference, its interval, and its share of the first policy's mean, as lines."""
+    low, high = (number(factor * x, decimals) for x in pair[f"{key}_ci"])
+    lines = (number(factor * pair[key], decimals), f"{low} … {high}")
+    return "\n".join(filter(None, (*lines, share(pair[key], pair["there"][key]))))
+
+
+def share(difference: float, base: float) -> str:
+    """Difference in percent of what it is a difference to, with its sign; nothing without one."""
+    if not math.isfinite(difference) or not abs(base) > 1e-12:
+        return ""
+    text = number(100.0 * difference / base, 0)
+    return f"{'' if text.startswith('−') or text == '0' else '+'}{text} %"
+
+
+def place_table(name: str, policy: dict[str, Any]) -> Table:
+    """Lost rate and errors of one policy by quadrant and by speed."""
+    caption = (
+        "lost: of the scenarios that came there, the share lost there (95 % interval); "
+        "others: RMS torque deviation, torque ripple and angle error while survivors were there"
+    )
+    table = Table(title=escape(name), caption=caption)
+    table.add_column("the twin's\nplace", no_wrap=True)
+    for heading in ("time\n[%]", "came", "lost\n[%]", *(c[1] for c in PLACE_COLUMNS)):
+        table.add_column(heading, justify="right")
+    quadrants, speeds = policy["by_quadrant"], policy["by_speed"]
+    blocks = ((quadrants, quadrants["place"]), (speeds, speed_labels(speeds["from_rated_speed"])))
+    for block, labels in blocks:
+        for j, label in enumerate(labels):
+            table.add_row(
+                label,
+                f"{100.0 * block['time_share'][j]:.1f}",
+                str(block["came"][j]),
+                rate(block["lost_rate"][j], block["lost_ci"][j]),
+                *(number(k * block[key][j], digits) for key, _, k, digits in PLACE_COLUMNS),
+                end_section=j == len(labels) - 1,
+            )
+    return table
+
+
+def speed_labels(edges: tuple[float, ...]) -> list[str]:
+    """Bins of speed in words, of their lower edges over rated speed."""
+    ends = [f"{100 * low:.0f}–{100 * high:.0f} %" for low, high in pairwise(edges)]
+    return [f"speed {end}" for end in [*ends, f"above {100 * edges[-1]:.0f} %"]]
+
+
+def rate(value: float, interval: tuple[float, float]) -> str:
+    """Rate and interval in percent."""
+    if not math.isfinite(value):
+        return "–"
+    low, high = (100.0 * x for x in interval)
+    return f"{100.0 * value:.1f} ({low:.0f}–{high:.0f})"
+
+
+def number(value: float, decimals: int) -> str:
+    """Return the number, or a dash for none."""
+    if not math.isfinite(value):
+        return "–"
+    return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−")

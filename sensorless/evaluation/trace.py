@@ -1,0 +1,76 @@
+"""One drive under a policy, every PWM period on record."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from sensorless.core.api import SIGNAL_N, TRACE_NAMES, Array, sim_run, sim_trace
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.errors import UserError
+from sensorless.evaluation.rollout import CAUSES
+from sensorless.files import write_atomic
+from sensorless.machine.motor import Motor
+from sensorless.policy import Policy, decide, decision_periods, estimator_of
+
+Trace = dict[str, Array]
+"""Columns of ``TRACE_NAMES`` (``core/simulate.h``), each (periods,): SI units, rad, rad/s."""
+
+MOST_PERIODS = 5_000_000
+
+
+def trace(
+    policy: Policy,
+    scenario: Scenarios,
+    motor: Motor,
+    design: DriveDesign,
+    change: Callable[[Array], None] | None = None,
+) -> Trace:
+    """Run one scenario beside its sensored twin.
+
+    ``change`` may write into the array of ``SIM`` before the start what no design can ask for.
+
+    Raises
+    ------
+    UserError
+        Not exactly one scenario, or too long a one.
+    """
+    if len(scenario) != 1:
+        raise UserError(f"scenario: {len(scenario)} rows; allowed: 1")
+    sim = SimFactory(motor, design).build(
+        scenario, sensored=policy.sensored, estimator=estimator_of(policy)
+    )
+    if change is not None:
+        change(sim)
+    if not 1 <= sim["k_end"][0] <= MOST_PERIODS:
+        raise UserError(
+            f"duration: {scenario.duration[0]:g} s; allowed: above 0 and at most "
+            f"{MOST_PERIODS * motor.T_s:g}"
+        )
+    obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
+    sim_run(sim, 0, np.ones(1, dtype=np.float32), obs)
+    policy.reset(1)
+    rows = []
+    while sim["lost"][0] == 0 and sim["k"][0] < sim["k_end"][0]:
+        k_s = decide(policy, obs.copy(), sim)
+        rows.append(sim_trace(sim, decision_periods(motor), float(k_s[0])))
+        sim_run(sim, 0, k_s, obs)
+    table = np.concatenate(rows)
+    out = {name: table[:, j] for j, name in enumerate(TRACE_NAMES)}
+    out["lost"] = np.full(len(table), sim["lost"][0])
+    return out
+
+
+def lost_cause(t: Trace) -> str | None:
+    """Why the drive stopped before its end, in words; None if it did not."""
+    bits = int(t["lost"][-1])
+    return "+".join(name for name, bit in CAUSES.items() if bits & bit) or None
+
+
+def write_csv(t: Trace, path: Path) -> None:
+    """All columns of a trace, one row a PWM period."""
+    names = [name for name in t if name != "lost"]
+    lines = [",".join(names)]
+    lines += [",".join(f"{x:.9g}" for x in row) for row in np.stack([t[n] for n in names], axis=-1)]
+    write_atomic(path, "\n".join(lines) + "\n")

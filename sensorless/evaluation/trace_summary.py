@@ -1,0 +1,103 @@
+"""A traced run in a few numbers: how each plateau of the speed plan went."""
+
+import numpy as np
+from rich.table import Table
+
+from sensorless.core.api import Array
+from sensorless.evaluation.trace import Trace, lost_cause
+
+RPM = 30.0 / np.pi
+SETTLED = 0.02
+"""Band around a target, over the height of the step."""
+STEADY = 0.2
+"""End of a plateau that counts as steady [s]."""
+
+
+def summary_table(t: Trace, policy: str) -> Table:
+    """One row for every stretch of constant speed reference."""
+    title = f"{policy}: " + (f"lost ({lost_cause(t)})" if lost_cause(t) else "kept lock")
+    seeking = t["t"][t["starting"] > 0.0]
+    if len(seeking):
+        title += f", rotor found after {1e3 * seeking[-1]:.0f} ms"
+    table = Table(title=title)
+    for heading in (
+        "from [s]",
+        "target\n[r/min]",
+        "settled\nafter [s]",
+        "overshoot\n[%]",
+        "k_s at\nthe end",
+        "steady angle\nerror [°]",
+        "largest angle\nerror [°]",
+    ):
+        table.add_column(heading, justify="right")
+    for row in plateaus(t):
+        table.add_row(
+            f"{row['from_s']:.2f}",
+            f"{row['target_rpm']:.0f}",
+            _number(row["settled_s"], 3),
+            _number(row["overshoot_pct"], 1),
+            f"{row['k_s']:.2f}",
+            f"{row['angle_err_steady_deg']:.2f}",
+            f"{row['angle_err_max_deg']:.1f}",
+        )
+    return table
+
+
+def _number(x: float, decimals: int) -> str:
+    return f"{x:.{decimals}f}" if np.isfinite(x) else "–"
+
+
+def plateaus(t: Trace) -> list[dict[str, float]]:
+    """Stretches of constant speed reference at least 50 ms long.
+
+    Returns
+    -------
+    list of dict
+        ``from_s`` [s]; ``target_rpm`` [r/min]; ``settled_s``: time until the speed stays within 2 %
+        of the step [s]; ``overshoot_pct`` of the step; ``k_s``: mean of the last 0.2 s;
+        ``angle_err_steady_deg``: largest magnitude of its 20 ms mean there; ``angle_err_max_deg``,
+        the start sequence left out.
+    """
+    ref, omega = RPM * t["omega_m_ref"], RPM * t["omega_m"]
+    edges = np.flatnonzero(np.abs(np.diff(ref)) > 1e-6) + 1
+    starts = np.concatenate([[0], edges])
+    stops = np.concatenate([edges, [len(ref)]])
+    T_s = float(t["t"][1] - t["t"][0]) if len(ref) > 1 else 1.0
+    rows = []
+    before = float(omega[0])
+    for a, b in zip(starts, stops, strict=True):
+        if (b - a) * T_s < 0.05:
+            continue
+        rows.append(_plateau(t, omega, int(a), int(b), before, T_s))
+        before = float(ref[b - 1])
+    return rows
+
+
+def _plateau(
+    t: Trace,
+    omega: Array,
+    a: int,
+    b: int,
+    before: float,
+    T_s: float,
+) -> dict[str, float]:
+    target = RPM * float(t["omega_m_ref"][b - 1])
+    step = target - before
+    away = np.flatnonzero(np.abs(omega[a:b] - target) > SETTLED * max(abs(step), 1e-9))
+    settled = 0.0 if len(away) == 0 else (away[-1] + 1) * T_s
+    beyond = float(np.max(np.sign(step) * (omega[a:b] - target), initial=0.0))
+    err = np.where(t["starting"][a:b] > 0.0, 0.0, np.rad2deg(t["theta_e_err"][a:b]))
+    tail = err[-round(STEADY / T_s) :]
+    window = max(1, round(0.02 / T_s))
+    smooth = (
+        np.convolve(tail, np.ones(window) / window, mode="valid") if len(tail) >= window else tail
+    )
+    return {
+        "from_s": a * T_s,
+        "target_rpm": target,
+        "settled_s": settled if settled < (b - a) * T_s - 1e-9 and abs(step) > 1.0 else np.nan,
+        "overshoot_pct": 100.0 * beyond / abs(step) if abs(step) > 1.0 else np.nan,
+        "k_s": float(np.mean(t["k_s"][a:b][-round(STEADY / T_s) :])),
+        "angle_err_steady_deg": float(np.max(np.abs(smooth))),
+        "angle_err_max_deg": float(np.max(np.abs(err))),
+    }

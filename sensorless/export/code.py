@@ -1,0 +1,95 @@
+"""C text of an export: the drive's and the schedule's numbers. No logic is generated."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from sensorless.core.api import Array, ffi
+from sensorless.errors import UserError
+from sensorless.export.core_files import field_docs
+
+NOTE = "/* Numbers written by `sensorless export`. Do not edit: export again. */\n"
+
+
+def c_float(x: Any, name: str = "number") -> str:
+    """Float literal that restores every float32.
+
+    Raises
+    ------
+    UserError
+        ``x`` is not finite.
+    """
+    if not np.isfinite(x):
+        raise UserError(f"{name}: {x!s}; allowed: a finite number")
+    mantissa, e, exponent = f"{np.float32(x):.9g}".partition("e")
+    return mantissa + ("" if "." in mantissa else ".0") + e + exponent + "f"
+
+
+def lines(items: Sequence[str], indent: str, per_line: int) -> str:
+    """Comma-separated items over as many lines as they need."""
+    rows = (items[j : j + per_line] for j in range(0, len(items), per_line))
+    return "\n".join(indent + ", ".join(row) + "," for row in rows)
+
+
+def initialiser(record: Array, struct: str) -> str:
+    """Braced, designated initialiser of a C struct, one documented number a line."""
+    fields = _fields(record, ffi.typeof(struct), field_docs(), "    ", "")
+    return "{\n" + "\n".join(fields) + "\n}"
+
+
+def _fields(
+    record: Array, ctype: Any, docs: dict[tuple[str, str], str], indent: str, path: str
+) -> Iterator[str]:
+    for name, field in ctype.fields:
+        value, doc = record[name], docs.get((ctype.cname, name))
+        comment = f" /* {doc} */" if doc else ""
+        if field.type.kind == "primitive":
+            yield f"{indent}.{name} = {_number(value, path + name)},{comment}"
+            continue
+        yield f"{indent}.{name} = {{{comment}"
+        if field.type.kind == "struct":
+            yield from _fields(value, field.type, docs, indent + "    ", f"{path}{name}.")
+        else:
+            yield lines([_number(x, path + name) for x in value], indent + "    ", 6)
+        yield f"{indent}}},"
+
+
+def _number(x: Any, name: str) -> str:
+    return str(x) if isinstance(x, np.integer) else c_float(x, name)
+
+
+def params_header(drive: Array, rule: tuple[float, float], motor_hash: int, periods: int) -> str:
+    """``params.h``.
+
+    Parameters
+    ----------
+    drive : record of ``drive_params_t``
+    rule : tuple of float
+        Band of the built-in rule, speed over rated.
+    motor_hash : int
+    periods : int
+        PWM periods from one decision of the schedule to the next.
+    """
+    return f"""{NOTE}#ifndef PARAMS_H
+#define PARAMS_H
+
+#include "core/drive.h"
+#include "core/ks_schedule.h"
+#include "ks_table_data.h"
+
+#define MOTOR_HASH 0x{motor_hash:08X}UL /* first 32 bits of the motor's SHA-256 */
+
+static const drive_params_t drive_params = {initialiser(drive, "drive_params_t")};
+
+/* For the Q15 table put ks_table_q15 and ks_values_q15 here. */
+static const ks_schedule_params_t schedule_params = {{
+    .table = &ks_table_f32,
+    .values = ks_values_f32,
+    .motor_hash = MOTOR_HASH,
+    .rule = {{.x_min = {c_float(rule[0])}, .x_max = {c_float(rule[1])}}},
+    .periods = {periods}, /* PWM periods from one decision to the next */
+}};
+
+#endif
+"""

@@ -1,0 +1,180 @@
+"""From a schedule table to a folder that drops into any C project and checks itself."""
+
+import os
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from string import Template
+from typing import Any
+
+import numpy as np
+
+from sensorless.design.drive import DriveDesign, control_record
+from sensorless.errors import UserError
+from sensorless.export.cmsis import cmsis_files
+from sensorless.export.cmsis import readme as cmsis_readme
+from sensorless.export.code import params_header
+from sensorless.export.core_files import FIRMWARE, core_files
+from sensorless.export.fit import readme as rule_readme
+from sensorless.export.fit import two_threshold
+from sensorless.export.folder import (
+    TABLE_JSON,
+    check_replaceable,
+    move_into_place,
+    write_folder,
+)
+from sensorless.export.provenance import motor_hash, table_json
+from sensorless.export.selftest import SelfTest, run_selftest
+from sensorless.export.tables import drive_vectors_header, table_header, table_source
+from sensorless.export.vectors import drive_vectors, table_vectors
+from sensorless.files import ensure_writable
+from sensorless.machine.motor import Motor
+from sensorless.policy import Policy, TablePolicy
+from sensorless.table.ks_table import KsTable
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What ``export`` wrote."""
+
+    folder: Path
+    files: tuple[str, ...]
+    self_test: SelfTest
+
+
+def export(
+    table: KsTable,
+    motor: Motor,
+    design: DriveDesign,
+    folder: str | Path,
+    *,
+    policy: str = "table",
+    provenance: Mapping[str, Any] | None = None,
+    decision_time: float = 0.001,
+    fit: bool = False,
+) -> Exported:
+    """Write the folder, whole or not at all, after its self test has passed on this host.
+
+    Parameters
+    ----------
+    table, motor, design
+    folder : str or Path
+        New, empty, or an earlier export, which is replaced.
+    policy : str
+        Name of the schedule in the folder's texts.
+    provenance : mapping, optional
+        JSON types, over the table's own: training command, seed, versions, ...
+    decision_time : float
+        Time from one decision of the schedule to the next [s].
+    fit : bool
+        Also find the closest two thresholds of the speed and their loss of performance; seconds.
+
+    Raises
+    ------
+    UserError
+        Table of another motor or slew limit, a number that is not finite, a folder that is not
+        writable or holds something else, or a self test that fails.
+    """
+    origin = {**table.provenance, **(provenance or {}), "policy": policy}
+    _check_origin(origin, table, motor, design)
+    target = Path(folder).resolve()
+    check_replaceable(target)
+    ensure_writable(target.parent)
+    periods = max(1, round(decision_time / motor.T_s))
+    rule = two_threshold(table, motor, design) if fit else None
+    if rule is not None:
+        origin["two_threshold"] = rule
+    files = _contents(table, motor, design, policy, periods, rule_readme(rule))
+    files[TABLE_JSON] = table_json(table, motor, design, origin, files).encode()
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        write_folder(part, files)
+        self_test = run_selftest(part)
+        move_into_place(part, target)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UserError(f"output folder {str(target)!r}: {reason}; allowed: writable") from None
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+    return Exported(target, tuple(sorted(files)), self_test)
+
+
+def table_of(policy: Policy, word: str) -> KsTable:
+    """Return the table of a policy.
+
+    Raises
+    ------
+    UserError
+        It has none; ``word`` is what the user called it.
+    """
+    if not isinstance(policy, TablePolicy):
+        raise UserError(
+            f"run: {word!r} has no table (memory, or more than the signals); allowed: a training "
+            "run, or a rule that is a table, such as eq25, linear, smoothstep, fuzzy, constant:K"
+        )
+    return policy.table
+
+
+def _check_origin(
+    origin: Mapping[str, Any], table: KsTable, motor: Motor, design: DriveDesign
+) -> None:
+    made_for = str(origin.get("motor_digest", motor.digest))
+    if made_for != motor.digest:
+        raise UserError(
+            f"motor: {motor.name!r}, digest {motor.digest[:16]}; allowed: the machine that the "
+            f"policy was made for, digest {made_for[:16]}"
+        )
+    if table.slew_per_s != float(np.float32(design.k_s_slew)):
+        raise UserError(
+            f"k_s_slew: {design.k_s_slew:g}; allowed: {table.slew_per_s:g} as in the policy's table"
+        )
+
+
+def _contents(
+    table: KsTable, motor: Motor, design: DriveDesign, policy: str, periods: int, rule: str
+) -> dict[str, bytes]:
+    """Every file of the folder but ``ks_table.json``."""
+    lookups_f32, lookups_q15 = table_vectors(table, "f32"), table_vectors(table, "q15")
+    run = drive_vectors(table, motor, design, periods)
+    tag = motor_hash(motor)
+    cmsis = cmsis_files(table)
+    tests = ["selftest.c", "faults.c", "faults.h", *(("cmsis.c", "cmsis.h") if cmsis else ())]
+    readme = _readme(table, motor, policy, periods, len(lookups_f32), len(run.words), rule)
+    text = {
+        "README.md": readme,
+        **cmsis,
+        "params.h": params_header(control_record(motor, design), table.rule, tag, periods),
+        "ks_table_data.h": table_header(len(lookups_f32), bool(cmsis)),
+        "ks_table_data.c": table_source(table, "f32", tag, lookups_f32),
+        "ks_table_q15.c": table_source(table, "q15", tag, lookups_q15),
+        "test/drive_vectors.h": drive_vectors_header(run),
+    }
+    return {
+        **{name: content.encode() for name, content in text.items()},
+        "Makefile": (FIRMWARE / "selftest.mk").read_bytes(),
+        **{f"test/{name}": (FIRMWARE / name).read_bytes() for name in tests},
+        **{f"core/{name}": content for name, content in core_files().items()},
+    }
+
+
+def _readme(
+    table: KsTable, motor: Motor, policy: str, periods: int, lookups: int, drive: int, rule: str
+) -> str:
+    axes = "\n".join(
+        f"| {j} | {a.signal} | {a.lo:g} | {a.hi:g} | {a.n} |" for j, a in enumerate(table.axes)
+    )
+    return Template((FIRMWARE / "export_readme.md").read_text(encoding="utf-8")).substitute(
+        policy=policy,
+        motor=f"{motor.name} ({motor.description})",
+        T_s_us=f"{motor.T_s * 1e6:g}",
+        periods=periods,
+        axes=axes,
+        drive_vectors=drive,
+        table_bytes=20 * lookups,
+        x_min=f"{table.rule[0]:.3g}",
+        x_max=f"{table.rule[1]:.3g}",
+        fallback=f"{table.fallback:g}",
+        cmsis=cmsis_readme(table),
+        two_threshold=rule,
+    )

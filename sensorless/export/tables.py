@@ -1,0 +1,93 @@
+"""C text of an export: the schedule's tables and all golden vectors. No logic is generated."""
+
+from sensorless.export.code import NOTE, c_float, lines
+from sensorless.export.vectors import DriveVectors, Words
+from sensorless.table.ks_table import KsTable, ValueFormat
+
+_C_TYPE: dict[ValueFormat, str] = {"f32": "float", "q15": "int16_t"}
+
+
+def table_header(vectors: int, cmsis: bool) -> str:
+    """``ks_table_data.h``; ``vectors`` golden lookups of each table, ``cmsis``: see there."""
+    tables = "".join(
+        f"""
+extern const ks_table_t ks_table_{form};
+extern const {c_type} ks_values_{form}[];
+#define KS_VECTORS_{form.upper()} {vectors}
+extern const ks_vector_t ks_vectors_{form}[KS_VECTORS_{form.upper()}];
+"""
+        for form, c_type in _C_TYPE.items()
+    )
+    return f"""{NOTE}#ifndef KS_TABLE_DATA_H
+#define KS_TABLE_DATA_H
+
+#include "core/ks_selftest.h"
+
+#define KS_TABLE_CMSIS {int(cmsis)} /* 1: cmsis/ holds the table once more */
+{tables}
+#endif
+"""
+
+
+def table_source(table: KsTable, form: ValueFormat, motor_hash: int, vectors: Words) -> str:
+    """``ks_table_data.c`` or ``ks_table_q15.c``: header, node values, golden lookups."""
+    t = table.record(form, motor_hash=motor_hash)
+    names = [f"SIGNAL_{axis.signal.upper()}" for axis in table.axes]
+    axes = "\n".join(
+        f"        {{{name}, {row['n']}, {c_float(row['x0'])}, {c_float(row['inv_step'])},"
+        f" {c_float(row['top'])}}}, /* {axis.lo:g} to {axis.hi:g} */"
+        for name, axis, row in zip(names, table.axes, t["axis"], strict=False)
+    )
+    values = [c_float(x) if form == "f32" else str(x) for x in table.stored(form)]
+    lookups = "\n".join(f"    {{{{{hex_words(v[:-1])}}}, {hex_words(v[-1:])}}}," for v in vectors)
+    return f"""{NOTE}#include "ks_table_data.h"
+
+const ks_table_t ks_table_{form} = {{
+    .magic = KS_TABLE_MAGIC,
+    .format = KS_TABLE_FORMAT,
+    .value_format = KS_VALUES_{form.upper()},
+    .n_axes = {t["n_axes"]},
+    .n_nodes = {t["n_nodes"]},
+    .kind = 0x{t["kind"]:X}UL,
+    .axis = {{
+{axes}
+    }},
+    .slew_per_s = {c_float(t["slew_per_s"])},
+    .fallback = {c_float(t["fallback"])},
+    .policy_hash = 0x{t["policy_hash"]:08X}UL,
+    .motor_hash = 0x{t["motor_hash"]:08X}UL,
+    .crc_values = 0x{t["crc_values"]:08X}UL,
+    .crc_header = 0x{t["crc_header"]:08X}UL,
+}};
+
+/* k_s at the nodes, last axis fastest and one row of it a line. */
+const {_C_TYPE[form]} ks_values_{form}[] = {{
+{lines(values, "    ", table.axes[-1].n)}
+}};
+
+/* Signals of the axes, weight. */
+const ks_vector_t ks_vectors_{form}[KS_VECTORS_{form.upper()}] = {{
+{lookups}
+}};
+"""
+
+
+def drive_vectors_header(vectors: DriveVectors) -> str:
+    """``test/drive_vectors.h``."""
+    rows = "\n".join(f"    {{{hex_words(v)}}}," for v in vectors.words)
+    return f"""{NOTE}#include "../core/ks_selftest.h"
+
+#define DRIVE_VECTORS {len(vectors.words)}
+
+static const drive_start_t drive_start = {{{", ".join(c_float(x) for x in vectors.start)}}};
+
+/* i_a, i_b, u_dc, omega_ref, k_s_ref; u_a, u_b, theta, omega. */
+static const drive_vector_t drive_vectors[DRIVE_VECTORS] = {{
+{rows}
+}};
+"""
+
+
+def hex_words(words: Words) -> str:
+    """Comma-separated 32-bit literals."""
+    return ", ".join(f"0x{int(w):08X}" for w in words)

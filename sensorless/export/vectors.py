@@ -1,0 +1,145 @@
+"""Golden vectors of an export: words that the control core gives here and has to give anywhere."""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core.api import (
+    SIGNAL_N,
+    SIGNAL_NAMES,
+    TRACE_NAMES,
+    Array,
+    ffi,
+    lib,
+    pointer,
+    sim_trace,
+)
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.machine.motor import Motor
+from sensorless.table.image import lookup
+from sensorless.table.ks_table import KsTable, ValueFormat
+
+Words = NDArray[np.uint32]
+
+SEGMENTS = (
+    (0.00, 0.00, 9.0, 0.0),
+    (0.04, 0.36, 2.0, 0.0),
+    (0.50, 0.36, 2.0, 0.5),
+    (0.60, 0.10, 2.0, 0.3),
+)
+"""Closed loop: from [s], speed target [rated], its rate [rated/s], load [rated]; through the usual
+band and back, with a load step in between."""
+DURATION = 0.9
+NOISE_SEED = 2025
+
+
+def table_vectors(table: KsTable, form: ValueFormat) -> Words:
+    """Lookups (n, axes + 1): the signal of each axis, then the weight.
+
+    Edges, first nodes and middles of the axes in combination, places at random inside and outside,
+    and on one axis at a time what is hardly a number or none.
+    """
+    rng = np.random.default_rng(0)
+    low = np.array([a.lo for a in table.axes], dtype=np.float32)
+    high = np.array([a.hi for a in table.axes], dtype=np.float32)
+    above = np.nextafter(low, high)
+    ends = [
+        [a.lo, above[j], a.nodes[1], 0.5 * (a.lo + a.hi), a.hi] for j, a in enumerate(table.axes)
+    ]
+    inside = low + (high - low) * rng.uniform(-0.2, 1.2, size=(32, len(low)))
+    odd = [np.inf, -np.inf, np.nan, 3.4e38, -3.4e38, 1e-41, -0.0]
+    centre = 0.5 * (low + high)
+    single = [np.where(np.arange(len(low)) == a, x, centre) for a in range(len(low)) for x in odd]
+    corners = list(itertools.islice(itertools.product(*ends), 0, None, 1 if len(low) < 3 else 7))
+    places = np.concatenate([np.array(corners), inside, np.array(single)]).astype(np.float32)
+    obs = np.zeros((len(places), SIGNAL_N), dtype=np.float32)
+    obs[:, [SIGNAL_NAMES.index(a.signal) for a in table.axes]] = places
+    k_s = lookup(table.record(form).reshape(1), table.stored(form), obs)
+    return np.column_stack([_words(places), _words(k_s)])
+
+
+@dataclass(frozen=True)
+class DriveVectors:
+    """Consecutive PWM periods of a drive in closed loop."""
+
+    words: Words
+    """(n, 9): i_a, i_b, u_dc, omega_ref, k_s_ref in; u_a, u_b, theta, omega out."""
+    start: tuple[float, float, float]
+    """Angle [rad], electrical speed [rad/s] and k_s before the first one."""
+
+
+def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: int) -> DriveVectors:
+    """Run a drive on its machine under the table and note what goes in and out of ``drive_step``.
+
+    Parameters
+    ----------
+    periods : int
+        PWM periods from one decision of the schedule to the next.
+    """
+    sim = SimFactory(motor, design).build(_scenario(motor), twin=False)
+    schedule = Schedule(table, periods)
+    n = int(sim["k_end"][0])
+    out = np.zeros((n, 9), dtype=np.float32)
+    column = {name: j for j, name in enumerate(TRACE_NAMES)}
+    inputs = [column["i_a"], column["i_b"], column["u_dc"]]
+    control, x = sim["control"], sim["drive"]["x"]
+    est = x["est"][0]
+    start = (float(est["theta"]), float(est["omega"]), float(x["k_s"][0]))
+    for j in range(n):
+        k_s_ref = schedule.step(control, x)
+        row = sim_trace(sim, 1, k_s_ref)
+        if not len(row):  # the drive got lost: what it did until then counts
+            out = out[:j]
+            break
+        x = sim["drive"]["x"]
+        out[j, :3] = row[0, inputs]
+        out[j, 3], out[j, 4] = sim["now"]["omega_ref"][0], k_s_ref
+        u, est = sim["drive"]["u"][0], x["est"][0]
+        out[j, 5:] = u["a"], u["b"], est["theta"], est["omega"]
+    return DriveVectors(_words(out), start)
+
+
+class Schedule:
+    """``ks_schedule_step`` of ``core/ks_schedule.h`` over a table."""
+
+    def __init__(self, table: KsTable, periods: int) -> None:
+        self._header, self._values = table.record().reshape(1), table.stored()
+        self._params = ffi.new("ks_schedule_params_t *")
+        self._params.table = pointer(self._header, "ks_table_t[]")
+        self._params.values = pointer(self._values, "char[]")
+        self._params.rule.x_min, self._params.rule.x_max = table.rule
+        self._params.periods = periods
+        self._state = ffi.new("ks_schedule_state_t *")
+        if lib.ks_schedule_init(self._params, self._state) != lib.KS_OK:
+            raise AssertionError("a valid KsTable passes the check")
+
+    def step(self, control: Array, x: Array) -> float:
+        """Weight wanted, from records of shape (1,) of a drive's parameters and state."""
+        params = np.ascontiguousarray(control["signal"])
+        signals = np.ascontiguousarray(x["signal"])
+        return float(
+            lib.ks_schedule_step(
+                self._params,
+                self._state,
+                pointer(params, "signal_params_t[]"),
+                pointer(signals, "signal_state_t[]"),
+            )
+        )
+
+
+def _scenario(motor: Motor) -> Scenarios:
+    s = Scenarios.nominal(motor, np.array([NOISE_SEED], dtype=np.uint64), DURATION)
+    rated = motor.omega_rated / motor.n_p
+    for j, (t, omega, rate, tau) in enumerate(SEGMENTS):
+        s.t[0, j], s.omega[0, j], s.omega_rate[0, j] = t, omega * rated, rate * rated
+        s.tau[0, j] = tau * motor.tau_rated
+    return s
+
+
+def _words(x: NDArray[np.float32]) -> Words:
+    """Bits of float32 numbers; every NaN gets the same ones."""
+    y = np.where(np.isnan(x), np.float32(np.nan), x).astype(np.float32)
+    return y.view(np.uint32)

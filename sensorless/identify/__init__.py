@@ -1,0 +1,1 @@
+"""Commissioning: curves that a real drive would measure."""

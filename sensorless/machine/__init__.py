@@ -1,0 +1,1 @@
+"""One motor: its file, its magnetics."""

@@ -1,0 +1,114 @@
+"""Design quantities of a machine's flux map: inverse map, inductances, cross-coupling, MTPA."""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core.api import FLUX_MAP, Array
+from sensorless.core.machine import flux_map_currents
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor, Saturation
+
+Floats = NDArray[np.float64]
+
+
+def flux_map_record(s: Saturation) -> Array:
+    """The C struct ``flux_map_t`` of a saturation model, shape ()."""
+    record = np.zeros((), dtype=FLUX_MAP)
+    for name in (
+        "a_d0",
+        "a_dd",
+        "a_q0",
+        "a_qq",
+        "i_f",
+        "a_b",
+        "a_bp",
+        "k_q",
+        "psi_n",
+        "S",
+        "T",
+        "U",
+        "V",
+        "W",
+    ):
+        record[name] = getattr(s, name)
+    record["c_d"] = s.a_dq / (s.V + 2)
+    record["c_q"] = s.a_dq / (s.U + 2)
+    return record
+
+
+def currents(s: Saturation, psi: Floats) -> Floats:
+    """Currents (n, 2) [A] at flux linkages (n, 2) [Vs]."""
+    return flux_map_currents(flux_map_record(s), s.a_b > 0.0, psi)
+
+
+def inverse_inductance(s: Saturation, psi: Floats, step: float = 1e-6) -> Floats:
+    """Jacobian d(i_d, i_q)/d(psi_d, psi_q) [1/H], shape (n, 2, 2), by central differences."""
+    columns = []
+    for axis in range(2):
+        shift = np.zeros(2)
+        shift[axis] = step
+        columns.append((currents(s, psi + shift) - currents(s, psi - shift)) / (2.0 * step))
+    return np.stack(columns, axis=-1)
+
+
+def flux(s: Saturation, i: Floats) -> Floats:
+    """Flux linkages (n, 2) [Vs] at currents (n, 2) [A]: Newton's method on the map.
+
+    Raises
+    ------
+    UserError
+        The map has no flux linkage for a current.
+    """
+    target = np.atleast_2d(np.asarray(i, dtype=float))
+    psi = np.stack(
+        [(target[:, 0] + s.i_f) / (s.a_d0 + s.a_dd), target[:, 1] / (s.a_q0 + s.a_qq)], axis=-1
+    )
+    for _ in range(100):
+        error = currents(s, psi) - target
+        if np.max(np.abs(error)) < 1e-11:
+            return psi
+        move = np.linalg.solve(inverse_inductance(s, psi), error[..., None])[..., 0]
+        psi = psi - np.clip(move, -0.3, 0.3)
+    if np.max(np.abs(error)) < 1e-8:
+        return psi
+    raise UserError("saturation: the flux map cannot be inverted at all currents in use")
+
+
+def torque(motor: Motor, i: Floats) -> Floats:
+    """Torque [N m] at currents (n, 2) [A]."""
+    psi = flux(motor.saturation, i)
+    return np.asarray(1.5 * motor.n_p * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0]))
+
+
+@lru_cache(maxsize=64)
+def mtpa(motor: Motor, n: int = 49) -> tuple[Floats, Floats]:
+    """Maximum torque per ampere: (i_d, i_q) [A], each shape (n,), from zero to ``motor.i_max``."""
+    amplitude = np.linspace(0.0, motor.i_max, n)
+    angle = np.linspace(0.0, 0.5 * np.pi, 181)[:-1]
+    grid = np.stack(
+        [-np.outer(amplitude, np.sin(angle)), np.outer(amplitude, np.cos(angle))], axis=-1
+    )
+    tau = torque(motor, grid.reshape(-1, 2)).reshape(n, -1)
+    best = np.clip(np.argmax(tau, axis=1), 1, len(angle) - 2)
+    rows = np.arange(n)
+    left, mid, right = tau[rows, best - 1], tau[rows, best], tau[rows, best + 1]
+    bend = left - 2.0 * mid + right
+    shift = np.where(np.abs(bend) > 1e-12, 0.5 * (left - right) / np.where(bend == 0, 1, bend), 0)
+    at = np.clip((best + np.clip(shift, -1.0, 1.0)) * (angle[1] - angle[0]), 0.0, None)
+    return -amplitude * np.sin(at), amplitude * np.cos(at)
+
+
+def apparent_q_inductance(motor: Motor, i: Floats) -> Floats:
+    """psi_q / i_q [H] at currents (n, 2) with i_q > 0: what makes the EMF angle exact."""
+    return np.asarray(flux(motor.saturation, i)[:, 1] / i[:, 1])
+
+
+def cross_angle(motor: Motor, i: Floats) -> Floats:
+    """Turn of the magnetic axes theta_m / 2 [rad] at currents (n, 2).
+
+    The injection estimator locks at theta - theta_m / 2 (doi 10.12177/emca.2025.011, Eq. 16).
+    """
+    gamma = inverse_inductance(motor.saturation, flux(motor.saturation, i))
+    return np.asarray(0.5 * np.arctan2(-2.0 * gamma[:, 0, 1], gamma[:, 0, 0] - gamma[:, 1, 1]))

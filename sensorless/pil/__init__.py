@@ -1,0 +1,1 @@
+"""Processor in the loop: the export on an emulated Cortex-M4F."""

@@ -1,0 +1,170 @@
+"""A program that runs the exported control core: the emulated target, or the host's own processor.
+
+``firmware/pil.h`` has the words that travel; a device is asked and answers in NumPy arrays.
+"""
+
+import os
+import select
+import subprocess
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from sensorless.core.api import SIGNAL_N, Array, struct_dtype
+from sensorless.errors import UserError
+
+DRIVES = 64
+"""Most drives, or lookups, at a time."""
+
+EXIT, INFO, TESTS, START, STEP, RAW, LOOKUP, STAGES = range(8)
+
+_AB = [("a", "f4"), ("b", "f4")]
+DRIVE_IN = struct_dtype("drive_in_t")
+ANSWERS: dict[int, Any] = {
+    INFO: np.dtype([(n, "u4") for n in ("drive_state", "schedule_state", "drive_params",
+                                        "ticks_0", "ticks_call", "ticks_1000")]),
+    TESTS: np.dtype([(n, "u4") for n in ("lookups_f32", "lookups_q15", "periods", "flips_f32",
+                                         "flips_q15", "refusals", "signals", "inputs", "angles",
+                                         "weights")]),
+    STEP: np.dtype([("x", struct_dtype("drive_state_t")),
+                    ("schedule", struct_dtype("ks_schedule_state_t")), ("u", _AB),
+                    ("ticks", "u4", 2)]),
+    LOOKUP: np.dtype([("k_s_f32", "f4"), ("k_s_q15", "f4"), ("ticks_f32", "u4"),
+                      ("ticks_q15", "u4")]),
+    STAGES: np.dtype([(n, "u4") for n in ("hfi", "smo", "control", "signals", "decide")]),
+}  # fmt: skip
+ANSWERS[START] = ANSWERS[RAW] = ANSWERS[STEP]
+
+
+class Device:
+    """A running program; use it in a ``with`` statement.
+
+    Parameters
+    ----------
+    command : list of str
+    folder : Path, optional
+        Where to make two pipes with the names that the target opens; none: the program talks over
+        its standard input and output.
+    timeout : float
+        Longest wait for an answer [s].
+    """
+
+    def __init__(
+        self, command: list[str], folder: Path | None = None, timeout: float = 60.0
+    ) -> None:
+        self._timeout = timeout
+        self.name = Path(command[0]).name
+        if folder is None:
+            self._process = subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+            )
+            assert self._process.stdin is not None and self._process.stdout is not None
+            self._to, self._from = self._process.stdin.fileno(), self._process.stdout.fileno()
+            self._own: tuple[int, ...] = ()
+        else:
+            ends = []
+            for name in ("to_target", "to_host"):
+                (folder / name).unlink(missing_ok=True)
+                os.mkfifo(folder / name)
+                ends.append(os.open(folder / name, os.O_RDWR))  # does not wait for the other end
+            self._to, self._from = ends
+            self._own = tuple(ends)
+            self._process = subprocess.Popen(
+                command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+            )  # fmt: skip
+
+    def __enter__(self) -> "Device":
+        """Return the device itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """End the program."""
+        try:
+            if kind is None:
+                self._send(EXIT, 0, b"")
+                self._process.wait(5.0)
+        except (OSError, UserError, subprocess.TimeoutExpired):
+            pass
+        finally:
+            self._process.kill()
+            self._process.wait()
+            for stream in (self._process.stdin, self._process.stdout, self._process.stderr):
+                if stream is not None:
+                    stream.close()
+            for end in self._own:
+                os.close(end)
+
+    def ask(self, operation: int, items: Array | None = None) -> Array:
+        """Send a request and wait for its answers, one a row of ``items`` or a single one."""
+        self.send(operation, items)
+        return self.receive(operation, 1 if items is None else len(items))
+
+    def send(self, operation: int, items: Array | None = None) -> None:
+        """Send a request; the device works while the caller does something else."""
+        n = 0 if items is None else len(items)
+        self._send(operation, n, b"" if items is None else np.ascontiguousarray(items).tobytes())
+
+    def receive(self, operation: int, n: int) -> Array:
+        """Answers to a request that was sent, shape (n,)."""
+        dtype = ANSWERS[operation]
+        data = bytearray()
+        while len(data) < n * dtype.itemsize:
+            data += self._read(n * dtype.itemsize - len(data))
+        return np.frombuffer(bytes(data), dtype=dtype)
+
+    def _send(self, operation: int, n: int, data: bytes) -> None:
+        data = np.array([operation, n], dtype=np.uint32).tobytes() + data
+        while data:
+            data = data[os.write(self._to, data) :]
+
+    def _read(self, n: int) -> bytes:
+        """At most n bytes, once there are some."""
+        end = time.monotonic() + self._timeout
+        while time.monotonic() < end:
+            if select.select([self._from], [], [], 0.5)[0]:
+                data = os.read(self._from, n)
+                if data:
+                    return data
+            if self._process.poll() is not None:
+                raise UserError(
+                    f"pil: {self.name} ended with status {self._process.returncode}"
+                    f"{self._last_words()}; allowed: a program that answers"
+                )
+        raise UserError(f"pil: {self.name}: no answer within {self._timeout:g} s; allowed: less")
+
+    def _last_words(self) -> str:
+        text = self._process.stderr.read().decode(errors="replace") if self._process.stderr else ""
+        lines = text.strip().splitlines()
+        return f" ({lines[-1]})" if lines else ""
+
+
+def start_items(theta: Array, omega: Array, k_s: Array, seek: Array) -> Array:
+    """Where drives start: angle [rad], electrical speed [rad/s], weight; (n, 4) floats.
+
+    ``seek``: with the start sequence.
+    """
+    return np.ascontiguousarray(np.stack([theta, omega, k_s, seek], axis=-1), dtype=np.float32)
+
+
+def lookup_items(rng: np.random.Generator, table_axes: Any, names: tuple[str, ...]) -> Array:
+    """Signals (n, SIGNAL_N) inside, outside and at the ends of a table's axes, and no numbers."""
+    y = np.zeros((1024, SIGNAL_N), dtype=np.float32)
+    odd = np.array([np.nan, np.inf, -np.inf, 3e38, -3e38, 1e-41, -0.0], dtype=np.float32)
+    for axis in table_axes:
+        width = axis.hi - axis.lo
+        x = rng.uniform(axis.lo - 0.3 * width, axis.hi + 0.3 * width, len(y)).astype(np.float32)
+        x[rng.random(len(y)) < 0.1] = axis.lo
+        x[rng.random(len(y)) < 0.1] = axis.hi
+        strange = rng.random(len(y)) < 0.05
+        x[strange] = rng.choice(odd, strange.sum())
+        y[:, names.index(axis.signal)] = x
+    return y

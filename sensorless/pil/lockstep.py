@@ -1,0 +1,131 @@
+"""Drives on their machines in lock-step with a device that runs the control core, word by word."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core.api import SIGNAL_N, SIM, Array, lib, pointer, sim_run
+from sensorless.pil.device import DRIVE_IN, DRIVES, START, STEP, Device, start_items
+from sensorless.table.ks_table import KsTable
+
+Words = NDArray[np.uint32]
+Progress = Callable[[float], None]
+
+_X_AT = (SIM.fields["drive"][1] + SIM["drive"].fields["x"][1]) // 4  # type: ignore[index]
+_X_N = SIM["drive"]["x"].itemsize // 4
+_U_AT = (SIM.fields["drive"][1] + SIM["drive"].fields["u"][1]) // 4  # type: ignore[index]
+WORDS = _X_N + 4 + 2
+"""Words of a period that are compared: state of the drive, of the schedule, voltage."""
+
+
+@dataclass
+class Lockstep:
+    """What came of a number of drives."""
+
+    periods: NDArray[np.int64]
+    """(n,) periods compared"""
+    mismatches: NDArray[np.int64]
+    """(n,) words that differ"""
+    first: tuple[int, int, int] | None
+    """drive, period and word of the first difference"""
+    lost: NDArray[np.int32]
+    """(n,) LOST_* bits"""
+    ticks: NDArray[np.uint32]
+    """(total, 2) of every period compared: with the schedule, ``drive_step`` alone"""
+    k_s: NDArray[np.float32]
+    """(n, 2) smallest and largest weight"""
+
+
+def canonical(words: Words) -> Words:
+    """The same words with one representation of NaN."""
+    nan = np.isnan(words.view(np.float32))
+    return np.where(nan, np.uint32(0x7FC00000), words)
+
+
+def lockstep(
+    device: Device,
+    sims: Array,
+    table: KsTable,
+    periods: int,
+    *,
+    plain: bool = False,
+    progress: Progress | None = None,
+) -> Lockstep:
+    """Run drives to their ends: the device's voltages drive the machines.
+
+    In every period the host's control core gets the same samples, and all words of both are
+    compared. The device stays on its own states from the start on.
+
+    Parameters
+    ----------
+    device : Device
+    sims : array of SIM, shape (n,)
+        Started drives, changed in place; at most ``DRIVES``.
+    table : KsTable
+        The schedule that was exported.
+    periods : int
+        PWM periods from one decision to the next.
+    plain : bool
+        The host computes drive by drive instead of in blocks as vector code.
+    """
+    n = len(sims)
+    if not 1 <= n <= DRIVES:
+        raise ValueError(f"{n} drives; allowed: 1 to {DRIVES}")
+    raw = sims.view(np.uint32).reshape(n, -1)
+    obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
+    k_s = np.ones(n, dtype=np.float32)
+    inputs = np.zeros(n, dtype=DRIVE_IN)
+    schedule = np.zeros((n, 4), dtype=np.uint32)
+    out = Lockstep(
+        np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), None, sims["lost"],
+        np.zeros((0, 2), dtype=np.uint32), np.tile(np.array([2.0, -1.0], dtype=np.float32), (n, 1)),
+    )  # fmt: skip
+    ticks = []
+    sim_run(sims, 0, k_s, obs, plain=plain)
+    x = sims["drive"]["x"]
+    begun = device.ask(
+        START, start_items(x["est"]["theta"], x["est"]["omega"], x["k_s"], x["start"]["phase"] > 0)
+    )
+    _compare(out, begun.view(np.uint32).reshape(n, -1)[:, :_X_N], raw[:, _X_AT : _X_AT + _X_N],
+             np.ones(n, dtype=bool), -1)  # fmt: skip
+    total = int(sims["k_end"].max())
+    for k in range(total):
+        active = (sims["lost"] == 0) & (sims["k"] < sims["k_end"])
+        if not active.any():
+            break
+        if k % periods == 0:
+            k_s = table.evaluate(obs)
+        schedule[:, 0] = k_s.view(np.uint32)
+        schedule[:, 1] = periods - 1 - k % periods
+        lib.sim_inputs(pointer(sims, "sim_t[]"), n, pointer(inputs, "drive_in_t[]"))
+        device.send(STEP, inputs)
+        sim_run(sims, 1, k_s, obs, plain=plain)
+        answer = device.receive(STEP, n)
+        got = answer.view(np.uint32).reshape(n, -1)
+        u = slice(_U_AT, _U_AT + 2)
+        want = np.concatenate([raw[:, _X_AT : _X_AT + _X_N], schedule, raw[:, u]], axis=1)
+        _compare(out, got[:, :WORDS], want, active, k)
+        raw[active, u] = got[active, WORDS - 2 : WORDS]
+        out.periods += active
+        ticks.append(got[active, WORDS:])
+        weight = answer["x"]["k_s"]
+        out.k_s[active, 0] = np.minimum(out.k_s[active, 0], weight[active])
+        out.k_s[active, 1] = np.maximum(out.k_s[active, 1], weight[active])
+        if progress is not None and k % 100 == 0:
+            progress(k / total)
+    out.lost = sims["lost"].copy()
+    out.ticks = np.concatenate(ticks)
+    return out
+
+
+def _compare(out: Lockstep, got: Words, want: Words, active: NDArray[np.bool_], k: int) -> None:
+    differs = got != want
+    if not differs.any():
+        return
+    differs = (canonical(got) != canonical(want)) & active[:, None]
+    out.mismatches += differs.sum(axis=1)
+    if out.first is None and differs.any():
+        drive, word = np.argwhere(differs)[0]
+        out.first = (int(drive), k, int(word))

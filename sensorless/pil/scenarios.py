@@ -1,0 +1,62 @@
+"""Scenarios of the processor in the loop: the ones a drive meets, and one that it loses."""
+
+import dataclasses
+
+import numpy as np
+
+from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.envs.scenarios.suites import suite
+from sensorless.machine.motor import Motor
+from sensorless.observers.start_design import knows_poles
+
+PLANS: dict[str, tuple[tuple[float, float, float], ...]] = {
+    "start from standstill": ((0.0, 0.0, 0.0), (0.05, 0.5, 0.0)),
+    "hand-over both ways": ((0.0, 0.1, 0.0), (0.2, 0.4, 0.2), (1.0, 0.1, 0.2), (1.6, 0.4, 0.4)),
+    "load steps": ((0.0, 0.25, 0.0), (0.5, 0.25, 0.6), (1.0, 0.25, -0.4), (1.5, 0.25, 0.3)),
+    "reversal": ((0.0, 0.35, 0.1), (0.6, -0.35, 0.1), (1.5, 0.0, 0.0)),
+    "rated speed": ((0.0, 1.0, 0.0), (1.2, 1.0, 0.5)),
+    "unknown angle": ((0.0, 0.0, 0.3), (0.1, 0.5, 0.3)),
+    "spinning shaft": ((0.0, -0.6, 0.0), (0.3, 0.3, 0.0)),
+    "lost": ((0.0, 0.3, 0.0), (0.6, 0.3, 0.5)),
+}
+"""From [s], speed target [rated], load [rated]. Two find their rotor first; a current sensor of the
+last one is broken."""
+
+BROKEN = 0.7
+"""Offset of the broken sensor [rated current]."""
+
+RATE = 1.0
+"""Slope of the speed reference [rated/s]."""
+DURATION = 2.0
+
+
+def pil_scenarios(motor: Motor, seed: int = 5, size: int = 16) -> tuple[tuple[str, ...], Scenarios]:
+    """Names and scenarios: the planned ones, and as many random ones as make ``size`` together.
+
+    The controller's own numbers are those of the export, so what differs between scenarios are the
+    machine, its load and its sensors.
+    """
+    planned = Scenarios.nominal(
+        motor, np.arange(len(PLANS), dtype=np.uint64) + np.uint64(seed), DURATION
+    )
+    rated = motor.omega_rated / motor.n_p
+    for j, plan in enumerate(PLANS.values()):
+        for i, (t, omega, tau) in enumerate(plan):
+            planned.t[j, i] = t
+            planned.omega[j, i:], planned.tau[j, i:] = omega * rated, tau * motor.tau_rated
+    planned.omega_rate[:] = RATE * rated
+    resting, spinning = (list(PLANS).index(name) for name in ("unknown angle", "spinning shaft"))
+    planned.seek[[resting, spinning]] = knows_poles(motor)
+    planned.theta_err_0[resting] = 2.5
+    planned.omega_0[spinning] = PLANS["spinning shaft"][0][1] * rated
+    planned.offset[-1, 0] = BROKEN * motor.i_rated
+    random = suite("stress", motor, seed, size - len(PLANS))
+    random.L_q_hat[:] = random.cross_hat[:] = 1.0
+    names = (*PLANS, *(f"stress:{seed}:{j}" for j in range(len(random))))
+    return names, join(planned, random)
+
+
+def join(*parts: Scenarios) -> Scenarios:
+    """All rows of several batches."""
+    fields = [f.name for f in dataclasses.fields(Scenarios)]
+    return Scenarios(**{f: np.concatenate([getattr(p, f) for p in parts]) for f in fields})

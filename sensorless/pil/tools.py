@@ -1,0 +1,128 @@
+"""The cross compiler and the emulator: are they there, and what they make of an exported folder."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+from sensorless.errors import UserError
+from sensorless.export.core_files import FIRMWARE
+
+CROSS = "arm-none-eabi-"
+QEMU = "qemu-system-arm"
+PACKAGES = {f"{CROSS}gcc": "gcc-arm-none-eabi", QEMU: "qemu-system-arm", "make": "make"}
+"""Program and the Debian package it comes in."""
+
+SHIPPED = ("drive", "drive_start", "ks_schedule", "ks_table")
+"""Objects of the control core; the golden vectors' comparison is not needed on a product."""
+
+
+def missing_packages() -> list[str]:
+    """Debian packages of the programs that are not installed."""
+    return [package for program, package in PACKAGES.items() if shutil.which(program) is None]
+
+
+def require_tools() -> None:
+    """Refuse to go on without cross compiler and emulator.
+
+    Raises
+    ------
+    UserError
+        Names the Debian packages.
+    """
+    missing = missing_packages()
+    if missing:
+        raise UserError(
+            f"pil: missing programs; allowed: after apt-get install --no-install-recommends "
+            f"{' '.join(missing)} (Debian)"
+        )
+
+
+def build(exported: Path, folder: Path, what: str, level: str = "-O2", cc: str = "cc") -> Path:
+    """Compile an exported folder with ``firmware/Makefile``.
+
+    Parameters
+    ----------
+    exported : Path
+        What ``sensorless export`` wrote.
+    folder : Path
+        For objects and the program.
+    what : str
+        ``image`` for the emulated target, ``host`` for a program on this machine.
+    level, cc : str
+        Optimisation, and the host's compiler.
+
+    Raises
+    ------
+    UserError
+        It does not compile; with the compiler's first error.
+    """
+    command = ["make", "-s", "-f", str(FIRMWARE / "Makefile"), f"EXPORT={exported}",
+               f"BUILD={folder}", f"OPT={level}", f"CC={cc}", what]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        lines = done.stderr.strip().splitlines() or [f"status {done.returncode}"]
+        line = next((s for s in lines if "error" in s), lines[0])
+        raise UserError(f"pil: {what} at {level}: {line}; allowed: code that compiles")
+    return folder / ("image.elf" if what == "image" else "host")
+
+
+def qemu_command(image: Path) -> list[str]:
+    """Command that runs an image; one instruction takes 64 ns of its clock."""
+    return [
+        QEMU, "-M", "mps2-an386", "-display", "none", "-monitor", "none", "-serial", "none",
+        "-chardev", "stdio,id=console", "-semihosting-config",
+        "enable=on,target=native,chardev=console", "-icount", "shift=6,sleep=off,align=off",
+        "-kernel", str(image),
+    ]  # fmt: skip
+
+
+def _output(*command: str) -> str:
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def versions() -> dict[str, str]:
+    """First line of what cross compiler and emulator say of themselves."""
+    return {name: _output(name, "--version").splitlines()[0] for name in (f"{CROSS}gcc", QEMU)}
+
+
+def sections(path: Path) -> dict[str, int]:
+    """Bytes of the sections that are loaded or reserved in an object or image."""
+    found: dict[str, int] = {}
+    for line in _output(f"{CROSS}size", "-A", str(path)).splitlines():
+        match = re.match(r"\.(text|rodata|data|bss)\S*\s+(\d+)", line)
+        if match:
+            found[match[1]] = found.get(match[1], 0) + int(match[2])
+    return found
+
+
+def symbol_sizes(path: Path) -> dict[str, int]:
+    """Bytes of every function and object in an object file."""
+    rows = (line.split() for line in _output(f"{CROSS}nm", "-S", str(path)).splitlines())
+    return {row[3]: int(row[1], 16) for row in rows if len(row) == 4}
+
+
+def fused_instructions(image: Path) -> int:
+    """Number of fused multiply-adds in an image, which would change the bits."""
+    return len(re.findall(r"\tvf(?:n?m[as])\.", _output(f"{CROSS}objdump", "-d", str(image))))
+
+
+def stack_of(folder: Path, functions: tuple[str, ...]) -> int:
+    """Most stack that one of the functions takes for itself [byte]."""
+    rows = [line.split("\t") for path in folder.glob("*.su") for line in path.open()]
+    return max((int(row[1]) for row in rows if row[0].split(":")[-1] in functions), default=0)
+
+
+def memory(folder: Path) -> dict[str, dict[str, int]]:
+    """Flash and static RAM [byte] of the parts of a product, from the objects of a build."""
+    table = symbol_sizes(folder / "ks_table_data.o")
+    q15 = symbol_sizes(folder / "ks_table_q15.o")
+    code = symbol_sizes(folder / "ks_table.o")
+    check = sum(size for name, size in code.items() if not re.match(r"eval_|ks_table_eval", name))
+    return {
+        **{f"{name}.o": sections(folder / f"{name}.o") for name in SHIPPED},
+        "table_f32": {"rodata": table["ks_table_f32"] + table["ks_values_f32"]},
+        "table_q15": {"rodata": q15["ks_table_q15"] + q15["ks_values_q15"]},
+        "table_check": {"text": check},
+        "image": sections(folder / "image.elf"),
+    }

@@ -1,0 +1,182 @@
+"""The machine alone under given voltages: ``sensorless simulate --plant --inputs --out``."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sensorless.core.api import PLANT, PLANT_STATE, Array
+from sensorless.core.machine import plant_run
+from sensorless.design.drive import SUB_STEPS
+from sensorless.errors import UserError
+from sensorless.files import write_atomic
+from sensorless.machine.magnetics import Floats, flux, flux_map_record
+from sensorless.plant.case import PlantCase, read_case
+from sensorless.plant.inputs import read_inputs
+
+COLUMNS = (
+    "t",
+    "i_d",
+    "i_q",
+    "i_alpha",
+    "i_beta",
+    "i_a",
+    "i_b",
+    "i_c",
+    "psi_d",
+    "psi_q",
+    "tau_M",
+    "w_M",
+    "theta_m",
+)
+STEP_ERROR = 1e-8
+"""Largest difference to a run with half the step that is accepted [A, rad, ...]."""
+SPLITS = 256
+"""Most pieces a period is cut into, each of ``SUB_STEPS`` Runge-Kutta steps."""
+CHUNK = 2**17
+
+
+@dataclass(frozen=True)
+class PlantRun:
+    """What a run came to."""
+
+    rows: Floats
+    """shape (n + 1, 13), ``COLUMNS`` at every sampling instant"""
+    sub_steps: int
+    """Runge-Kutta steps a period"""
+    step_error: float
+    """largest difference to the run with twice the step"""
+
+
+def plant_arrays(
+    case: PlantCase, sub_steps: int = SUB_STEPS, split: int = 1
+) -> tuple[Array, Array]:
+    """Records of PLANT and PLANT_STATE, shape (1,), at the start of a case.
+
+    Parameters
+    ----------
+    sub_steps : int
+        Runge-Kutta steps per piece of a period.
+    split : int
+        Pieces a period is cut into.
+    """
+    plant = np.zeros(1, dtype=PLANT)
+    plant["map"] = flux_map_record(case.saturation)
+    plant["R_s"], plant["n_p"], plant["B"] = case.R_s, case.n_p, case.B
+    plant["inv_J"] = 1.0 / case.J
+    plant["n_sub"], plant["h"] = sub_steps, case.T_s / (sub_steps * split)
+    plant["bridge"] = int(case.saturation.a_b > 0.0)
+    state = np.zeros(1, dtype=PLANT_STATE)
+    psi = flux(case.saturation, np.array([[case.i_d, case.i_q]]))[0]
+    state["psi_d"], state["psi_q"] = psi
+    state["omega_m"] = case.w_M
+    state["theta_e"] = math.remainder(case.theta_m, 2.0 * math.pi)
+    return plant, state
+
+
+def integrate(case: PlantCase, inputs: Floats, split: int = 1) -> Floats:
+    """Run a case with every period cut into ``split`` pieces.
+
+    Returns
+    -------
+    array, shape (n + 1, 7)
+        i_d, i_q [A], psi_d, psi_q [Vs], torque [N m], mechanical speed [rad/s], electrical angle in
+        [-pi, pi] [rad].
+    """
+    plant, state = plant_arrays(case, split=split)
+    parts = []
+    block = max(1, CHUNK // split)
+    for start in range(0, len(inputs), block):
+        held = np.repeat(inputs[start : start + block], split, axis=0)
+        out = plant_run(plant, state, held)[::split]
+        parts.append(out if start == 0 else out[1:])
+    rows = np.concatenate(parts)
+    rows[:, 6] = np.arctan2(np.sin(rows[:, 6]), np.cos(rows[:, 6]))
+    return rows
+
+
+def run_case(case: PlantCase, inputs: Floats) -> PlantRun:
+    """Run a case; the step is halved until that changes nothing beyond ``STEP_ERROR``.
+
+    It starts from the step of the closed loop.
+
+    Raises
+    ------
+    UserError
+        The machine runs away under these voltages.
+    """
+    split = 1
+    with np.errstate(over="ignore", invalid="ignore"):
+        coarse = integrate(case, inputs, split)
+        while True:
+            split *= 2
+            fine = integrate(case, inputs, split)
+            gap = np.abs(fine - coarse)
+            gap[:, 6] = np.abs(np.sin(fine[:, 6] - coarse[:, 6]))
+            allowed = STEP_ERROR + 0.01 * STEP_ERROR * np.max(np.abs(fine), axis=0)
+            if np.all(gap <= allowed) or split >= SPLITS:
+                break
+            coarse = fine
+    bad = np.flatnonzero(~np.isfinite(fine).all(axis=1))
+    if bad.size:
+        raise UserError(
+            f"plant: no finite state from t = {bad[0] * case.T_s:g} s on; allowed: a machine "
+            "and voltages that stay within the numbers, a T_s short against its dynamics"
+        )
+    return PlantRun(_columns(fine, case.T_s), SUB_STEPS * split, float(np.max(gap)))
+
+
+def _columns(rows: Floats, T_s: float) -> Floats:
+    """``COLUMNS`` from the seven quantities of ``integrate``."""
+    i_d, i_q, psi_d, psi_q, tau, omega_m, theta_e = rows.T
+    c, s = np.cos(theta_e), np.sin(theta_e)
+    i_alpha, i_beta = c * i_d - s * i_q, s * i_d + c * i_q
+    half = 0.5 * math.sqrt(3.0) * i_beta
+    return np.stack(
+        [
+            T_s * np.arange(len(rows)),
+            i_d,
+            i_q,
+            i_alpha,
+            i_beta,
+            i_alpha,
+            -0.5 * i_alpha + half,
+            -0.5 * i_alpha - half,
+            psi_d,
+            psi_q,
+            tau,
+            omega_m,
+            theta_e,
+        ],
+        axis=-1,
+    )
+
+
+def to_csv(rows: Floats) -> str:
+    """Text of a table of ``COLUMNS``, 13 significant digits."""
+    form = ",".join(["%.13g"] * len(COLUMNS)) + "\n"
+    return ",".join(COLUMNS) + "\n" + "".join(form % tuple(row) for row in rows.tolist())
+
+
+def simulate_plant(plant: str | Path, inputs: str | Path, out: str | Path) -> PlantRun:
+    """Read a machine and its inputs, run it and write the trajectory.
+
+    Parameters
+    ----------
+    plant : path
+        JSON of ``plant_case.read_case``.
+    inputs : path
+        CSV of ``plant_inputs.read_inputs``.
+    out : path
+        CSV to write, one row a sampling instant; appears whole or not at all.
+
+    Raises
+    ------
+    UserError
+        Names what is wrong with a file.
+    """
+    case = read_case(plant)
+    run = run_case(case, read_inputs(inputs))
+    write_atomic(out, to_csv(run.rows))
+    return run

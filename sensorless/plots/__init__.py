@@ -1,0 +1,1 @@
+"""All figures. Needs the extra ``plot``."""

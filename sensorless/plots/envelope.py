@@ -1,0 +1,114 @@
+"""Maps of what holds lock over speed and load, one a policy. Needs the extra ``plot``."""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sensorless.evaluation.results import Results
+from sensorless.machine.motor import Motor
+from sensorless.plots.waveforms import _figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SHOWN = 12.0
+"""End of the colour scale [deg]."""
+LOST, BEYOND = "#3d1020", "#9aa0a6"
+
+
+def envelope_maps(results: Results, motor: Motor) -> "Figure":
+    """Angle error (RMS) where each policy holds lock; dark where it is lost.
+
+    Grey: the sensored twin was lost too, so that the point is beyond the machine.
+
+    Raises
+    ------
+    UserError
+        Matplotlib is missing.
+    """
+    n = len(results.policies)
+    columns = n if n <= 4 else 3
+    rows = math.ceil(n / columns)
+    figure, axes = _figure(
+        figsize=(2.9 * columns + 1.1, 3.1 * rows + 0.7),
+        nrows=rows,
+        ncols=columns,
+        sharex=True,
+        sharey=True,
+        squeeze=False,
+    )
+    image = None
+    for ax, (name, policy) in zip(axes.flat, results.policies.items(), strict=False):
+        image = _map(ax, name, policy, motor)
+    _name_quadrants(axes[0, 0])
+    for ax in list(axes.flat)[n:]:
+        ax.set_axis_off()
+    for j in range(columns):
+        last = axes[(n - 1 - j) // columns, j]
+        last.set_xlabel("speed [r/min]")
+        last.tick_params(labelbottom=True)
+    for row in axes:
+        row[0].set_ylabel("load torque [N m]")
+    _legend(figure)
+    figure.colorbar(image, ax=axes, label="angle error, RMS [° el.]", extend="max")
+    return figure  # type: ignore[no-any-return]
+
+
+def _map(ax: Any, name: str, policy: dict[str, Any], motor: Motor) -> Any:
+    rows = policy["scenarios"]
+    side = math.isqrt(len(rows["lost"]))
+    lost = np.array(rows["lost"]).reshape(side, side).T
+    beyond = np.array(["twin" in (cause or "") for cause in rows["lost_cause"]])
+    error = np.array(rows["angle_err_rms_deg"], dtype=np.float64).reshape(side, side).T
+    grid = np.linspace(-1.0, 1.0, side)
+    speed, load = grid * motor.n_rated_rpm, grid * motor.tau_rated
+    held = np.ma.masked_where(lost, error)
+    image = ax.pcolormesh(speed, load, held, vmin=0.0, vmax=SHOWN, cmap="YlGnBu", shading="nearest")
+    for colour, cells in ((LOST, lost), (BEYOND, beyond.reshape(side, side).T)):
+        ax.pcolormesh(
+            speed,
+            load,
+            np.ma.masked_where(~cells, np.zeros((side, side))),
+            cmap=_one_colour(colour),
+            shading="nearest",
+        )
+    ax.axhline(0.0, color="k", lw=0.4, alpha=0.5)
+    ax.axvline(0.0, color="k", lw=0.4, alpha=0.5)
+    ax.set_title(f"{name}\nholds {100.0 * np.mean(~lost):.0f} %", fontsize=10)
+    return image
+
+
+def _name_quadrants(ax: Any) -> None:
+    for x, y in ((0.03, 0.03), (0.03, 0.97), (0.97, 0.03), (0.97, 0.97)):
+        ax.text(
+            x,
+            y,
+            "motoring" if x == y else "regenerating",
+            transform=ax.transAxes,
+            ha="left" if x < 0.5 else "right",
+            va="bottom" if y < 0.5 else "top",
+            fontsize=7,
+            bbox={"facecolor": "w", "alpha": 0.8, "edgecolor": "none", "pad": 1.0},
+        )
+
+
+def _one_colour(colour: str) -> Any:
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap([colour])
+
+
+def _legend(figure: Any) -> None:
+    from matplotlib.patches import Patch
+
+    figure.legend(
+        handles=[
+            Patch(color=LOST, label="lost lock"),
+            Patch(color=BEYOND, label="beyond the machine: the sensored twin is lost too"),
+        ],
+        loc="outside upper center",
+        ncols=2,
+        frameon=False,
+        fontsize=9,
+    )

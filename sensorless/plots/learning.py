@@ -1,0 +1,116 @@
+"""Learning curves of training runs, and what other schedules reach on the same scenarios."""
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sensorless.agents.loading import CONFIG
+from sensorless.agents.train.run_folder import PROGRESS, design_and_motor
+from sensorless.agents.validation import validate
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.evaluation.objective import Cost
+from sensorless.plots.waveforms import _figure
+from sensorless.policies import shipped
+from sensorless.policies.registry import make_policy
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+RULES = {"angles": "linear-tuned", "flux": "flux_observer-tuned"}
+"""Tuned ramp that a schedule that learns has to pass, by the estimator of its drive."""
+CURVES = (
+    ("objective", "objective [%]"),
+    ("lost_rate", "lost in validation [%]"),
+    ("torque_dev", "torque deviation [% of rated]"),
+    ("torque_ripple", "torque ripple [% of rated]"),
+)
+"""Of ``progress.csv`` and of ``Cost``."""
+STYLES = ("--", ":", "-.")
+
+Curve = dict[str, Any]
+"""Columns of ``progress.csv`` by name, each (validations,)."""
+
+
+def curves_of(folder: Path) -> dict[str, Curve]:
+    """Validation over training time, columns by name, of the runs inside a folder or of its own.
+
+    A folder with runs in it is a copy of one of them, and left out where it is itself inside.
+    """
+    out = {}
+    for path in sorted(folder.glob(f"*/{PROGRESS}")) or [folder / PROGRESS]:
+        if path.is_file() and (path.parent == folder or not any(path.parent.glob(f"*/{PROGRESS}"))):
+            with path.open(encoding="utf-8", newline="") as file:
+                rows = list(csv.DictReader(file))
+            if rows:
+                out[path.parent.resolve().name] = {
+                    key: np.array([float(row[key]) for row in rows]) for key in rows[0]
+                }
+    return out
+
+
+def levels_of(folder: Path, words: Sequence[str]) -> dict[str, Cost]:
+    """Cost of other policies on the very scenarios that a run is validated on, by name.
+
+    Parameters
+    ----------
+    folder : Path
+        Of a training run.
+    words : sequence of str
+        Policies, as in ``sensorless.policies.registry.known``.
+
+    Raises
+    ------
+    UserError
+        No training run there, or no such policy for its motor.
+    """
+    design, motor = design_and_motor(folder)
+    size = int(json.loads((folder / CONFIG).read_text(encoding="utf-8"))["train"]["validate_size"])
+    factory = SimFactory(motor, design)
+    return {word: validate(make_policy(word, motor), factory, size) for word in words}
+
+
+def shipped_levels(folder: Path) -> dict[str, Cost]:
+    """Cost of the tuned ramp and of the reference on a run's scenarios, as far as there are such.
+
+    The reference is made for one machine, and for no other.
+    """
+    if not (folder / CONFIG).is_file():
+        return {}
+    rule = rule_for(folder)
+    words = [rule] if shipped.tuned_file(rule).is_file() else []
+    reference = shipped.reference_run()
+    if reference is not None and _motor_of(reference) == _motor_of(folder):
+        words.append("reference")
+    return levels_of(folder, words)
+
+
+def rule_for(folder: Path) -> str:
+    """Name of the tuned ramp on the estimator of a run."""
+    return RULES.get(design_and_motor(folder)[0].estimator, RULES["angles"])
+
+
+def _motor_of(folder: Path) -> str:
+    return design_and_motor(folder)[1].digest
+
+
+def learning_curves(curves: Mapping[str, Curve], levels: Mapping[str, Cost]) -> "Figure":
+    """Objective and its parts in validation over training time, one line a run, one a level."""
+    figure, axes = _figure(figsize=(11.0, 6.4), nrows=2, ncols=2)
+    for ax, (key, label) in zip(axes.flat, CURVES, strict=True):
+        for name, curve in curves.items():
+            minutes, value = curve["seconds"] / 60.0, 100.0 * curve[key]
+            (line,) = ax.plot(minutes, value, "-o", ms=2.5, lw=1.0, label=name)
+            best = int(np.argmin(curve["objective"]))
+            ax.plot(minutes[best], value[best], "*", ms=11, color=line.get_color())
+        for (name, cost), style in zip(levels.items(), STYLES, strict=False):
+            ax.axhline(100.0 * getattr(cost, key), color="k", lw=1.0, ls=style, label=name)
+        ax.set_xlabel("training time [min]")
+        ax.set_ylabel(label)
+        ax.grid(alpha=0.3)
+    axes[0, 1].set_ylim(0.0, None)
+    axes[0, 0].legend(fontsize=8, title="★ kept", title_fontsize=8)
+    return figure  # type: ignore[no-any-return]

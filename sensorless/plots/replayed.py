@@ -1,0 +1,45 @@
+"""Figure of a replayed log. Needs the extra ``plot``."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sensorless.plots.waveforms import COLOURS, _figure
+from sensorless.replay.replay import NAMES, RPM, Replay
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLOUR = {name: COLOURS.get(name, "#6a994e") for name in NAMES}
+
+
+def replayed(r: Replay) -> "Figure":
+    """Speed, angle error (without an encoder: angle) and weight over time."""
+    figure, axes = _figure(figsize=(9.0, 8.0), nrows=3, sharex=True, height_ratios=(2, 2.4, 1))
+    speed, angle, weight = axes
+    t, theta_e = r.log.t, r.log.theta_e
+    if theta_e is not None:
+        window = max(1, round(0.005 / r.motor.T_s))
+        turned = np.unwrap(theta_e)
+        true = (turned[window:] - turned[:-window]) / (t[window:] - t[:-window])
+        middle = 0.5 * (t[window:] + t[:-window])
+        rpm = RPM / r.motor.n_p * true
+        speed.plot(middle, rpm, color=COLOURS["twin"], lw=2.5, label="encoder, over 5 ms")
+    for name, estimate in r.estimates.items():
+        style = {"color": COLOUR[name], "lw": 0.8, "label": NAMES[name]}
+        speed.plot(t, RPM / r.motor.n_p * estimate.omega_e, **style)
+        error = r.error(name)
+        shown = np.rad2deg(estimate.theta_e if error is None else error)
+        angle.plot(t, np.where(estimate.valid, shown, np.nan), **style)
+    weight.plot(t, r.k_s, color=COLOURS["blend"])
+    weight.set_ylim(-0.05, 1.05)
+    speed.set_ylabel("speed [r/min]")
+    angle.set_ylabel(
+        "angle [° el.]" if theta_e is None else "angle error [° el.]\ntruth − estimate"
+    )
+    weight.set_ylabel("$k_s$\n1 = HFI, 0 = SMO")
+    weight.set_xlabel("time [s]")
+    for ax in axes:
+        ax.grid(alpha=0.3)
+    speed.legend(ncols=5, fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
+    return figure  # type: ignore[no-any-return]

@@ -1,0 +1,150 @@
+"""Figures: waveforms of a drive, and a schedule beside Eq. 25. Needs the extra ``plot``."""
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sensorless.errors import UserError
+from sensorless.evaluation.trace import Trace, lost_cause
+from sensorless.files import write_atomic
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLOURS = {
+    "hfi": "#d1495b",
+    "smo": "#2e86ab",
+    "blend": "#1b1b1e",
+    "twin": "#8d99ae",
+    "ref": "#f2a541",
+}
+RPM = 30.0 / np.pi
+DPI = 120
+LARGE = 100_000
+"""Bytes of a picture that is worth a palette: waveforms are, maps with their gradients are not."""
+
+
+def require_matplotlib() -> None:
+    """Find out before the work whether there can be figures.
+
+    Raises
+    ------
+    UserError
+        Matplotlib is missing.
+    """
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise UserError("plots need matplotlib: pip install 'sensorless[plot]'") from None
+
+
+def _figure(**options: Any) -> Any:
+    """Return figure and axes of matplotlib, without a display."""
+    require_matplotlib()
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    size = options.pop("figsize")
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(**options)
+
+
+def save(figure: "Figure", path: Path) -> None:
+    """Write a figure as PNG, whole or not at all."""
+    write_atomic(path, png(figure))
+
+
+def png(figure: "Figure") -> bytes:
+    """Return a figure as PNG; one above ``LARGE`` with a palette, which is a third of the size."""
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=DPI)
+    if len(buffer.getvalue()) <= LARGE:
+        return buffer.getvalue()
+    picture = Image.open(buffer).convert("RGB")
+    small = io.BytesIO()
+    picture.quantize(256, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
+    return small.getvalue()
+
+
+def waveforms(traces: dict[str, Trace]) -> "Figure":
+    """Speed, torque, angle errors and weight over time, one column a run; keys are titles."""
+    figure, axes = _figure(
+        figsize=(7.0 * len(traces) + 1.5, 9.5),
+        nrows=4,
+        ncols=len(traces),
+        sharex=True,
+        sharey="row",
+        squeeze=False,
+        height_ratios=(3, 2.4, 2.4, 1.2),
+    )
+    worst = max(_quantile(t["theta_e_err"][t["starting"] == 0.0]) for t in traces.values())
+    for column, (title, t) in zip(axes.T, traces.items(), strict=True):
+        _speeds(column[0], t)
+        _torques(column[1], t)
+        _angles(column[2], t)
+        column[2].set_ylim(-max(6.0, 1.6 * worst), max(6.0, 1.6 * worst))
+        column[3].plot(t["t"], t["k_s"], color=COLOURS["blend"])
+        column[3].set_ylim(-0.05, 1.05)
+        column[3].set_xlabel("time [s]")
+        cause = lost_cause(t)
+        column[0].set_title(title + (f" — lost: {cause}" if cause else ""), pad=24)
+        for ax in column:
+            ax.grid(alpha=0.3)
+            _shade_start(ax, t)
+        for ax in column[:3]:
+            place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
+            for line in ax.legend(ncols=4, fontsize=8, **place).get_lines():
+                line.set(linewidth=2.0, alpha=1.0)
+    labels = (
+        "speed [r/min]",
+        "torque [N m]",
+        "angle error [° el.]\ntruth − estimate",
+        "$k_s$\n1 HFI, 0 observer",
+    )
+    for ax, label in zip(axes[:, 0], labels, strict=True):
+        ax.set_ylabel(label, fontsize=9)
+    return figure  # type: ignore[no-any-return]
+
+
+def _shade_start(ax: Any, t: Trace) -> None:
+    """Grey where the drive was still looking for its rotor."""
+    seeking = t["t"][t["starting"] > 0.0]
+    if len(seeking):
+        ax.axvspan(seeking[0], seeking[-1], color="0.88", lw=0)
+
+
+def _quantile(x: Any) -> float:
+    """Angle that 99.9 % of the errors stay within, at most 90 [deg]."""
+    return min(float(np.quantile(np.abs(np.rad2deg(x)), 0.999)), 90.0) if len(x) else 90.0
+
+
+def _speeds(ax: Any, t: Trace) -> None:
+    ax.plot(t["t"], RPM * t["omega_m_ref"], color=COLOURS["ref"], label="reference")
+    ax.plot(t["t"], RPM * t["omega_m_twin"], color=COLOURS["twin"], lw=2.5, label="sensored twin")
+    ax.plot(t["t"], RPM * t["omega_m"], color=COLOURS["blend"], lw=1.0, label="sensorless")
+    ax.plot(t["t"], RPM * t["omega_m_hat"], color=COLOURS["smo"], lw=0.6, label="estimate")
+
+
+def _torques(ax: Any, t: Trace) -> None:
+    band = _pairs(t["tau"])
+    ax.plot(t["t"], t["tau"], color=COLOURS["smo"], lw=0.4, alpha=0.5, label="torque")
+    ax.plot(t["t"], band, color=COLOURS["blend"], lw=0.8, label="without injection band")
+    ax.plot(t["t"], t["tau_twin"], color=COLOURS["twin"], label="sensored twin")
+    ax.plot(t["t"], t["tau_load"], color=COLOURS["ref"], label="load")
+
+
+def _angles(ax: Any, t: Trace) -> None:
+    for key, name in (("_hfi", "hfi"), ("_smo", "smo"), ("", "blend")):
+        error = np.rad2deg(t[f"theta_e_err{key}"])
+        label = {"hfi": "HFI", "smo": "observer", "blend": "blend"}[name]
+        ax.plot(t["t"], error, color=COLOURS[name], lw=0.7, label=label)
+
+
+def _pairs(x: Any) -> Any:
+    """Mean of each two samples in a row."""
+    return 0.5 * (x + np.concatenate([x[:1], x[:-1]]))

@@ -1,0 +1,148 @@
+"""From a word on the command line to a policy."""
+
+from pathlib import Path
+
+from sensorless.agents.loading import load_run
+from sensorless.baselines import (
+    constant,
+    emf_threshold,
+    error_blend,
+    flux_observer,
+    fusion,
+    fuzzy,
+    gated,
+    grid,
+    hysteresis,
+    linear,
+    logistic,
+    oracle,
+    physics_threshold,
+    quadratic,
+    ramp,
+    sensored,
+    sine,
+    smoothstep,
+)
+from sensorless.baselines.rule import Rule
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+from sensorless.policies import shipped
+from sensorless.policies.tuned import Tuned
+from sensorless.policy import Policy, trained_estimator, with_estimator
+
+RULES: dict[str, Rule] = {
+    rule.name: rule
+    for rule in (
+        linear.EQ25,
+        linear.RULE,
+        smoothstep.RULE,
+        sine.RULE,
+        quadratic.RULE,
+        hysteresis.RULE,
+        ramp.RULE,
+        gated.RULE,
+        emf_threshold.RULE,
+        physics_threshold.RULE,
+        fusion.RULE,
+        error_blend.RULE,
+        flux_observer.RULE,
+        fuzzy.RULE,
+        logistic.RULE,
+        grid.RULE,
+        constant.RULE,
+        constant.HFI,
+        constant.SMO,
+        oracle.RULE,
+        sensored.RULE,
+    )
+}
+"""Every rule by name."""
+
+TUNED = "tuned:FILE.json"
+RUN = "RUN"
+
+
+def known() -> dict[str, str]:
+    """Every policy that ``make_policy`` understands, and what it is."""
+    return {
+        **{rule.usage: rule.doc for rule in RULES.values()},
+        **shipped.docs(),
+        TUNED: "result of sensorless tune; also FILE.json alone",
+        RUN: "folder of a training run, by its path",
+    }
+
+
+def rule_named(name: str) -> Rule:
+    """Rule by name.
+
+    Raises
+    ------
+    UserError
+        No such rule.
+    """
+    if name not in RULES:
+        raise UserError(f"rule: {name!r}; allowed: {', '.join(RULES)}")
+    return RULES[name]
+
+
+def make_policy(spec: str, motor: Motor) -> Policy:
+    """Policy of a word as in ``known``, for one motor.
+
+    A rule's name goes before a folder or file of the same name; write ``./NAME`` for the folder.
+
+    Raises
+    ------
+    UserError
+        Unknown name, or a number out of its range.
+    """
+    word, colon, text = spec.partition(":")
+    if word in RULES:
+        rule = RULES[word]
+        return rule.build(spec, rule.parse(spec, text if colon else None, motor), motor)
+    if word.endswith(shipped.SUFFIX) and shipped.tuned_file(word).is_file() and not colon:
+        return load_tuned(shipped.tuned_file(word), motor)
+    run = shipped.reference_run(spec)
+    if run is not None:
+        learned = load_run(run, motor)
+        learned.name = spec
+        return learned
+    if word == "tuned" and text:
+        return load_tuned(Path(text), motor)
+    if Path(spec).is_dir():
+        return load_run(Path(spec), motor)
+    if spec.endswith(".json"):
+        return load_tuned(Path(spec), motor)
+    names = ", ".join((*RULES, *shipped.tuned_names(), TUNED, RUN))
+    rule_name = spec.removesuffix(shipped.SUFFIX)
+    if rule_name in RULES:
+        raise UserError(
+            f"policy: {spec!r}: no results/reference/tuned/{spec}.json; allowed: a file that "
+            f"'sensorless tune {rule_name} --out FILE.json' writes, or {names}"
+        )
+    raise UserError(
+        f"policy: {spec!r}: no such rule, folder or file; allowed: {names} (see evaluate --list)"
+    )
+
+
+def load_tuned(path: Path, motor: Motor) -> Policy:
+    """Policy of a tuned rule, named after its file. Its parameters scale with the machine.
+
+    It runs on the estimator that it was tuned on, if the file tells.
+
+    Raises
+    ------
+    UserError
+        No such file, a damaged one, or one with parameters that its rule does not take.
+    """
+    tuned = Tuned.load(path)
+    if tuned.rule not in RULES:
+        raise UserError(f"{path}: rule: {tuned.rule!r}; allowed: {', '.join(RULES)}")
+    rule = RULES[tuned.rule]
+    names = [p.name for p in rule.parameters]
+    if sorted(tuned.parameters) != sorted(names) or not rule.allows(tuned.parameters):
+        raise UserError(
+            f"{path}: parameters: {dict(tuned.parameters)!r}; allowed: those of {rule.usage}, "
+            "each in its range"
+        )
+    policy = rule.build(path.stem, tuned.parameters, motor)
+    return with_estimator(policy, trained_estimator(tuned.provenance))

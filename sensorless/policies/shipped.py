@@ -1,0 +1,51 @@
+"""What the package brings along ready to use: the reference run, and rules that were tuned."""
+
+from pathlib import Path
+
+from sensorless.design.drive import DriveDesign
+from sensorless.policies.tuned import Tuned
+from sensorless.policy import trained_estimator
+
+FOLDER = Path(__file__).absolute().parents[1] / "reference"
+"""``results/reference`` of the repository."""
+RUNS = {"reference": "", "reference-smo": "sliding-mode"}
+"""Learned schedules by name, and where in ``FOLDER`` they are."""
+SUFFIX = "-tuned"
+
+
+def reference_run(name: str = "reference") -> Path | None:
+    """Folder of a learned schedule of ``RUNS``, if it is there."""
+    folder = FOLDER / RUNS[name] if name in RUNS else None
+    return folder if folder is not None and (folder / "table.json").is_file() else None
+
+
+def tuned_file(name: str) -> Path:
+    """Where the tuned rule of that name, ``linear-tuned`` for one, is kept if it is there."""
+    return FOLDER / "tuned" / f"{name}.json"
+
+
+def tuned_names() -> list[str]:
+    """Names of all tuned rules."""
+    return sorted(path.stem for path in (FOLDER / "tuned").glob(f"*{SUFFIX}.json"))
+
+
+def docs() -> dict[str, str]:
+    """One line about each of them.
+
+    Raises
+    ------
+    UserError
+        A file is damaged.
+    """
+    lines = {}
+    for name in tuned_names():
+        tuned = Tuned.load(tuned_file(name))
+        budget = float(tuned.provenance.get("budget_s", "nan"))
+        own = trained_estimator(tuned.provenance)
+        lines[name] = f"{tuned.rule} with parameters found by CMA-ES in {budget:g} s simulated" + (
+            f", estimator={own}" if own not in (None, DriveDesign.estimator) else ""
+        )
+    for name, where in RUNS.items():
+        if reference_run(name) is not None:
+            lines[name] = f"the schedule of {Path('results/reference', where)}, learned by PPO"
+    return lines

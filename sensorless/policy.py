@@ -1,0 +1,116 @@
+"""What chooses the weight k_s at every decision."""
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core.api import Array
+from sensorless.design.drive import DriveDesign
+from sensorless.machine.motor import Motor
+from sensorless.table.ks_table import KsTable
+
+Signals = NDArray[np.float32]
+
+DECISION = 0.001
+"""Time between two decisions [s], rounded to whole PWM periods."""
+
+
+def decision_periods(motor: Motor) -> int:
+    """PWM periods between two decisions."""
+    return max(1, round(DECISION / motor.T_s))
+
+
+def decision_time(motor: Motor) -> float:
+    """Time between two decisions [s]."""
+    return decision_periods(motor) * motor.T_s
+
+
+class Policy(Protocol):
+    """A rule for n drives at once; row i of every array is drive i."""
+
+    name: str
+    sensored: bool
+    """The drive runs on its true angle instead of an estimate, and k_s is without effect."""
+
+    def reset(self, n: int) -> None:
+        """Forget the past; n drives are about to start."""
+
+    def act(self, obs: Signals) -> NDArray[np.float32]:
+        """Weights wanted (n,), 0 to 1, at the signals (n, SIGNAL_N) of ``core/signals.h``."""
+
+
+@runtime_checkable
+class PrivilegedPolicy(Policy, Protocol):
+    """A bound, no rule for a drive: it knows what no firmware can."""
+
+    privileged: bool
+
+    def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
+        """Weights wanted (n,) at the signals and the simulated drives themselves (SIM)."""
+
+
+@runtime_checkable
+class EstimatorPolicy(Policy, Protocol):
+    """A policy that belongs to one way to one estimate: it runs on it whatever the design says."""
+
+    estimator: str | None
+    """As in ``DriveDesign``; None: the design's."""
+
+
+def estimator_of(policy: Policy) -> str | None:
+    """Estimator that a policy asks for; None if it takes the design's."""
+    return policy.estimator if isinstance(policy, EstimatorPolicy) else None
+
+
+def design_for(policy: Policy, design: DriveDesign) -> DriveDesign:
+    """Design with the estimator that a policy asks for."""
+    return dataclasses.replace(design, estimator=estimator_of(policy) or design.estimator)
+
+
+def with_estimator(policy: Policy, estimator: str | None) -> Policy:
+    """The policy itself, on that estimator from now on unless it asks for one already."""
+    if estimator is not None and estimator_of(policy) is None:
+        vars(policy)["estimator"] = estimator
+    return policy
+
+
+def trained_estimator(provenance: Mapping[str, Any]) -> str | None:
+    """Estimator that a schedule was made on; None if its provenance does not tell."""
+    design = provenance.get("design")
+    return design.get("estimator") if isinstance(design, dict) else None
+
+
+def decide(policy: Policy, obs: Signals, sims: Array) -> NDArray[np.float32]:
+    """Weights wanted (n,); only a privileged policy gets to see the drives."""
+    knowing = getattr(policy, "act_knowing", None)  # isinstance of a protocol costs 100 times that
+    chosen: NDArray[np.float32] = policy.act(obs) if knowing is None else knowing(obs, sims)
+    return chosen
+
+
+class TablePolicy:
+    """A schedule table, looked up by the code that also runs on the target. It has no memory.
+
+    Parameters
+    ----------
+    name : str
+    table : KsTable
+    estimator : str, optional
+        See ``EstimatorPolicy``.
+    """
+
+    sensored = False
+
+    def __init__(self, name: str, table: KsTable, estimator: str | None = None) -> None:
+        self.name = name
+        self.table = table
+        self.estimator = estimator
+
+    def reset(self, n: int) -> None:
+        """Nothing to forget."""
+
+    def act(self, obs: Signals) -> NDArray[np.float32]:
+        """Interpolated weights (n,)."""
+        return self.table.evaluate(obs)

@@ -1,0 +1,1 @@
+"""Observers and blend over a recorded log."""

@@ -1,0 +1,216 @@
+"""Recorded logs of a drive in CSV: what ``sensorless replay`` reads, ``simulate --log`` writes.
+
+One row a PWM period, sampled at ``t``; ``docs/replay.md`` has all columns with their units.
+"""
+
+import csv
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sensorless.core.api import REPLAY_IN, Array
+from sensorless.errors import UserError
+from sensorless.evaluation.trace import Trace
+from sensorless.files import write_atomic
+from sensorless.machine.magnetics import Floats
+from sensorless.machine.motor import Motor
+
+VOLTAGES = (("u_alpha", "u_beta"), ("u_a", "u_b", "u_c"), ("d_a", "d_b", "d_c", "u_dc"))
+"""Ways to give the voltage, the first complete one is taken."""
+COLUMNS = ("t", "i_a", "i_b", "i_c", *sum(VOLTAGES, ()), "inj", "theta_e", "theta_m")
+JITTER = 0.01
+"""Deviation of a period that is still uniform, over the period."""
+SIXTHS = np.exp(2j * np.pi * np.arange(3) / 3.0)
+
+
+@dataclass(frozen=True)
+class Log:
+    """A recorded run of n periods; row k is the sampling instant t[k]."""
+
+    t: Floats
+    """(n,) [s]"""
+    i: Floats
+    """(n, 2) phase currents a and b [A], free of a common part"""
+    u: Floats
+    """(n, 2) stator voltage alpha, beta [V] over [t[k-1], t[k]]; 0 in row 0"""
+    u_dc: Floats
+    """(n,) [V]"""
+    inj: Floats | None
+    """(n,) sign of the injection over [t[k-1], t[k]], if recorded"""
+    theta_e: Floats | None
+    """(n,) angle of the encoder, electrical [rad], if recorded"""
+
+    def rows(self) -> Array:
+        """Rows of REPLAY_IN, shape (n,)."""
+        rows = np.zeros(len(self.t), dtype=REPLAY_IN)
+        rows["i_a"], rows["i_b"] = self.i.T
+        rows["u_a"], rows["u_b"] = self.u.T
+        rows["u_dc"] = self.u_dc
+        rows["inj"] = 0.0 if self.inj is None else self.inj
+        rows["infer"] = float(self.inj is None)
+        return rows
+
+
+def clarke(phases: Floats) -> Floats:
+    """Phase values (n, 3) to alpha, beta (n, 2); a common part is dropped."""
+    vector = 2.0 / 3.0 * (phases @ SIXTHS)
+    return np.stack([vector.real, vector.imag], axis=-1)
+
+
+def duties(u: Floats, u_dc: Floats) -> Floats:
+    """Duty cycles (n, 3) of stator voltages (n, 2) [V] at DC links (n,) [V], as the inverter's."""
+    phases = ((u[:, 0] + 1j * u[:, 1])[:, None] * np.conj(SIXTHS)).real
+    middle = 0.5 * (phases.max(axis=1) + phases.min(axis=1))
+    return np.asarray(np.clip(0.5 + (phases - middle[:, None]) / u_dc[:, None], 0.0, 1.0))
+
+
+def write_log(t: Trace, path: Path) -> None:
+    """A traced run as its drive could have recorded it, with an encoder."""
+    u = np.stack([t["u_a"], t["u_b"]], axis=-1)
+    head = "t,i_a,i_b,u_alpha,u_beta,inj,d_a,d_b,d_c,u_dc,theta_e"
+    columns = [np.round(t["t"], 9)]
+    columns += [t[n] for n in ("i_a", "i_b", "u_a_hat", "u_b_hat", "inj")]
+    columns += [*duties(u, t["u_dc"]).T, t["u_dc"], t["theta_e"]]
+    form = ",".join(["%.9g"] * 5 + ["%d"] + ["%.6f"] * 3 + ["%.9g"] * 2)
+    lines = [form % tuple(row) for row in np.stack(columns, axis=-1)]
+    write_atomic(path, "\n".join([head, *lines]) + "\n")
+
+
+def read_log(path: Path, motor: Motor, *, u_dt: float, inv_i_dt: float, delay: int = 0) -> Log:
+    """Read a log.
+
+    Parameters
+    ----------
+    motor : Motor
+        Its period has to be the log's, its pole pairs turn a mechanical angle into an electrical
+        one, its DC link stands in for a missing column.
+    u_dt, inv_i_dt : float
+        Dead-time voltage a leg [V] to take off duty cycles against the measured current, and the
+        slope of its transition [1/A]: what the drive's own compensation adds.
+    delay : int
+        Rows between the one that has a voltage and the one where it begins to act: 0 for what acts
+        over the period that begins with the row, 1 for what was computed from its sample.
+
+    Raises
+    ------
+    UserError
+        Names the file, the line and the column.
+    """
+    where = f"log {str(path)!r}"
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            columns, lines = _parse(file, where)
+    except OSError as error:
+        raise UserError(f"{where}: {error.strerror}; allowed: a readable file") from None
+    except (csv.Error, UnicodeDecodeError) as error:
+        raise UserError(f"{where}: not a valid CSV file: {error}") from None
+    t = columns["t"]
+    _check_time(t, lines, motor, where)
+    i = _currents(columns)
+    u_dc = columns.get("u_dc", np.full(len(t), motor.u_dc))
+    inj = columns.get("inj")
+    if inj is not None:
+        wrong = np.flatnonzero(~np.isin(inj, (-1.0, 0.0, 1.0)))
+        if len(wrong):
+            raise UserError(
+                f"{where}: line {lines[wrong[0]]}: inj: {inj[wrong[0]]:g}; allowed: -1, 0, 1"
+            )
+    theta_e = columns.get("theta_e")
+    if theta_e is None and "theta_m" in columns:
+        theta_e = motor.n_p * columns["theta_m"]
+    return Log(
+        t=t,
+        i=i,
+        u=_later(_voltage(columns, i, u_dc, u_dt, inv_i_dt, where), 1 + delay),
+        u_dc=u_dc,
+        inj=None if inj is None else _later(inj, 1 + delay),
+        theta_e=theta_e,
+    )
+
+
+def _later(x: Floats, rows: int) -> Floats:
+    """Column moved down by so many rows, zeros before."""
+    return np.asarray(np.concatenate([np.zeros_like(x[:rows]), x[:-rows]]))
+
+
+def _currents(columns: dict[str, Floats]) -> Floats:
+    """Two phase currents (n, 2); a third one takes the common part out."""
+    two = np.stack([columns["i_a"], columns["i_b"]], axis=-1)
+    if "i_c" not in columns:
+        return two
+    return np.asarray(two - ((two.sum(axis=1) + columns["i_c"]) / 3.0)[:, None])
+
+
+def _voltage(
+    columns: dict[str, Floats], i: Floats, u_dc: Floats, u_dt: float, inv_i_dt: float, where: str
+) -> Floats:
+    """Stator voltage (n, 2) [V] over the period that a row begins."""
+    way = next((names for names in VOLTAGES if all(n in columns for n in names)), None)
+    if way is None:
+        given = "; or ".join(", ".join(names) for names in VOLTAGES)
+        raise UserError(f"{where}: line 1: no complete voltage; allowed: {given}")
+    values = np.stack([columns[n] for n in way], axis=-1)
+    if way == VOLTAGES[0]:
+        return values
+    if way == VOLTAGES[1]:
+        return clarke(values)
+    over = 0.5 * (i + np.concatenate([i[1:], i[-1:]]))  # mean of the samples around the period
+    phases = np.stack([over[:, 0], over[:, 1], -over.sum(axis=1)], axis=-1)
+    loss = u_dt * np.clip(phases * inv_i_dt, -1.0, 1.0)
+    return clarke(values[:, :3] * u_dc[:, None] - loss)
+
+
+def _check_time(t: Floats, lines: Array, motor: Motor, where: str) -> None:
+    if len(t) < 3:
+        raise UserError(f"{where}: {len(t)} rows; allowed: at least 3")
+    step = np.diff(t)
+    period = float(np.median(step))
+    if abs(period - motor.T_s) > JITTER * motor.T_s:
+        raise UserError(
+            f"{where}: t: {period:g} s from row to row; allowed: {motor.T_s:g} s, the T_s of motor "
+            f"{motor.name!r}"
+        )
+    wrong = np.flatnonzero(np.abs(step - motor.T_s) > JITTER * motor.T_s)
+    if len(wrong):
+        raise UserError(
+            f"{where}: line {lines[wrong[0] + 1]}: t: {step[wrong[0]]:g} s after the row before; "
+            f"allowed: {motor.T_s:g} s"
+        )
+
+
+def _parse(file: Iterable[str], where: str) -> tuple[dict[str, Floats], Array]:
+    """Columns by name, and the line each row stands on."""
+    reader = csv.reader(file)
+    header = [name.strip() for name in next(reader, [])]
+    for name in header:
+        if name in COLUMNS and header.count(name) > 1:
+            raise UserError(f"{where}: line 1: column {name}: given twice; allowed: once")
+    for name in ("t", "i_a", "i_b"):
+        if name not in header:
+            raise UserError(f"{where}: line 1: column {name}: missing; known: {', '.join(COLUMNS)}")
+    used = [j for j, name in enumerate(header) if name in COLUMNS]
+    rows, lines = [], []
+    for row in reader:
+        if not row:
+            continue
+        at = f"{where}: line {reader.line_num}"
+        if len(row) != len(header):
+            raise UserError(f"{at}: {len(row)} values; allowed: {len(header)}, as in the header")
+        rows.append([_value(row[j], f"{at}: {header[j]}") for j in used])
+        lines.append(reader.line_num)
+    if not rows:
+        raise UserError(f"{where}: no rows; allowed: one a period, at least 3")
+    table = np.array(rows)
+    return {header[j]: table[:, k] for k, j in enumerate(used)}, np.array(lines)
+
+
+def _value(text: str, at: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+    if not abs(value) < 1e15:  # also NaN
+        raise UserError(f"{at}: {text!r}; allowed: a finite number")
+    return value

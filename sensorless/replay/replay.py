@@ -1,0 +1,177 @@
+"""The drive's observers, their blend and an independent filter over a recorded log."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from rich.table import Table
+
+from sensorless.core.api import REPLAY_NAMES, SIGNAL_N, Array, ObserverRun
+from sensorless.design.drive import DriveDesign, control_record
+from sensorless.errors import UserError
+from sensorless.files import write_atomic
+from sensorless.machine.magnetics import Floats
+from sensorless.machine.motor import Motor
+from sensorless.observers.ekf import run_ekf
+from sensorless.policy import Policy, PrivilegedPolicy, decision_periods, design_for
+from sensorless.replay.log import Log, clarke, read_log
+
+RPM = 30.0 / np.pi
+NAMES = {"hfi": "HFI", "smo": "SMO", "blend": "blend", "ekf": "EKF"}
+"""Estimators by the ending of their columns."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One estimator over n samples."""
+
+    theta_e: Floats
+    """(n,) angle, electrical [rad]"""
+    omega_e: Floats
+    """(n,) speed, electrical [rad/s]"""
+    valid: Array
+    """(n,) bool: it had its own signal; else it followed the blend"""
+
+
+@dataclass(frozen=True)
+class Replay:
+    """All estimators over a log."""
+
+    motor: Motor
+    policy: str
+    log: Log
+    k_s: Floats
+    """(n,) weight of the blend"""
+    estimates: dict[str, Estimate] = field(default_factory=dict)
+    """by the keys of ``NAMES``"""
+
+    def error(self, name: str) -> Floats | None:
+        """Truth minus estimate (n,) [rad]; None without an encoder."""
+        if self.log.theta_e is None:
+            return None
+        turn = self.log.theta_e - self.estimates[name].theta_e
+        return np.asarray(np.remainder(turn + np.pi, 2.0 * np.pi) - np.pi)
+
+    def write_csv(self, path: Path) -> None:
+        """Angle, speed and error of every estimator, one row a sample."""
+        columns: dict[str, Array] = {"t": self.log.t, "k_s": self.k_s}
+        if self.log.theta_e is not None:
+            columns["theta_e"] = self.log.theta_e
+        for name, estimate in self.estimates.items():
+            columns[f"theta_e_hat_{name}"] = estimate.theta_e
+            columns[f"omega_e_hat_{name}"] = estimate.omega_e
+            error = self.error(name)
+            if error is not None:
+                columns[f"theta_e_err_{name}"] = error
+            columns[f"valid_{name}"] = estimate.valid
+        form = ",".join(["%.9g"] * len(columns))
+        lines = [form % tuple(row) for row in np.stack(list(columns.values()), axis=-1)]
+        write_atomic(path, "\n".join([",".join(columns), *lines]) + "\n")
+
+    def table(self, after: float = 0.0) -> Table:
+        """Errors of every estimator while it had its own signal, from ``after`` [s] on."""
+        since = f" from {after:g} s on" if after > 0.0 else ""
+        table = Table(title=f"{len(self.log.t)} samples of {self.motor.name}, k_s: {self.policy}")
+        table.caption = f"angle: truth − estimate, electrical, while on its own signal{since}"
+        for heading in ("estimator", "own signal\n[%]", "RMS [°]", "largest [°]", "mean [°]"):
+            table.add_column(heading, justify="left" if heading == "estimator" else "right")
+        for name, row in self.summary(after).items():
+            cells = (f"{row[key]:.2f}" for key in ("rms_deg", "max_deg", "mean_deg"))
+            shown = cells if self.log.theta_e is not None and row["share"] else ("–",) * 3
+            table.add_row(NAMES[name], f"{100.0 * row['share']:.0f}", *shown)
+        return table
+
+    def summary(self, after: float = 0.0) -> dict[str, dict[str, float]]:
+        """Share of samples on their own signal and angle errors over those, by estimator.
+
+        Returns
+        -------
+        dict
+            By estimator ``share``, and ``rms_deg``, ``max_deg``, ``mean_deg`` [deg], NaN without an
+            encoder or without such samples.
+
+        Raises
+        ------
+        UserError
+            The log ends before ``after``.
+        """
+        late = self.log.t - self.log.t[0] >= after
+        if not late.any():
+            length = self.log.t[-1] - self.log.t[0]
+            raise UserError(f"after: {after:g} s; allowed: at most {length:g} s, the log's length")
+        out = {}
+        for name, estimate in self.estimates.items():
+            own = late & estimate.valid
+            error = self.error(name)
+            deg = np.rad2deg(error[own]) if error is not None and own.any() else np.array([np.nan])
+            out[name] = {
+                "share": float(np.mean(estimate.valid[late])),
+                "rms_deg": float(np.sqrt(np.mean(deg**2))),
+                "max_deg": float(np.max(np.abs(deg))),
+                "mean_deg": float(np.mean(deg)),
+            }
+        return out
+
+
+def load(path: Path, motor: Motor, design: DriveDesign, delay: int = 0) -> Log:
+    """Read a log for a drive; see ``sensorless.replay.log.read_log``."""
+    if not 0 <= delay <= 2:
+        raise UserError(f"delay: {delay}; allowed: 0, 1, 2 rows")
+    control = control_record(motor, design)["control"]
+    u_dt, inv_i_dt = float(control["u_dt"]), float(control["inv_i_dt"])
+    return read_log(path, motor, u_dt=u_dt, inv_i_dt=inv_i_dt, delay=delay)
+
+
+def replay(
+    log: Log,
+    motor: Motor,
+    design: DriveDesign,
+    policy: Policy,
+    *,
+    theta_0: float = 0.0,
+    omega_0: float = 0.0,
+    k_s_0: float = 1.0,
+) -> Replay:
+    """Run every estimator over a log. None of them sees the encoder.
+
+    Parameters
+    ----------
+    policy : Policy
+        Chooses k_s at the pace of the drive from signals as the drive's; the speed reference, which
+        a log does not have, is the estimated speed.
+    theta_0, omega_0 : float
+        Where the estimators begin, electrical [rad, rad/s]: an injection shows the angle only up to
+        half a turn.
+    k_s_0 : float
+        First weight.
+
+    Raises
+    ------
+    UserError
+        The policy needs what no log has.
+    """
+    if policy.sensored or isinstance(policy, PrivilegedPolicy):
+        raise UserError(f"policy: {policy.name!r} needs the truth; allowed: rules and tables")
+    run = ObserverRun(control_record(motor, design_for(policy, design)), theta_0, omega_0, k_s_0)
+    rows, every = log.rows(), decision_periods(motor)
+    policy.reset(1)
+    out = []
+    obs = run.advance(rows[:0], k_s_0)[1]
+    for first in range(0, len(rows), every):
+        k_s = float(policy.act(obs.reshape(1, SIGNAL_N).copy())[0])
+        part, obs = run.advance(rows[first : first + every], k_s)
+        out.append(part)
+    column = dict(zip(REPLAY_NAMES, np.concatenate(out).T.astype(np.float64), strict=True))
+    always = np.ones(len(rows), dtype=bool)
+    estimates = {
+        name: Estimate(
+            column[f"theta_{name}"],
+            column[f"omega_{name}"],
+            column[f"valid_{name}"] > 0.0 if f"valid_{name}" in column else always,
+        )
+        for name in ("hfi", "smo", "blend")
+    }
+    phases = np.stack([log.i[:, 0], log.i[:, 1], -log.i.sum(axis=1)], axis=-1)
+    theta, omega = run_ekf(motor, log.u, clarke(phases), theta_0, omega_0)
+    estimates["ekf"] = Estimate(theta, omega, always)
+    return Replay(motor, policy.name, log, column["k_s"], estimates)

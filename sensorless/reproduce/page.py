@@ -1,0 +1,104 @@
+"""The reproduction as a page and as data: three columns, the paper, ours as published, ours."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from sensorless.core.api import ffi, lib
+from sensorless.machine.motor import Motor
+from sensorless.reproduce.case import CORRECTED, NOT_SWITCHABLE, PUBLISHED, Case, Cell, Row
+
+DOI = "10.12177/emca.2025.011"
+
+
+def markdown(cases: Sequence[Case], motor: Motor) -> str:
+    """Text of the page; pictures are named after their cases."""
+    parts = [
+        "# The source paper and this drive",
+        "Written by `sensorless reproduce`. The paper is *Full-speed-range position sensorless "
+        f"control of interior permanent magnet synchronous motors*, doi {DOI}; its values are "
+        f"those its text gives. All of ours are simulated, motor `{motor.name}`: saturation, dead "
+        "time and noise are assumptions.",
+        "**As published** is this drive with what switches can undo: " + _differences() + ".",
+        "Not switchable, so the same in both columns:",
+        "\n".join(f"- {text}" for text in NOT_SWITCHABLE),
+    ]
+    for case in cases:
+        parts.append(f"## {case.title}")
+        parts.append(case.setting[0].upper() + case.setting[1:] + ".")
+        head = "| | unit | paper | as published | corrected |\n|---|---|---|---|---|"
+        parts.append("\n".join([head, *(_line(row) for row in case.rows)]))
+        parts.append(f"**Why:** {case.why}")
+        if case.figure is not None:
+            parts.append(f"![{case.title}]({case.name}.png)")
+    return "\n\n".join(parts) + "\n"
+
+
+def _line(row: Row) -> str:
+    cells = (_text(value, row.decimals) for value in (row.published, row.corrected))
+    return f"| {row.quantity} | {row.unit} | {row.paper} | {' | '.join(cells)} |"
+
+
+def _text(cell: Cell, decimals: int) -> str:
+    if isinstance(cell, bool):
+        return "yes" if cell else "no"
+    if isinstance(cell, float):
+        return f"{cell:.{decimals}f}".replace("-", "−") if cell == cell else "lost"
+    return "–" if cell is None else cell
+
+
+def _differences() -> str:
+    ours = asdict(CORRECTED)
+    return ", ".join(
+        f"`{name}={_word(value)}` (corrected `{_word(ours[name])}`)"
+        for name, value in asdict(PUBLISHED).items()
+        if value != ours[name]
+    )
+
+
+def _word(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else f"{value}"
+
+
+def data(cases: Sequence[Case], motor: Motor) -> str:
+    """JSON of all rows, with the designs and versions behind them."""
+    try:
+        own = version("sensorless")
+    except PackageNotFoundError:
+        own = "not installed"
+    return (
+        json.dumps(
+            {
+                "doi": DOI,
+                "command": "sensorless reproduce",
+                "motor": motor.name,
+                "motor_digest": motor.digest,
+                "versions": {"sensorless": own, "core": ffi.string(lib.core_hash).decode()},
+                "designs": {
+                    "published": _plain(asdict(PUBLISHED)),
+                    "corrected": _plain(asdict(CORRECTED)),
+                },
+                "not_switchable": list(NOT_SWITCHABLE),
+                "cases": {
+                    case.name: {
+                        "title": case.title,
+                        "setting": case.setting,
+                        "rows": {row.quantity: row.plain() for row in case.rows},
+                        "why": case.why,
+                    }
+                    for case in cases
+                },
+            },
+            indent=1,
+            ensure_ascii=False,
+            allow_nan=False,
+        )
+        + "\n"
+    )
+
+
+def _plain(values: dict[str, Any]) -> dict[str, Any]:
+    """Infinite bandwidths as text."""
+    return {k: "inf" if v == float("inf") else v for k, v in values.items()}

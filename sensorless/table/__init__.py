@@ -1,0 +1,1 @@
+"""The k_s table: axes, values, file format and C image."""

@@ -1,0 +1,47 @@
+"""The table as the firmware holds it: a header ``ks_table_t`` and stored node values.
+
+Checksums, check and lookup are those of ``core/ks_table.c``.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core.api import SIGNAL_N, Array, lib, pointer
+
+PROBLEMS: dict[int, str] = {
+    lib.KS_BAD_MAGIC: "not a table",
+    lib.KS_BAD_FORMAT: "unknown format number",
+    lib.KS_BAD_CRC: "wrong CRC",
+    lib.KS_BAD_AXES: "axis out of range",
+    lib.KS_BAD_VALUE: "value out of range",
+    lib.KS_BAD_MOTOR: "made for another motor",
+}
+"""What ``check`` returns, in words; 0 is a good table."""
+
+
+def seal(header: Array, values: Array) -> None:
+    """Write both checksums into a header of shape (1,) whose other fields are final."""
+    t = pointer(header, "ks_table_t[]")
+    header["crc_values"] = lib.ks_values_crc(t, pointer(values, "char[]"))
+    header["crc_header"] = lib.ks_header_crc(t)
+
+
+def check(header: Array, values: Array, motor_hash: int = 0) -> int:
+    """Return the verdict on a header of shape (1,) and its values: 0, or a key of ``PROBLEMS``."""
+    t = pointer(header, "ks_table_t[]")
+    return int(lib.ks_table_check(t, pointer(values, "char[]"), motor_hash))
+
+
+def lookup(header: Array, values: Array, obs: NDArray[np.float32]) -> NDArray[np.float32]:
+    """k_s (n,) at contiguous signals (n, SIGNAL_N); header and values have passed ``check``."""
+    out = np.empty(len(obs), dtype=np.float32)
+    if len(obs):
+        lib.ks_table_eval_many(
+            pointer(header, "ks_table_t[]"),
+            pointer(values, "char[]"),
+            pointer(obs, "float[]"),
+            pointer(out, "float[]"),
+            len(obs),
+            SIGNAL_N,
+        )
+    return out

@@ -1,0 +1,217 @@
+"""The schedule table: k_s over up to four signals, as it is trained, stored, run and exported.
+
+Lookup, check and checksum are those of ``core/ks_table.c``; there is no second implementation.
+"""
+
+import hashlib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, TABLE, Array, lib
+from sensorless.errors import UserError
+from sensorless.files import write_atomic
+from sensorless.table.axis import MAX_NODES, Axis, decimal, float32_in
+from sensorless.table.image import check, lookup, seal
+from sensorless.table.json_form import check_crc, content, from_text, to_text
+
+__all__ = ["Axis", "KsTable", "ValueFormat"]
+
+ValueFormat = Literal["f32", "q15"]
+
+MAX_AXES: int = lib.KS_TABLE_AXES
+
+
+@dataclass(frozen=True, eq=False)
+class KsTable:
+    """Weight k_s at the nodes of a grid, multilinear between them, clipped outside."""
+
+    axes: tuple[Axis, ...]
+    values: NDArray[np.float32]
+    """k_s at the nodes, 0 to 1, of shape (n of axis 0, n of axis 1, ...); read only."""
+    slew_per_s: float = 50.0
+    """Largest change of k_s [1/s]; the drive applies it every PWM period."""
+    fallback: float = 1.0
+    """k_s where a signal is not finite."""
+    rule: tuple[float, float] = (0.2, 0.8 / 3.0)
+    """Band of the built-in linear rule that replaces a damaged table; speed over rated."""
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    """Where the table comes from (JSON types); ``motor_digest`` names its machine."""
+
+    def __post_init__(self) -> None:
+        """Check every field and every node, and round to float32.
+
+        Raises
+        ------
+        UserError
+            Names the field or the index of the node, its value and what is allowed.
+        """
+        axes = tuple(self.axes)
+        names = [axis.signal for axis in axes]
+        if not 1 <= len(names) <= MAX_AXES or len(set(names)) < len(names):
+            raise UserError(
+                f"table: axes: {', '.join(names)}; allowed: 1 to {MAX_AXES}, all different"
+            )
+        if not isinstance(self.rule, (tuple, list)) or len(self.rule) != 2:
+            raise UserError(f"table: rule: {self.rule!r}; allowed: two speeds, low < high")
+        low, high = (float32_in("rule", x, 0.0, 1e6) for x in self.rule)
+        if not low < high:
+            raise UserError(f"table: rule: {low:g}, {high:g}; allowed: low < high")
+        for name, value in {
+            "axes": axes,
+            "values": _checked_nodes(self.values, tuple(axis.n for axis in axes)),
+            "slew_per_s": float32_in("slew_per_s", self.slew_per_s, 1e-3, 1e6),
+            "fallback": float32_in("fallback", self.fallback, 0.0, 1.0),
+            "rule": (low, high),
+        }.items():
+            object.__setattr__(self, name, value)
+
+    def evaluate(self, obs: NDArray[np.float32]) -> NDArray[np.float32]:
+        """k_s (n,) at signals (n, SIGNAL_N), by the firmware's code."""
+        rows = np.ascontiguousarray(obs, dtype=np.float32)
+        if rows.ndim != 2 or rows.shape[1] != SIGNAL_N:
+            raise ValueError(f"obs of shape {rows.shape}; allowed: (n, {SIGNAL_N})")
+        return lookup(*self._image, rows)
+
+    def check(self) -> int:
+        """Return the verdict of the firmware's own check: 0, or a key of ``ks_image.PROBLEMS``."""
+        return check(*self._image)
+
+    @cached_property
+    def _image(self) -> tuple[Array, Array]:
+        return self.record().reshape(1), self.stored()
+
+    def stored(self, form: ValueFormat = "f32") -> Array:
+        """Return the node values as the firmware stores them: flat, float32 or int16 (Q15)."""
+        flat = self.values.reshape(-1)
+        if form == "f32":
+            return flat
+        return np.rint(flat.astype(np.float64) * 32767.0).astype(np.int16)
+
+    def record(
+        self, form: ValueFormat = "f32", *, policy_hash: int | None = None, motor_hash: int = 0
+    ) -> Array:
+        """Header ``ks_table_t`` of the table with its checksums, shape ().
+
+        Parameters
+        ----------
+        form : {"f32", "q15"}
+            Kind of the values, see ``stored``.
+        policy_hash : int, optional
+            32 bits that name the policy; the first of ``digest`` by default.
+        motor_hash : int
+            32 bits that name the machine; 0 for none.
+        """
+        header = np.zeros(1, dtype=TABLE)
+        header["magic"], header["format"] = _word("KSTB"), 1
+        header["value_format"] = _word("F32 " if form == "f32" else "Q15 ")
+        header["n_axes"], header["n_nodes"] = len(self.axes), self.values.size
+        header["kind"] = len(self.axes) | (lib.KS_KIND_Q15 if form == "q15" else 0)
+        for row, axis in zip(header["axis"][0], self.axes, strict=False):
+            row["signal"], row["n"] = SIGNAL_NAMES.index(axis.signal), axis.n
+            row["x0"], row["inv_step"], row["top"] = axis.lo, axis.inv_step, axis.n - 1
+        header["slew_per_s"], header["fallback"] = self.slew_per_s, self.fallback
+        header["policy_hash"] = int(self.digest[:8], 16) if policy_hash is None else policy_hash
+        header["motor_hash"] = motor_hash
+        seal(header, self.stored(form))
+        return header.reshape(())
+
+    def fields(self) -> dict[str, Any]:
+        """Return all numbers as JSON types, with the fewest digits that restore every float32."""
+        return {
+            "axes": [
+                {"signal": a.signal, "lo": decimal(a.lo), "hi": decimal(a.hi), "n": a.n}
+                for a in self.axes
+            ],
+            "slew_per_s": decimal(self.slew_per_s),
+            "fallback": decimal(self.fallback),
+            "rule": [decimal(x) for x in self.rule],
+            "values": np.vectorize(decimal)(self.values).tolist(),
+        }
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 over all numbers of the table, hexadecimal; provenance does not count."""
+        return hashlib.sha256(content(self.fields())).hexdigest()
+
+    def to_json(self, provenance: Mapping[str, Any] | None = None) -> str:
+        """Return the text that ``save`` writes."""
+        return to_text(self.fields(), self.provenance if provenance is None else provenance)
+
+    def save(self, path: str | Path, provenance: Mapping[str, Any] | None = None) -> None:
+        """Write the table as JSON, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or Path
+        provenance : mapping, optional
+            Instead of the table's own.
+        """
+        write_atomic(path, self.to_json(provenance))
+
+    @classmethod
+    def load(cls, path: str | Path) -> "KsTable":
+        """Read a table that ``save`` wrote.
+
+        Raises
+        ------
+        UserError
+            Names the file, the field or node, its value and what is allowed.
+        """
+        try:
+            text = Path(path).read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise UserError(f"{path}: {reason}; allowed: a table in JSON") from None
+        return cls.from_json(text, str(path))
+
+    @classmethod
+    def from_json(cls, text: str, where: str) -> "KsTable":
+        """Read what ``to_json`` returned; ``where`` names it in messages.
+
+        Raises
+        ------
+        UserError
+            As ``load``.
+        """
+        fields, provenance, crc = from_text(text, where)
+        try:
+            table = cls(
+                axes=tuple(Axis(**axis) for axis in fields["axes"]),
+                **{name: value for name, value in fields.items() if name != "axes"},
+                provenance=provenance,
+            )
+        except UserError as error:
+            raise UserError(f"{where}: {error}") from None
+        check_crc(table.fields(), crc, where)
+        return table
+
+
+def _word(letters: str) -> int:
+    return int.from_bytes(letters.encode(), "big")
+
+
+def _checked_nodes(values: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """Node values as a read-only float32 array of its own, without minus zero."""
+    if math.prod(shape) > MAX_NODES:
+        raise UserError(f"table: {math.prod(shape)} nodes; allowed: at most {MAX_NODES}")
+    try:
+        with np.errstate(over="ignore"):
+            nodes = np.array(values, dtype=np.float32) + np.float32(0.0)
+    except (TypeError, ValueError) as error:
+        raise UserError(f"table: values: {error}; allowed: numbers from 0 to 1") from None
+    if nodes.shape != shape:
+        raise UserError(f"table: values: shape {nodes.shape}; allowed: {shape}, that of the axes")
+    bad = np.argwhere(~((nodes >= 0.0) & (nodes <= 1.0)))
+    if len(bad):
+        index = tuple(int(j) for j in bad[0])
+        where = ", ".join(map(str, index))
+        raise UserError(f"table: node [{where}]: {nodes[index]:g}; allowed: 0 to 1")
+    nodes.setflags(write=False)
+    return nodes

@@ -1,0 +1,112 @@
+"""Several policies on the same scenarios at once, and what each of them costs."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core.api import Array
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.evaluation.engines.engine import LOCAL, Engine
+from sensorless.evaluation.metrics.catalogue import torque_dev_rms
+from sensorless.evaluation.metrics.ripple import torque_ripple_rms
+from sensorless.evaluation.objective import Cost
+from sensorless.evaluation.rollout import Floats, rollout
+from sensorless.policy import Policy, Signals, decide, estimator_of
+
+DRIVES = 512
+"""Drives at a time."""
+
+
+class SideBySide:
+    """Policies in blocks of rows: rows i n to (i + 1) n belong to policy i.
+
+    All of them have to work on the same estimator.
+    """
+
+    name = "side by side"
+    sensored = False
+    privileged = True
+
+    def __init__(self, policies: Sequence[Policy]) -> None:
+        self.policies = policies
+        (self.estimator,) = {estimator_of(policy) for policy in policies}
+        self._n = 0
+
+    def reset(self, n: int) -> None:
+        """Each policy gets its share of the n drives."""
+        self._n = n // len(self.policies)
+        for policy in self.policies:
+            policy.reset(self._n)
+
+    def act(self, obs: Signals) -> NDArray[np.float32]:
+        """Weights of policies that need no truth, (n,)."""
+        return self.act_knowing(obs, np.empty(len(obs)))
+
+    def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
+        """Weights (n,); a policy that is not privileged does not see ``sims``."""
+        n = self._n
+        blocks = [slice(i * n, (i + 1) * n) for i in range(len(self.policies))]
+        parts = (decide(p, obs[b], sims[b]) for p, b in zip(self.policies, blocks, strict=True))
+        return np.concatenate(list(parts))
+
+
+@dataclass(frozen=True)
+class _Group:
+    """Policies ``row`` and following on the scenarios ``column`` and following."""
+
+    row: int
+    column: int
+    policies: Sequence[Policy]
+    scenarios: Scenarios
+
+
+def costs(
+    policies: Sequence[Policy],
+    scenarios: Scenarios,
+    factory: SimFactory,
+    engine: Engine = LOCAL,
+) -> tuple[list[Cost], float]:
+    """Cost of every policy over all scenarios, and the time simulated [s]; twins do not count."""
+    n, seconds = len(scenarios), 0.0
+    alive = np.zeros((len(policies), n), dtype=np.bool_)
+    dev, ripple = np.zeros(alive.shape), np.zeros(alive.shape)
+    groups = list(_groups(policies, scenarios))
+    for group, found in zip(groups, engine.map(partial(_run, factory), groups), strict=True):
+        rows = slice(group.row, group.row + len(group.policies))
+        where = rows, slice(group.column, group.column + len(group.scenarios))
+        seconds += found[0]
+        alive[where], dev[where], ripple[where] = found[1:]
+    return [
+        Cost(float(np.mean(~kept)), _mean(x, kept), _mean(y, kept))
+        for kept, x, y in zip(alive, dev, ripple, strict=True)
+    ], seconds
+
+
+def _groups(policies: Sequence[Policy], scenarios: Scenarios) -> Iterator[_Group]:
+    """All policies on all scenarios, about DRIVES drives a group."""
+    for column in range(0, len(scenarios), DRIVES):
+        part = scenarios[column : column + DRIVES]
+        at_once = max(1, DRIVES // len(part))
+        for row in range(0, len(policies), at_once):
+            yield _Group(row, column, policies[row : row + at_once], part)
+
+
+def _run(factory: SimFactory, group: _Group) -> tuple[float, NDArray[np.bool_], Floats, Floats]:
+    """Time simulated [s], and by policy and scenario: survived, deviation, ripple."""
+    shape = len(group.policies), len(group.scenarios)
+    rows = np.tile(np.arange(shape[1]), shape[0])
+    r = rollout(SideBySide(group.policies), group.scenarios[rows], factory)
+    return (
+        float(r.periods.sum()) * factory.motor.T_s,
+        (r.lost == 0).reshape(shape),
+        torque_dev_rms(r).reshape(shape),
+        torque_ripple_rms(r).reshape(shape),
+    )
+
+
+def _mean(x: Floats, rows: NDArray[np.bool_]) -> float:
+    """Mean over ``rows``; 1 if there is none."""
+    return float(x[rows].mean()) if rows.any() else 1.0

@@ -1,0 +1,254 @@
+"""Parameters of a hand-over rule by CMA-ES, on scenarios that neither training nor judging sees.
+
+Each generation meets scenarios of its own, the same for all its candidates. After every CHECK of
+them the centre of the search is judged on a fixed set, from the same role; the best centre, or the
+start, is the result. Time simulated counts against the budget wherever it is spent; the sensored
+twins are not counted.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, astuple, dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from sensorless.baselines.rule import Rule
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.counter_random import combine
+from sensorless.envs.scenarios.machines import Machines
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.errors import UserError
+from sensorless.evaluation.engines.engine import LOCAL, Engine
+from sensorless.evaluation.evaluate import versions
+from sensorless.evaluation.objective import OBJECTIVE, Cost
+from sensorless.evaluation.rollout import Floats
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import RULES, rule_named
+from sensorless.policies.tuned import Tuned
+from sensorless.tuning.batch import costs
+
+SUITE, ROLE = "stress", "tune"
+CHECK = 3
+"""Generations from one judgement of the centre to the next."""
+GENERATIONS = 30
+"""Aimed at when the number of scenarios is chosen."""
+LEAST, MOST = 8, 256
+"""Scenarios of a candidate in a generation."""
+NONE = Cost(1.0, 1.0, 1.0)
+"""Before anything is judged."""
+SIGMA = 0.2
+"""First step over the range of each parameter."""
+
+Progress = Callable[[float, Cost, Cost], None]
+"""Called with the share of the budget used, the best found so far, and the start."""
+
+
+@dataclass
+class _Search:
+    """What is known so far."""
+
+    rule: Rule
+    factories: Sequence[SimFactory]
+    engine: Engine
+    seed: int
+    judged: int
+    best: dict[str, float]
+    best_cost: Cost = NONE
+    start_cost: Cost = NONE
+    used: float = 0.0
+    generations: int = 0
+    interrupted: bool = False
+
+
+def tune(
+    name: str,
+    motor: Motor,
+    design: DriveDesign,
+    budget: float,
+    seed: int,
+    *,
+    machines: int = 0,
+    command: str = "",
+    progress: Progress | None = None,
+    engine: Engine = LOCAL,
+) -> Tuned:
+    """Tune a rule; the same arguments give the same result.
+
+    Parameters
+    ----------
+    name : str
+        Of a rule with parameters.
+    budget : float
+        Time that may be simulated [s].
+    seed : int
+        Draws scenarios and search, and the machines.
+    machines : int
+        Tune over so many random machines instead of the motor, which then only turns shares of
+        rated speed into r/min for people.
+    command : str
+        For the provenance.
+    engine : Engine
+        Where the scenarios run; the result is the same to the bit.
+
+    Raises
+    ------
+    UserError
+        No such rule, one without parameters, a budget too small, or the library is missing.
+    KeyboardInterrupt
+        Only before there is a result; later it ends the search early.
+    """
+    rule = rule_named(name)
+    if not rule.parameters:
+        tunable = ", ".join(r.name for r in RULES.values() if r.parameters)
+        raise UserError(f"rule: {name!r} has no parameters; allowed: {tunable}")
+    drawn = Machines.of(motor, machines, seed)
+    es = _cma(rule, seed)
+    population = es.popsize
+    length = float(_scenarios(motor, seed, 0, 1).duration[0])
+    fewest = max(LEAST, len(drawn.motors))
+    least = (2 + CHECK) * population * fewest * length
+    if not least <= budget <= 1e9:
+        raise UserError(f"budget: {budget:g} s; allowed for {name}: {least:g} to 1e9 s")
+    units = 1 + GENERATIONS * (1 + 1 / CHECK)
+    batch = _shared(np.clip(budget / (units * population * length), fewest, MOST), drawn)
+    judged = population * batch
+
+    factories = [SimFactory(motor, design) for motor in drawn.motors]
+    search = _Search(rule, factories, engine, seed, judged, rule.defaults())
+    (search.best_cost,) = _costs(search, [search.best], 0, judged)
+    search.start_cost = search.best_cost
+    try:
+        _run(search, es, batch, budget, length, progress)
+    except KeyboardInterrupt:
+        search.interrupted = True
+    provenance = {
+        "command": command,
+        "policy": rule.spec(search.best, motor),
+        **drawn.origin(),
+        "design": _plain(asdict(design)),
+        "suite": SUITE,
+        "role": ROLE,
+        "seed": seed,
+        "objective": OBJECTIVE,
+        "budget_s": budget,
+        "used_s": round(search.used, 3),
+        "generations": search.generations,
+        "population": population,
+        "scenarios_per_candidate": batch,
+        "scenarios_judged_on": judged,
+        "interrupted": search.interrupted,
+        "start": _scores(search.start_cost),
+        "best": _scores(search.best_cost),
+        "versions": {**versions(), "cma": version("cma")},
+    }
+    return Tuned(name, search.best, provenance)
+
+
+def _run(
+    search: _Search, es: Any, batch: int, budget: float, length: float, progress: Progress | None
+) -> None:
+    """Generations until the budget could be exceeded, the last judgement included."""
+    rule, last = search.rule, 0
+    while True:
+        longest = (es.popsize * batch + search.judged) * length
+        go_on = search.used + longest <= budget
+        if go_on:
+            points, values = _ask(es, rule)
+            found = _costs(search, values, search.generations + 1, batch)
+            es.tell(points, [cost.objective for cost in found])
+            search.generations += 1
+        end = not go_on or bool(es.stop())
+        if (end or search.generations % CHECK == 0) and search.generations > last:
+            last = search.generations
+            centre = _decode(rule, es.result.xfavorite)
+            if rule.allows(centre):
+                _judge(search, centre)
+        if progress is not None:
+            progress(min(search.used / budget, 1.0), search.best_cost, search.start_cost)
+        if end:
+            return
+
+
+def _shared(batch: float, machines: Machines) -> int:
+    """Scenarios of a candidate, the same number on every machine."""
+    n = len(machines.motors)
+    return int(batch) // n * n
+
+
+def _costs(
+    search: _Search, values: Sequence[dict[str, float]], generation: int, n: int
+) -> list[Cost]:
+    """Cost of every candidate over n scenarios: the mean over the machines that share them."""
+    share, parts = n // len(search.factories), []
+    for i, factory in enumerate(search.factories):
+        policies = [search.rule.build(search.rule.name, v, factory.motor) for v in values]
+        part = _scenarios(factory.motor, search.seed, generation, share, i)
+        found, seconds = costs(policies, part, factory, search.engine)
+        search.used += seconds
+        parts.append([astuple(cost) for cost in found])
+    return [Cost(*(float(x) for x in row)) for row in np.mean(parts, axis=0)]
+
+
+def _scenarios(motor: Motor, seed: int, generation: int, n: int, machine: int = 0) -> Scenarios:
+    """Scenarios of a generation, from 1 on; 0 are those that the centres are judged on."""
+    words = (seed, generation, machine) if machine else (seed, generation)
+    return suite(SUITE, motor, int(combine(*words)[0]) >> 1, n, ROLE)
+
+
+def _judge(search: _Search, values: dict[str, float]) -> None:
+    """Keep these values if they are better than the best."""
+    (cost,) = _costs(search, [values], 0, search.judged)
+    if cost.objective < search.best_cost.objective:
+        search.best, search.best_cost = values, cost
+
+
+def _cma(rule: Rule, seed: int) -> Any:
+    """Search over the unit cube, from the defaults."""
+    try:
+        import cma
+    except ImportError:
+        raise UserError(
+            "tune needs the library cma; allowed: after pip install 'sensorless[tune]'"
+        ) from None
+    start = [(p.default - p.low) / (p.high - p.low) for p in rule.parameters]
+    rng = np.random.default_rng(seed)
+    options = {
+        "bounds": [0.0, 1.0],
+        "randn": lambda rows, columns: rng.standard_normal((rows, columns)),
+        "seed": np.nan,
+        "verbose": -9,
+        "verb_log": 0,
+        "tolflatfitness": 20,
+    }
+    if len(start) == 1:  # the library searches from two dimensions on: the second has no effect
+        start = [*start, 0.5]
+    return cma.CMAEvolutionStrategy(np.clip(start, 0.02, 0.98), SIGMA, options)
+
+
+def _ask(es: Any, rule: Rule) -> tuple[list[Floats], list[dict[str, float]]]:
+    """Candidates that the rule takes, each drawn again until it does."""
+    points: list[Floats] = []
+    while len(points) < es.popsize:
+        x = es.ask(1)[0]
+        if rule.allows(_decode(rule, x)):
+            points.append(x)
+    return points, [_decode(rule, x) for x in points]
+
+
+def _decode(rule: Rule, x: Floats) -> dict[str, float]:
+    """Parameters of a point of the unit cube, as they will stand in the file."""
+    return {
+        p.name: float(f"{p.low + float(np.clip(u, 0.0, 1.0)) * (p.high - p.low):.6g}")
+        for p, u in zip(rule.parameters, x, strict=False)
+    }
+
+
+def _scores(found: Cost) -> dict[str, float]:
+    return {**asdict(found), "objective": found.objective}
+
+
+def _plain(design: dict[str, Any]) -> dict[str, Any]:
+    """JSON has no infinity."""
+    return {k: str(v) if v == np.inf else v for k, v in design.items()}

@@ -1,0 +1,115 @@
+"""Which signals should the table look at? Trains every set of axes on the same budget.
+
+    python studies/axes_study.py --steps 4000000 --seeds 1 2 3
+
+Budgets are decisions, not minutes, so a busy machine changes nothing. The JSON file is written
+after every run; the same command goes on where it stopped, and more seeds add to what is there.
+Power needs no axis of its own: torque current is positive when motoring, and a table of speed and
+torque current has their product in its span.
+"""
+
+import argparse
+import json
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sensorless.agents.loading import load_run
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.train import train
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.evaluation.evaluate import Scores, score, versions
+from sensorless.files import write_atomic
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.policy import Policy
+
+SPEED, TORQUE = "speed:0:1:16", "torque_current:-1.5:1.5:5"
+SETS = {
+    "speed": SPEED,
+    "motoring or regenerating": f"{SPEED},torque_current:-0.1:0.1:2",
+    "torque current": f"{SPEED},{TORQUE}",
+    "disagreement": f"{SPEED},disagreement:-1.5:1.5:5",
+    "torque current, disagreement": f"{SPEED},{TORQUE},disagreement:-1.5:1.5:5",
+    "torque current, acceleration": f"{SPEED},{TORQUE},acceleration:-10:10:3",
+    "torque current, speed error": f"{SPEED},{TORQUE},speed_error:-0.3:0.3:3",
+    "torque current, SMO residual": f"{SPEED},{TORQUE},smo_residual:0:1:3",
+    "torque current, k_s": f"{SPEED},{TORQUE},k_s:0:1:2",
+}
+JUDGED = 1
+"""Seed of the scenarios that the tables are judged on; validation in training uses 0."""
+NAMES = ("torque_dev_rms", "torque_ripple_rms", "overshoot_pct", "angle_err_rms_deg")
+
+
+def judged(policy: Policy, factory: SimFactory, size: int) -> Scores:
+    """Every metric on stress scenarios of the role ``tune``."""
+    return score(policy, suite("stress", factory.motor, JUDGED, size, "tune"), factory)
+
+
+def compared(found: Scores, reference: Scores) -> dict[str, Any]:
+    """Lost rates, and means over the scenarios that both survived."""
+    both = (found.lost == 0) & (reference.lost == 0)
+    out: dict[str, Any] = {
+        "lost_rate": float(np.mean(found.lost != 0)),
+        "eq25_lost_rate": float(np.mean(reference.lost != 0)),
+        "survived_both": int(both.sum()),
+    }
+    for name in NAMES:
+        known = both & np.isfinite(found.metrics[name]) & np.isfinite(reference.metrics[name])
+        out[name] = float(np.mean(found.metrics[name][known]))
+        out[f"eq25_{name}"] = float(np.mean(reference.metrics[name][known]))
+    return out
+
+
+def main() -> None:
+    """Train what is missing in the file."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--steps", type=int, default=4_000_000, help="decisions of a run")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
+    parser.add_argument("--size", type=int, default=2000, help="scenarios to judge on")
+    parser.add_argument("--sets", nargs="+", choices=list(SETS), default=list(SETS))
+    parser.add_argument("--motor", default="paper")
+    parser.add_argument("--estimator", default="angles", help="of the drive: angles or flux")
+    parser.add_argument("--out", type=Path, default=Path("results/studies/axes.json"))
+    args = parser.parse_args()
+    design = DriveDesign(estimator=args.estimator)
+    factory = SimFactory(Motor.load(args.motor), design)
+    base = TrainConfig(motor=args.motor, steps=args.steps)
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    done: list[dict[str, Any]] = (
+        json.loads(args.out.read_text(encoding="utf-8"))["runs"] if args.out.exists() else []
+    )
+    core = versions()["core"]
+    known = {(r["estimator"], r["set"], r["seed"], r["steps"], r["size"], r["core"]) for r in done}
+    reference: Scores | None = None
+    for seed in args.seeds:
+        for name in args.sets:
+            if (args.estimator, name, seed, args.steps, args.size, core) in known:
+                continue
+            if reference is None:
+                reference = judged(make_policy("eq25", factory.motor), factory, args.size)
+            with tempfile.TemporaryDirectory() as folder:
+                run = Path(folder) / "run"
+                train(replace(base, axes=SETS[name], seed=seed), design, run)
+                policy = load_run(run, factory.motor)
+            row = compared(judged(policy, factory, args.size), reference)
+            asked = {"estimator": args.estimator, "set": name, "axes": SETS[name], "seed": seed}
+            asked["steps"] = args.steps
+            done.append({**asked, "size": args.size, "core": core, **row})
+            study = {"motor": args.motor, "versions": versions(), "runs": done}
+            write_atomic(args.out, json.dumps(study, indent=1) + "\n")
+            more = 100.0 * (row["torque_dev_rms"] / row["eq25_torque_dev_rms"] - 1.0)
+            print(
+                f"{name:32} seed {seed}: lost {100 * row['lost_rate']:.2f} %, torque deviation "
+                f"{more:+.1f} % of Eq. 25",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()

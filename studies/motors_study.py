@@ -1,0 +1,146 @@
+"""Compare a schedule that learned on random machines with tuned linear rules on real ones.
+
+    python studies/motors_study.py
+
+Every policy runs the suite `motors` on every shipped machine, none of which the family holds; the
+ones under --policy are compared with the ones under --against in pairs. No worse: the Wilson
+interval of its lost rate does not lie above the other's, and torque deviation over the scenarios
+that both survived is at most 2 % above the other's, with the whole bootstrap interval. The file is
+written after every machine; the same command goes on where it stopped. The schedules made on the
+family are kept beside it, each with its command.
+"""
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import SuiteRows
+from sensorless.evaluation.aggregate import paired, summary
+from sensorless.evaluation.evaluate import Scores, score, versions
+from sensorless.files import write_atomic
+from sensorless.machine.motor import MOTORS, Motor
+from sensorless.policies.registry import make_policy
+from sensorless.policy import Policy, TablePolicy
+
+SUITE = "motors"
+MARGIN = 0.02
+"""Torque deviation that counts as none."""
+METRICS = ("torque_dev_rms", "torque_ripple_rms", "overshoot_pct")
+FAMILY = "results/studies/motors"
+POLICIES = (f"{FAMILY}/ppo", "eq25", "logistic-flux-tuned")
+AGAINST = (f"{FAMILY}/linear-family.json", "linear-tuned", "flux_observer")
+MACHINES = tuple(sorted(path.stem for path in MOTORS.glob("*.toml")))
+
+
+def compared(found: Scores, other: Scores, seed: int) -> dict[str, Any]:
+    """Lost rates, paired differences over the other's means, and the verdict."""
+    own, there = (summary(s.lost, {}, seed) for s in (found, other))
+    metrics = {name: found.metrics[name] for name in METRICS}
+    apart = paired(found.lost, metrics, other.lost, other.metrics, seed)
+    base = apart["there"]
+    more = {
+        name: {
+            "mean": apart[name] / base[name],
+            "ci": [x / base[name] for x in apart[f"{name}_ci"]],
+        }
+        for name in METRICS
+    }
+    holds = own["lost_ci"][0] <= there["lost_ci"][1]
+    return {
+        "survived_both": apart["survived_both"],
+        "lost_only_here": apart["lost_only_here"],
+        "lost_only_there": apart["lost_only_there"],
+        "lost_rate_ci": apart["lost_rate_ci"],
+        "relative": more,
+        "no_worse": bool(holds and more["torque_dev_rms"]["ci"][1] <= MARGIN),
+    }
+
+
+def study(
+    name: str, policies: Sequence[str], against: Sequence[str], seed: int, size: int
+) -> dict[str, Any]:
+    """One machine under all policies."""
+    motor = Motor.load(name)
+    factory, rows = SimFactory(motor, DriveDesign()), SuiteRows(SUITE, motor, seed, size)
+    scores = {w: score(make_policy(w, motor), rows, factory) for w in (*against, *policies)}
+    return {
+        "policies": {
+            word: summary(s.lost, {m: s.metrics[m] for m in METRICS}, seed)
+            for word, s in scores.items()
+        },
+        "against": {
+            other: {word: compared(scores[word], scores[other], seed) for word in policies}
+            for other in against
+        },
+    }
+
+
+def say(name: str, found: dict[str, Any]) -> None:
+    """Print a machine's part of the record."""
+    print(name)
+    for word, s in found["policies"].items():
+        low, high = (100.0 * x for x in s["lost_ci"])
+        print(
+            f"  {word:24} lost {100 * s['lost_rate']:.2f} % ({low:.2f} to {high:.2f}), torque "
+            f"deviation {100 * s['torque_dev_rms']:.2f} %, ripple "
+            f"{100 * s['torque_ripple_rms']:.2f} %"
+        )
+    for other, row in found["against"].items():
+        for word, c in row.items():
+            dev = c["relative"]["torque_dev_rms"]
+            low, high = (100.0 * x for x in dev["ci"])
+            print(
+                f"  {word} against {other}: torque deviation {100 * dev['mean']:+.1f} % "
+                f"({low:+.1f} to {high:+.1f}): {'no worse' if c['no_worse'] else 'WORSE'}",
+                flush=True,
+            )
+
+
+def identity(policy: Policy) -> Any:
+    """Digest of a policy's table and how it was made, for the record."""
+    if not isinstance(policy, TablePolicy):
+        return None
+    known = policy.table.provenance
+    return {"digest": policy.table.digest, "command": known.get("command")}
+
+
+def main() -> None:
+    """Judge what is missing in the file, and print all of it."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--policy", nargs="+", default=list(POLICIES))
+    parser.add_argument("--against", nargs="+", default=list(AGAINST))
+    parser.add_argument("--motor", nargs="+", default=list(MACHINES))
+    parser.add_argument("--seed", type=int, default=11, help="of the scenarios to judge on")
+    parser.add_argument("--size", type=int, default=1000, help="scenarios a machine")
+    parser.add_argument("--out", type=Path, default=Path("results/studies/motors.json"))
+    args = parser.parse_args()
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    words = (*args.against, *args.policy)
+    asked = {
+        "suite": SUITE,
+        "seed": args.seed,
+        "size": args.size,
+        "policies": {w: identity(make_policy(w, Motor.load(args.motor[0]))) for w in words},
+        "against": args.against,
+        "versions": versions(),
+    }
+    record: dict[str, Any] = {**asked, "machines": {}}
+    if args.out.exists():
+        old = json.loads(args.out.read_text(encoding="utf-8"))
+        if {key: old.get(key) for key in asked} == asked:
+            record = old
+    for name in args.motor:
+        digest = Motor.load(name).digest
+        if record["machines"].get(name, {}).get("digest") != digest:
+            found = study(name, args.policy, args.against, args.seed, args.size)
+            record["machines"][name] = {"digest": digest, **found}
+            write_atomic(args.out, json.dumps(record, indent=1) + "\n")
+        say(name, record["machines"][name])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,86 @@
+"""A run goes on where it stopped: counter, learning curve, best table, and no pickle."""
+
+import csv
+import json
+import zipfile
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sensorless.agents.loading import TABLE
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.env import stream
+from sensorless.agents.train.run_folder import LATEST, PROGRESS
+from sensorless.agents.train.train import train
+from sensorless.design.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.table.ks_table import KsTable
+
+SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, validate_size=16)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a short run."""
+    folder = tmp_path_factory.mktemp("runs") / "first"
+    train(SMALL, DriveDesign(), folder)
+    return folder
+
+
+def rows(folder: Path) -> list[dict[str, str]]:
+    with (folder / PROGRESS).open() as file:
+        return list(csv.DictReader(file))
+
+
+def rewrite(path: Path, member: str, data: bytes) -> None:
+    """Replace one member of an archive."""
+    with zipfile.ZipFile(path) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in {**parts, member: data}.items():
+            archive.writestr(name, content)
+
+
+def test_curve_goes_on_and_the_best_table_stays(finished: Path) -> None:
+    before = rows(finished)
+    text = (finished / TABLE).read_text()
+    document: dict[str, Any] = json.loads(text)
+    unbeatable = {"lost_rate": 0.0, "torque_dev": 0.0, "torque_ripple": 0.0}
+    table = KsTable.load(finished / TABLE)
+    table.save(finished / TABLE, {**document["provenance"], "validation": unbeatable})
+    kept = (finished / TABLE).read_text()
+    train(SMALL, DriveDesign(), finished, resume=True)
+    after = rows(finished)
+    assert after[: len(before)] == before and len(after) > len(before)
+    assert int(after[-1]["steps"]) >= int(before[-1]["steps"]) + SMALL.steps
+    assert float(after[-1]["seconds"]) > float(before[-1]["seconds"])
+    assert (finished / TABLE).read_text() == kept
+
+
+def test_resume_unpickles_nothing(finished: Path) -> None:
+    with zipfile.ZipFile(finished / LATEST) as archive:
+        steps = json.loads(archive.read("data"))["num_timesteps"]
+    rewrite(finished / LATEST, "data", json.dumps({"num_timesteps": steps}).encode())
+    train(SMALL, DriveDesign(), finished, resume=True)
+    assert int(rows(finished)[-1]["steps"]) >= steps + SMALL.steps
+
+
+def test_a_damaged_checkpoint_is_refused_in_one_line(finished: Path) -> None:
+    (finished / LATEST).write_bytes(b"not a checkpoint")
+    with pytest.raises(UserError, match="allowed: a checkpoint") as caught:
+        train(SMALL, DriveDesign(), finished, resume=True)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_mistake_leaves_no_folder(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="no node"):
+        train(replace(SMALL, start="linear:310,400"), DriveDesign(), tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+def test_runs_share_no_scenarios() -> None:
+    starts = sorted(stream(seed, step) for seed in range(40) for step in (0, 4096))
+    assert min(b - a for a, b in pairwise(starts)) > 65536

@@ -1,0 +1,136 @@
+"""Training from start to a usable schedule, interrupted and resumed."""
+
+import dataclasses
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sensorless.agents.loading import load_run
+from sensorless.agents.table.module import TableModule
+from sensorless.agents.table.policy import TableActorCritic
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.train import train
+from sensorless.baselines.linear import EQ25_BAND, linear_table
+from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
+from sensorless.design.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.evaluation.objective import Cost
+from sensorless.machine.motor import MOTORS, Motor
+
+SMALL = TrainConfig(
+    n_envs=16, n_steps=16, batch_size=128, n_epochs=1, steps=1024, warm_up=1, validate_size=16
+)
+MOTOR = Motor.load("paper")
+
+
+def test_start_is_an_exact_copy_of_eq25() -> None:
+    table = SMALL.start_table(MOTOR, 50.0)
+    rng = np.random.default_rng(0)
+    obs = rng.uniform(-1.5, 1.5, (2000, SIGNAL_N)).astype(np.float32)
+    obs[:, SIGNAL_NAMES.index("speed")] = rng.uniform(0.0, 1.5, 2000)
+    eq25 = linear_table(*EQ25_BAND).evaluate(obs)
+    np.testing.assert_allclose(table.evaluate(obs), eq25, atol=2e-6)
+    assert 0.0 < eq25.mean() < 1.0
+
+
+def test_a_run_can_be_used_and_gone_on_with(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    seen: list[int] = []
+    train(SMALL, DriveDesign(), folder, report=lambda share, steps, found: seen.append(steps))
+    assert seen[-1] >= SMALL.steps
+    policy = load_run(folder, MOTOR)
+    obs = np.zeros((3, SIGNAL_N), dtype=np.float32)
+    k_s = policy.act(obs)
+    assert ((k_s >= 0.0) & (k_s <= 1.0)).all()
+    config = json.loads((folder / "config.json").read_text())
+    assert config["motor_digest"] == MOTOR.digest
+    assert config["train"]["seed"] == SMALL.seed
+    assert (folder / "progress.csv").is_file()
+    again: list[int] = []
+    train(
+        SMALL,
+        DriveDesign(),
+        folder,
+        resume=True,
+        report=lambda share, steps, found: again.append(steps),
+    )
+    assert again[0] >= seen[-1], "a resumed run goes on counting"
+    assert again[-1] >= seen[-1] + SMALL.steps
+
+
+def test_training_moves_the_table(tmp_path: Path) -> None:
+    last: list[Cost] = []
+
+    def keep(share: float, steps: int, found: Cost | None) -> None:
+        last.extend([found] if found else [])
+
+    wide = dataclasses.replace(SMALL, start="linear:100,900")  # at once between 0 and 1
+    train(wide, DriveDesign(), tmp_path / "run", report=keep)
+    from stable_baselines3 import PPO
+
+    model = PPO.load(tmp_path / "run" / "checkpoints" / "latest.zip", device="cpu")
+    moved = model.policy.actor.values.detach()  # type: ignore[operator, union-attr]
+    start = TableModule(wide.start_table(MOTOR, 50.0)).values.detach()
+    assert not np.array_equal(moved.numpy(), start.numpy())
+    assert min(v.objective for v in last) <= last[0].objective
+
+
+def test_interrupt_keeps_a_checkpoint(tmp_path: Path) -> None:
+    def stop(share: float, steps: int, found: Cost | None) -> None:
+        if steps >= 512:
+            raise KeyboardInterrupt
+
+    folder = tmp_path / "run"
+    with pytest.raises(KeyboardInterrupt):
+        train(SMALL, DriveDesign(), folder, report=stop)
+    load_run(folder, MOTOR)
+    assert not list(folder.rglob("*part*"))
+    train(SMALL, DriveDesign(), folder, resume=True)
+
+
+def test_steps_of_the_optimiser_end_where_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[list[float]] = []
+    before = TableActorCritic._before_step
+
+    def watched(self: TableActorCritic, *_: object) -> None:
+        seen.append([group["lr"] for group in self.optimizer.param_groups])
+        before(self)
+
+    monkeypatch.setattr(TableActorCritic, "_before_step", watched)
+    train(replace(SMALL, lr_end=0.1), DriveDesign(), tmp_path / "run")
+    np.testing.assert_allclose(seen[0], [SMALL.lr_nodes, SMALL.lr_critic])
+    # Of the four rollouts the last one ends the training without an update.
+    np.testing.assert_allclose(np.array(seen[-1]) / seen[0], 1.0 - 0.9 * 0.5)
+    assert (np.diff(np.array(seen), axis=0) <= 0.0).all()
+
+
+def other_motor(folder: Path) -> Path:
+    """The paper's machine with another resistance."""
+    text = (MOTORS / "paper.toml").read_text()
+    path = folder / "other.toml"
+    path.write_text(text.replace("R_s = 2.484", "R_s = 2.5", 1))
+    return path
+
+
+def test_a_run_of_another_motor_is_refused(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    train(SMALL, DriveDesign(), folder)
+    path = other_motor(tmp_path)
+    with pytest.raises(UserError, match="digest"):
+        load_run(folder, Motor.load(path))
+    config = json.loads((folder / "config.json").read_text())
+    config["train"]["motor"] = str(path)
+    with pytest.raises(UserError, match="digest"):
+        train(TrainConfig(motor=str(path), steps=64), DriveDesign(), folder, resume=True)
+
+
+def test_a_folder_in_use_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(UserError, match="exists"):
+        train(SMALL, DriveDesign(), tmp_path)
+    assert (tmp_path / "notes.txt").read_text() == "mine"

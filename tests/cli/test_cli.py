@@ -1,0 +1,144 @@
+"""The command line as a user meets it."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+GOLDEN = Path(__file__).parents[1] / "data" / "golden"
+
+
+def run(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """``sensorless`` with these words, in a folder of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "sensorless", *words],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(
+    "command", ["", "simulate", "train", "evaluate", "report", "export", "demo"]
+)
+def test_help_teaches(command: str, tmp_path: Path) -> None:
+    done = run(*([command] if command else []), "--help", cwd=tmp_path)
+    assert done.returncode == 0
+    assert len(done.stdout) > 300
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["evaluate", "--policy", "nobody"], "nobody"),
+        (["evaluate", "--policy", "constant:1.5"], "constant"),
+        (["evaluate", "--policy", "constant:nan"], "constant"),
+        (["evaluate", "--policy", "eq25", "--suite", "easy"], "stress"),
+        (["evaluate", "--policy", "eq25", "--motor", "nomotor"], "paper"),
+        (["evaluate", "--policy", "eq25", "--set", "smo_pll_hz=many"], "smo_pll_hz"),
+        (["evaluate", "--policy", "eq25", "--set", "smo_gain=3"], "smo_gain"),
+        (["evaluate", "--policy", "eq25", "--out", "missing/results.json"], "missing"),
+        (["simulate", "--speed", "0:200,x"], "speed"),
+        (["simulate", "--scenario", "stress"], "SUITE:SEED:INDEX"),
+        (["simulate", "--start", "--theta-err", "200"], "theta_err"),
+        (["simulate", "--spin", "4000"], "spin"),
+        (["simulate", "--start", "--motor", "ipmsm_2200w"], "does not saturate"),
+        (["simulate", "--scenario", "envelope:1:3"], "SIZE"),
+        (["evaluate", "--policy", "linear:1,2", "--plot", "x.png"], "envelope"),
+        (["evaluate", "--policy", "ramp-tune"], "ramp-tune"),
+        (["report", "eq25"], "--out"),
+        (["simulate", "--plant", "none.json"], "plant"),
+        (["export", "hysteresis", "--out", "folder"], "hysteresis"),
+        (["export", "eq25", "--out", "/proc/nowhere"], "/proc"),
+        (["train", "--name", "x", "--motor", "nomotor"], "nomotor"),
+        (["train"], "--name"),
+        (["train", "--name", "x", "--gamma", "2"], "gamma"),
+        (["train", "--name", "x", "--axes", "speed"], "axes"),
+        (["train", "--name", "x", "--start", "linear:110,320"], "start"),
+        (["train", "--resume", "nothing"], "resume"),
+    ],
+)
+def test_a_mistake_is_one_line(words: list[str], said: str, tmp_path: Path) -> None:
+    done = run(*words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: ")
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert said in done.stderr
+    assert not list(tmp_path.iterdir()), "nothing half-written"
+
+
+def test_evaluation_is_the_same_file_to_the_bit(tmp_path: Path) -> None:
+    for name, seed in (("a", 7), ("b", 7), ("c", 8)):
+        words = ["evaluate", "--policy", "eq25", "--policy", "hysteresis", "--suite", "stress"]
+        done = run(*words, "--seed", str(seed), "--size", "12", "--out", name, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    a, b, c = ((tmp_path / name).read_bytes() for name in "abc")
+    assert a == b != c
+    results = json.loads(a)
+    assert (results["suite"], results["seed"], results["size"]) == ("stress", 7, 12)
+    eq25 = results["policies"]["eq25"]
+    names = ("torque_dev_rms", "torque_ripple_rms", "overshoot_pct", "angle_err_rms_deg")
+    assert all(isinstance(eq25[name], float) for name in ("lost_rate", *names))
+    assert len(eq25["lost_ci"]) == 2
+    assert all(len(eq25["scenarios"][name]) == 12 for name in ("lost", "seed", *names))
+    other = json.loads(c)["policies"]["eq25"]["scenarios"]["seed"]
+    assert not set(other) & set(eq25["scenarios"]["seed"])
+
+
+def test_fig9_meets_its_figures(tmp_path: Path) -> None:
+    """Fig. 9 of the source paper: k_s 1, about 0.5, 0; settled within 0.5 s; error below 5 deg."""
+    from sensorless.cli.words import plan_from
+    from sensorless.design.drive import DriveDesign
+    from sensorless.evaluation.trace import trace
+    from sensorless.evaluation.trace_summary import plateaus
+    from sensorless.machine.motor import Motor
+    from sensorless.policies.registry import make_policy
+
+    motor = Motor.load("paper")
+    for seed in range(4):
+        plan = plan_from("0:200,1:350,2:600", "0:0", None, 3.0, motor, seed)
+        rows = plateaus(trace(make_policy("eq25", motor), plan, motor, DriveDesign()))
+        assert [round(row["target_rpm"]) for row in rows] == [200, 350, 600]
+        assert rows[0]["k_s"] == 1.0
+        assert rows[1]["k_s"] == pytest.approx(0.5, abs=0.03)
+        assert rows[2]["k_s"] == 0.0
+        assert all(row["settled_s"] <= 0.5 for row in rows)
+        assert all(row["overshoot_pct"] <= 2.0 for row in rows)
+        assert all(row["angle_err_steady_deg"] < 5.0 for row in rows)
+
+
+def test_simulate_starts_from_the_wrong_pole(tmp_path: Path) -> None:
+    """The rotor is found in the 33 ms of the sequence; without it the same drive gets lost."""
+    words = ["simulate", "--theta-err", "180", "--speed", "0:0,0.1:300", "--duration", "0.4"]
+    found = run(*words, "--start", "--plot", "run.png", "--out", "run.csv", cwd=tmp_path)
+    assert found.returncode == 0, found.stderr
+    assert "kept lock, rotor found after 33 ms" in " ".join(found.stdout.split())
+    header, *rows = (tmp_path / "run.csv").read_text().splitlines()
+    starting = [float(row.split(",")[header.split(",").index("starting")]) for row in rows]
+    assert starting == [1.0] * 165 + [0.0] * (2000 - 165)
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+    assert "lost (angle)" in run(*words, cwd=tmp_path).stdout
+
+
+def test_simulate_writes_csv_and_picture(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    words = ["simulate", "--duration", "0.3", "--out", "run.csv", "--plot", "run.png"]
+    done = run(*words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    lines = (tmp_path / "run.csv").read_text().splitlines()
+    assert lines[0].startswith("t,omega_m_ref,omega_m")
+    assert len(lines) == 1501
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_plant_alone_writes_the_format_of_the_golden_files(tmp_path: Path) -> None:
+    case = GOLDEN / "linear_injection"
+    words = ["simulate", "--plant", f"{case}.json", "--inputs", f"{case}.u.csv", "--out", "y.csv"]
+    done = run(*words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    header = (tmp_path / "y.csv").read_text().splitlines()[0]
+    assert header == "t,i_d,i_q,i_alpha,i_beta,i_a,i_b,i_c,psi_d,psi_q,tau_M,w_M,theta_m"

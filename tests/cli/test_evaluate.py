@@ -1,0 +1,58 @@
+"""``sensorless evaluate`` as a user meets it; more of it in ``test_cli.py``."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from sensorless.cli.app import app
+from sensorless.errors import UserError
+from sensorless.policies.registry import known
+
+RUN = CliRunner()
+
+
+def test_the_list_has_one_line_for_every_policy() -> None:
+    done = RUN.invoke(app, ["evaluate", "--list"])
+    assert done.exit_code == 0
+    lines = done.stdout.splitlines()
+    assert [line.split("  ")[0] for line in lines] == list(known())
+    assert [" ".join(line.split("  ")[1:]).strip() for line in lines] == list(known().values())
+
+
+def test_details_and_a_file_without_scenarios(tmp_path: Path) -> None:
+    out = tmp_path / "r.json"
+    words = ["evaluate", "--policy", "eq25", "--policy", "sensored", "--size", "3", "--details"]
+    done = RUN.invoke(app, [*words, "--no-scenarios", "--out", str(out)])
+    assert done.exit_code == 0, done.output
+    for heading in ("difference to eq25", "forward regenerating", "worst cases", "(bound)"):
+        assert heading in done.stdout
+    assert done.stdout.count("window:") == 2 * 2, "means and pairs"
+    data = json.loads(out.read_text(encoding="utf-8"))
+    assert "scenarios" not in data["policies"]["eq25"]
+    assert data["policies"]["eq25"]["worst"][0]["scenario"].startswith("stress:1:")
+
+
+def test_the_envelope_is_drawn_as_it_was_judged(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    from PIL import Image
+
+    words = ["evaluate", "--suite", "envelope", "--size", "9"]
+    for name in ("smo", "sensored"):
+        plot = tmp_path / f"{name}.png"
+        done = RUN.invoke(app, [*words, "--policy", name, "--plot", str(plot)])
+        assert done.exit_code == 0, done.output
+    dark = {
+        name: np.mean(np.asarray(Image.open(tmp_path / f"{name}.png").convert("L")) < 40)
+        for name in ("smo", "sensored")
+    }
+    assert dark["smo"] > dark["sensored"] + 0.02, "the observer alone cannot stand still"
+
+
+def test_other_suites_have_no_picture(tmp_path: Path) -> None:
+    plot = tmp_path / "x.png"
+    done = RUN.invoke(app, ["evaluate", "--policy", "eq25", "--plot", str(plot)])
+    assert isinstance(done.exception, UserError) and "envelope" in str(done.exception)
+    assert not plot.exists()

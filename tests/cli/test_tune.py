@@ -1,0 +1,75 @@
+"""``sensorless tune`` as a user meets it."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from sensorless.cli.app import app
+from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.envs.scenarios.suites import suite
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+from sensorless.tuning import tune as tuning
+
+RUN = CliRunner()
+
+
+def short(name: str, motor: Motor, seed: int, size: int, role: str) -> Scenarios:
+    """Scenarios of 50 ms."""
+    scenarios = suite(name, motor, seed, size, role)
+    scenarios.duration[:] = 0.05
+    return scenarios
+
+
+def test_a_result_is_a_policy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tuning, "suite", short)
+    out = tmp_path / "mine.json"
+    words = ["tune", "quadratic", "--budget", "20", "--seed", "2", "--out", str(out)]
+    monkeypatch.setattr(sys, "argv", ["sensorless", *words])
+    done = RUN.invoke(app, words)
+    assert done.exit_code == 0, done.output
+    assert "quadratic:" in done.stdout and "lost" in done.stdout
+    written = json.loads(out.read_text())
+    assert written["provenance"]["command"].startswith("sensorless tune quadratic --budget 20")
+    results = tmp_path / "r.json"
+    words = ["evaluate", "--policy", str(out), "--size", "2", "--out", str(results)]
+    assert RUN.invoke(app, words).exit_code == 0
+    assert list(json.loads(results.read_text())["policies"]) == ["mine"]
+
+
+def test_ctrl_c_writes_the_best_and_tells_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tuning, "suite", short)
+
+    def stop(*args: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(tuning, "_run", stop)
+    out = tmp_path / "mine.json"
+    done = RUN.invoke(app, ["tune", "linear", "--budget", "20", "--out", str(out)])
+    assert done.exit_code == 130
+    assert json.loads(out.read_text())["provenance"]["interrupted"] is True
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["tune", "nobody"], "rule"),
+        (["tune", "linear", "--budget", "1"], "budget"),
+        (["tune", "hfi"], "no parameters"),
+    ],
+)
+def test_a_mistake_is_found_before_the_work(words: list[str], said: str, tmp_path: Path) -> None:
+    done = RUN.invoke(app, [*words, "--out", str(tmp_path / "a.json")])
+    assert isinstance(done.exception, UserError)
+    assert said in str(done.exception)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_place_that_cannot_be_written_is_found_before_the_work(tmp_path: Path) -> None:
+    done = RUN.invoke(app, ["tune", "linear", "--out", str(tmp_path / "no" / "a.json")])
+    assert isinstance(done.exception, UserError)

@@ -1,0 +1,142 @@
+"""The other ways from two sources to one estimate, in the closed loop and by themselves."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import SIGNAL_N, Array, sim_run, struct_dtype
+from sensorless.design.drive import ESTIMATORS, DriveDesign, control_record
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.evaluation.steady import RPM, make_ideal, steady
+from sensorless.machine.motor import Motor, Saturation
+
+Call = Callable[..., None]
+State = Callable[[Array], bytes]
+
+FLUX = DriveDesign(estimator="flux", L_q_bias=1.0, speed_hz=1.0)
+RATED = [(rpm, tau) for rpm in (300.0, 600.0, 1000.0) for tau in (-10.0, 0.0, 10.0)]
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+def test_blocks_and_plain_loop_agree(motor: Motor, estimator: str, state_bytes: State) -> None:
+    """Two have vector code; the others are refused there, not computed wrongly."""
+    scenarios = stress_scenarios(motor, np.arange(18, dtype=np.uint64))
+    design = DriveDesign(estimator=estimator)
+    ends = []
+    for plain in (False, True):
+        sims = SimFactory(motor, design).build(scenarios)
+        obs = np.zeros((18, SIGNAL_N), dtype=np.float32)
+        sim_run(sims, 1500, np.full(18, 0.5, np.float32), obs, plain=plain)
+        ends.append(state_bytes(sims))
+    assert ends[0] == ends[1]
+
+
+def test_published_injection_is_the_same_in_both_loops(motor: Motor, state_bytes: State) -> None:
+    scenarios = stress_scenarios(motor, np.arange(18, dtype=np.uint64))
+    ends = {}
+    for scheme in ("rotating", "stationary"):
+        for plain in (False, True):
+            sims = SimFactory(motor, DriveDesign(hfi_scheme=scheme)).build(scenarios)
+            obs = np.zeros((18, SIGNAL_N), dtype=np.float32)
+            sim_run(sims, 500, np.ones(18, np.float32), obs, plain=plain)
+            ends[scheme, plain] = state_bytes(sims["drive"])
+    assert ends["stationary", False] == ends["stationary", True]
+    assert ends["rotating", False] == ends["rotating", True] != ends["stationary", True]
+
+
+def test_flux_observer_holds_its_range(motor: Motor) -> None:
+    """Alone, motoring and regenerating in both directions; its d flux knows no saturation."""
+    rpm, tau = np.array(RATED + [(-rpm, tau) for rpm, tau in RATED]).T
+    run = steady(motor, FLUX, rpm, tau, 0.0, change=make_ideal)
+    assert run.held.all()
+    assert np.max(np.abs(np.rad2deg(run.err))) < 3.5
+
+
+@pytest.mark.parametrize("L_q_bias", [0.8, 1.0, 1.2])
+def test_error_of_the_flux_observer(motor: Motor, L_q_bias: float) -> None:
+    """A wrong L_q on a linear machine turns it by the closed form of its two corrections.
+
+    Across psi_a the loop brings the flux error to zero, along it the gain k pulls: x = dL_q i_q,
+    delta = -x (a_d + 2 k a_q / w) / |a|^2, a = psi_f + (L_d - L_q_hat)(i_d - j i_q) in its frame.
+    """
+    linear = replace(motor, saturation=Saturation.linear(motor.L_d, motor.L_q, motor.psi_f))
+    design = replace(FLUX, L_q_table=False, L_q_bias=L_q_bias, mtpa=False, cross="none")
+    rpm, tau = np.array([(600.0, 3.0), (600.0, -3.0), (1000.0, 3.0), (-600.0, -3.0)]).T
+    run = steady(linear, design, rpm, tau, 0.0, change=make_ideal)
+    assert run.held.all()
+    i = (run.i[:, 0] + 1j * run.i[:, 1]) * np.exp(1j * run.err)
+    L_q_hat = L_q_bias * motor.L_q
+    a = motor.psi_f + (motor.L_d - L_q_hat) * i.conj()
+    p = control_record(linear, design)["flux"]
+    w = motor.n_p * run.omega_m
+    k = (p["gain_0"] + p["gain_w"] * np.abs(w)) / motor.T_s
+    want = -(motor.L_q - L_q_hat) * i.imag * (a.real + 2.0 * k / w * a.imag) / np.abs(a) ** 2
+    np.testing.assert_allclose(np.rad2deg(run.err), np.rad2deg(want), atol=0.25)
+
+
+def test_flux_observer_follows_below_its_floor(c: Call, motor: Motor) -> None:
+    """At rest it is told angle and speed, and its flux is the one of the current."""
+    p = np.array(control_record(motor, FLUX)["flux"]).reshape(1)
+    x, y = (np.zeros(1, dtype=struct_dtype(f"{name}_state_t")) for name in ("flux", "smo"))
+    i, u = np.array([0.5, 0.1], np.float32), np.array([1.0, 2.0], np.float32)
+    for _ in range(20):
+        c("flux_observe", p, x, y, i, u, motor.L_q, 3.0, 0.0, motor.T_s)
+    assert y["valid"][0] == 0.0 and y["err"][0] == 0.0
+    assert y["pll"]["theta"][0] == pytest.approx(3.0 * motor.T_s, abs=1e-6)
+    assert y["pll"]["omega"][0] == 3.0
+    psi = float(x["psi"]["a"][0]), float(x["psi"]["b"][0])
+    assert psi == pytest.approx((motor.psi_f + 0.5 * motor.L_d, 0.1 * motor.L_q), rel=1e-5)
+
+
+def test_weighted_errors_meet_between_the_two(motor: Motor) -> None:
+    """Uncompensated sources apart: one loop settles where the weighted error signals cancel.
+
+    Near lock that is the mean of both angles by weight times slope: the injection's is 1 - L_d/L_q.
+    """
+    base = DriveDesign(cross="none", mtpa=False, L_q_table=False, L_q_bias=1.0, speed_hz=1.0)
+    at = dict(rpm=[350.0], tau=[4.0], change=make_ideal)
+    own = [float(steady(motor, base, k_s=k, **at).err[0]) for k in (0.0, 1.0)]  # type: ignore[arg-type]
+    one_loop = replace(base, estimator="errors")
+    ends = [float(steady(motor, one_loop, k_s=k, **at).err[0]) for k in (0.0, 1.0)]  # type: ignore[arg-type]
+    assert np.rad2deg(ends) == pytest.approx(np.rad2deg(own), abs=0.1)
+    middle = float(np.rad2deg(steady(motor, one_loop, k_s=0.5, **at).err[0]))  # type: ignore[arg-type]
+    low, high = sorted(np.rad2deg(own))
+    assert low + 1.0 < middle < high - 1.0
+
+
+def test_the_printed_blend_jumps_at_the_seam(c: Call, motor: Motor) -> None:
+    """Eq. 26 without its wrap: 179 and -179 degrees make 0; elsewhere it is the same."""
+    y, z = np.empty(2, np.float32), np.empty(2, np.float32)
+    a, b = (np.array([math.radians(d), 40.0], np.float32) for d in (179.0, -179.0))
+    c("blend_unwrapped", a, b, 0.5, y)
+    c("blend", a, b, 0.5, z)
+    assert abs(y[0]) < 1e-5 and abs(z[0]) == pytest.approx(math.pi, abs=1e-5)
+    a, b = (np.array([math.radians(d), w], np.float32) for d, w in ((20.0, 40.0), (10.0, 80.0)))
+    c("blend_unwrapped", a, b, 0.25, y)
+    c("blend", a, b, 0.25, z)
+    np.testing.assert_allclose(y, z, rtol=1e-6)
+
+
+def test_the_printed_blend_shows_in_the_band(motor: Motor) -> None:
+    """At half weight and 4 N m its angle error reaches a large part of half a turn now and then."""
+    base = DriveDesign(cross="none", mtpa=False, L_q_table=False, L_q_bias=1.0)
+    rough = [
+        float(np.rad2deg(steady(motor, d, [350.0], [4.0], 0.5, change=make_ideal).err_std[0]))
+        for d in (base, replace(base, estimator="unwrapped"))
+    ]
+    assert rough[1] > 10.0 * rough[0]
+
+
+def test_unnormalised_and_uncompensated_injection_still_lock(motor: Motor) -> None:
+    """All that is published about injection together, at 150 r/min without load."""
+    design = DriveDesign(hfi_scheme="stationary", hfi_delay_cure=False, hfi_normalised=False)
+    run = steady(motor, design, [150.0, 350.0], [0.0, 0.0], 1.0, change=make_ideal)
+    assert run.held.all()
+    step = np.rad2deg(motor.n_p * run.omega_m * motor.T_s)
+    shift = (0.5 * motor.L_q + 1.5 * motor.L_d) / (motor.L_q - motor.L_d)
+    np.testing.assert_allclose(np.rad2deg(run.err), shift * step, atol=0.05)
+    assert RPM * 150.0 == pytest.approx(run.omega_m[0], rel=0.01)

@@ -1,0 +1,166 @@
+"""No input, however bad, makes the controller produce a NaN; each leaves its fault bit."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import CONTROL, Array, lib, pointer, struct_dtype
+from sensorless.design.drive import DriveDesign, control_record
+from sensorless.machine.motor import Motor
+
+STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")
+CURRENT, U_DC, COMMAND, POLE = 1, 2, 4, 8
+GOOD = {"i_a": 0.5, "i_b": -0.2, "u_dc": 540.0, "omega_ref": 60.0, "k_s_ref": 0.5}
+DENORMAL = 1e-42
+WILD = [math.nan, math.inf, -math.inf, 3e38, -3e38, DENORMAL, -DENORMAL, 1e30, 0.0, -0.0]
+
+
+class Drive:
+    """One controller, called as firmware calls it."""
+
+    def __init__(self, motor: Motor, omega: float = 50.0, *, seek: bool = False) -> None:
+        self.params = np.zeros(1, dtype=CONTROL)
+        self.params[0] = control_record(motor, DriveDesign())
+        self.x = np.zeros(1, dtype=STATE)
+        lib.drive_init(
+            pointer(self.params, "drive_params_t[]"),
+            pointer(self.x, "drive_state_t[]"),
+            0.3,
+            omega,
+            1.0,
+        )
+        if seek:
+            lib.drive_find_rotor(pointer(self.x, "drive_state_t[]"))
+
+    def step(self, **values: float) -> tuple[float, float]:
+        signal = np.zeros(1, dtype=INPUT)
+        for name, value in {**GOOD, **values}.items():
+            signal[name] = value
+        u = lib.drive_step(
+            pointer(self.params, "drive_params_t[]"),
+            pointer(self.x, "drive_state_t[]"),
+            pointer(signal, "drive_in_t[]"),
+        )
+        return u.a, u.b
+
+    def numbers(self) -> Array:
+        """Every float of the state."""
+        words = self.x.view(np.uint8)[: STATE.itemsize].copy().view(np.float32)
+        return words[: STATE.fields["fault"][1] // 4] if STATE.fields else words
+
+
+def test_good_inputs_set_no_fault(motor: Motor) -> None:
+    """A healthy drive stays healthy."""
+    drive = Drive(motor)
+    for _ in range(500):
+        assert all(map(math.isfinite, drive.step()))
+    assert drive.x["fault"][0] == 0
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "bit"),
+    [
+        ("i_a", math.nan, CURRENT),
+        ("i_b", math.inf, CURRENT),
+        ("i_a", -2e4, CURRENT),
+        ("u_dc", math.nan, U_DC),
+        ("u_dc", -5.0, U_DC),
+        ("u_dc", math.inf, U_DC),
+        ("u_dc", 1e6, U_DC),
+        ("omega_ref", math.nan, COMMAND),
+        ("omega_ref", -math.inf, COMMAND),
+        ("omega_ref", 1e7, COMMAND),
+        ("k_s_ref", math.nan, COMMAND),
+        ("k_s_ref", 1.01, COMMAND),
+        ("k_s_ref", -0.01, COMMAND),
+    ],
+)
+def test_fault_bits(motor: Motor, field: str, value: float, bit: int) -> None:
+    """A bad value sets exactly its bit, which stays; the drive goes on with numbers."""
+    drive = Drive(motor)
+    drive.step()
+    assert all(map(math.isfinite, drive.step(**{field: value})))
+    assert drive.x["fault"][0] == bit
+    for _ in range(50):
+        assert all(map(math.isfinite, drive.step()))
+    assert drive.x["fault"][0] == bit
+    assert np.all(np.isfinite(drive.numbers()))
+
+
+@pytest.mark.parametrize("field", list(GOOD))
+@pytest.mark.parametrize("value", WILD)
+def test_lasting_bad_input(motor: Motor, field: str, value: float) -> None:
+    """Even hundreds of periods of the same bad value leave every number of the state finite."""
+    drive = Drive(motor)
+    for _ in range(300):
+        assert all(map(math.isfinite, drive.step(**{field: value})))
+    assert np.all(np.isfinite(drive.numbers()))
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seek", [False, True])
+def test_random_bit_patterns(motor: Motor, seed: int, seek: bool) -> None:
+    """Inputs of arbitrary bits: outputs stay finite and bounded by the voltage limit."""
+    rng = np.random.default_rng(seed)
+    drive = Drive(motor, omega=rng.uniform(-300.0, 300.0), seek=seek)
+    words = rng.integers(0, 2**32, (4000, len(GOOD)), dtype=np.uint32).view(np.float32)
+    for row in words:
+        chosen = rng.random(len(GOOD)) < 0.7
+        bad = {name: float(v) for name, v, use in zip(GOOD, row, chosen, strict=True) if use}
+        u = drive.step(**bad)
+        assert all(map(math.isfinite, u))
+        assert np.all(np.isfinite(drive.numbers()))
+    assert drive.x["fault"][0] & ~POLE == CURRENT | U_DC | COMMAND
+
+
+@pytest.mark.parametrize("value", WILD)
+def test_the_start_sequence_ends_on_any_input(motor: Motor, value: float) -> None:
+    """Currents that are no numbers: the sequence comes to its end with its fault bits."""
+    drive = Drive(motor, seek=True)
+    for _ in range(300):
+        assert all(map(math.isfinite, drive.step(i_a=value, i_b=value)))
+    assert drive.x["start"]["phase"][0] == 0
+    assert np.all(np.isfinite(drive.numbers()))
+
+
+def test_largest_plausible_inputs(motor: Motor) -> None:
+    """Values just inside of the limits, in the worst combinations, do not overflow either."""
+    rng = np.random.default_rng(9)
+    drive = Drive(motor)
+    for _ in range(3000):
+        signs = rng.choice([-1.0, 1.0], 3)
+        u = drive.step(
+            i_a=9.9e3 * signs[0],
+            i_b=9.9e3 * signs[1],
+            u_dc=9.9e4,
+            omega_ref=9.9e4 * signs[2],
+            k_s_ref=float(rng.integers(0, 2)),
+        )
+        assert all(map(math.isfinite, u))
+    assert drive.x["fault"][0] == 0
+    assert np.all(np.isfinite(drive.numbers()))
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "omega"), [(67.0, -700.0), (140.0, -948.0), (9e3, 950.0), (2e3, 1400.0)]
+)
+def test_model_current_does_not_run_away(motor: Motor, amplitude: float, omega: float) -> None:
+    """Currents beyond the reach of the sliding-mode correction do not let its model grow."""
+    drive = Drive(motor, omega)
+    for k in range(6000):
+        turn = omega * motor.T_s * k + math.pi * (k // 40 % 2)
+        a, b = (amplitude * math.cos(turn - lag) for lag in (0.0, 2.0 * math.pi / 3.0))
+        assert all(map(math.isfinite, drive.step(i_a=a, i_b=b, k_s_ref=0.0, omega_ref=omega)))
+        assert abs(float(drive.x["smo"]["i_hat"]["a"][0])) < 2.0 * amplitude + 50.0
+
+
+def test_recovers(motor: Motor) -> None:
+    """After a burst of bad samples the angle of a standing drive is still an angle in range."""
+    drive = Drive(motor, omega=0.0)
+    for k in range(400):
+        drive.step(i_a=math.nan if k % 3 else 0.5, omega_ref=0.0)
+    for _ in range(2000):
+        drive.step(i_a=0.0, i_b=0.0, omega_ref=0.0)
+    assert abs(float(drive.x["est"]["theta"][0])) <= math.pi * (1 + 1e-6)
+    assert abs(float(drive.x["est"]["omega"][0])) <= 2.5 * motor.omega_rated

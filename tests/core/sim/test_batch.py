@@ -1,0 +1,106 @@
+"""Blocks of vector code and threads change how fast a drive is simulated, never its numbers."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import SIGNAL_N, Array, lib, sim_run
+from sensorless.design.drive import ESTIMATORS, DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.machine.motor import Motor
+
+Bytes = Callable[[Array], bytes]
+Call = Callable[..., None]
+
+IN_BLOCKS = ("angles", "flux")
+SIZES = (1, 3, 4, 15, 16, 17, 100)
+PERIODS = 3000
+
+
+@cache
+def drives(n: int, twin: bool, estimator: str) -> Array:
+    """Random drives of which some are over before the run, some end in it, and some get lost."""
+    motor = Motor.load("paper")
+    sims = SimFactory(motor, DriveDesign(estimator=estimator)).build(
+        stress_scenarios(motor, np.arange(n, dtype=np.uint64)), twin=twin
+    )
+    sims["err_limit"][2::5] *= 0.1  # the flux observer loses few
+    sims["k_end"][1::5] = 40 * np.arange(len(sims["k_end"][1::5]))
+    return sims
+
+
+def advance(n: int, twin: bool, estimator: str, **how: Any) -> tuple[Array, Array]:
+    """Run the drives, each with a weight of its own; drives and signals after it."""
+    sims, obs = drives(n, twin, estimator).copy(), np.zeros((n, SIGNAL_N), dtype=np.float32)
+    sim_run(sims, PERIODS, np.linspace(0.0, 1.0, n, dtype=np.float32), obs, **how)
+    return sims, obs
+
+
+@cache
+def plainly(n: int, twin: bool, estimator: str) -> tuple[Array, Array]:
+    return advance(n, twin, estimator, simd=lib.SIMD_NONE, threads=1)
+
+
+@pytest.mark.parametrize("estimator", IN_BLOCKS)
+@pytest.mark.parametrize("twin", [True, False], ids=["twin", "alone"])
+@pytest.mark.parametrize("n", SIZES)
+@pytest.mark.parametrize("simd", ["SIMD_AVX2", "SIMD_AVX512"])
+def test_blocks_equal_the_plain_loop(
+    simd: str, n: int, twin: bool, estimator: str, state_bytes: Bytes
+) -> None:
+    level = getattr(lib, simd)
+    if lib.sim_simd() < level:
+        pytest.skip(f"this processor or compiler has no {simd}")
+    sims, obs = advance(n, twin, estimator, simd=level, threads=1)
+    expected, signals = plainly(n, twin, estimator)
+    assert obs.tobytes() == signals.tobytes()
+    assert state_bytes(sims) == state_bytes(expected)
+
+
+@pytest.mark.parametrize("n", SIZES)
+@pytest.mark.parametrize("threads", [1, 2, 3, 7])
+def test_any_number_of_threads(threads: int, n: int, state_bytes: Bytes) -> None:
+    sims, obs = advance(n, True, "angles", threads=threads)
+    expected, signals = plainly(n, True, "angles")
+    assert obs.tobytes() == signals.tobytes()
+    assert state_bytes(sims) == state_bytes(expected)
+
+
+@pytest.mark.parametrize("estimator", IN_BLOCKS)
+def test_the_drives_are_worth_comparing(estimator: str) -> None:
+    """Some survive, some get lost in the run, some end in it, at different periods."""
+    sims, _ = plainly(100, True, estimator)
+    lost = sims["lost"] != 0
+    assert 5 < lost.sum() < 60
+    assert len(np.unique(sims["k"][lost])) > 5
+    assert (sims["k"] == PERIODS).sum() > 30
+    assert len(np.unique(sims["k"][(sims["k"] == sims["k_end"]) & ~lost])) > 5
+
+
+def test_mixed_drives_run_one_by_one(state_bytes: Bytes) -> None:
+    """A block holds one kind of drive; others beside it do not change its results."""
+    sims = drives(32, True, "angles").copy()
+    sims["with_twin"][3], sims["sensored"][20] = 0, 1
+    sims["control"]["estimator"][5] = lib.ESTIMATE_FLUX
+    expected = sims.copy()
+    k_s, obs = np.full(32, 0.6, np.float32), np.zeros((32, SIGNAL_N), np.float32)
+    sim_run(sims, 400, k_s, obs)
+    sim_run(expected, 400, k_s, obs, plain=True)
+    assert state_bytes(sims) == state_bytes(expected)
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+def test_which_drives_run_as_blocks(c: Call, estimator: str) -> None:
+    """Those on either observer, as fast as the machine allows; all of them on the same one."""
+    found = np.empty(1, np.int32)
+    sims = drives(16, True, estimator).copy()
+    c("batch_fits", sims, 16, found)
+    assert found[0] == (lib.sim_simd() if estimator in IN_BLOCKS else lib.SIMD_NONE)
+    for other in set(ESTIMATORS) - {estimator}:
+        sims["control"]["estimator"][7] = ESTIMATORS[other]
+        c("batch_fits", sims, 16, found)
+        assert found[0] == lib.SIMD_NONE

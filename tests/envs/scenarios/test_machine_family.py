@@ -1,0 +1,78 @@
+"""Random machines: repeatable, in their ranges, consistent, and fit to be driven."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sensorless.design.control import operating_line
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.machine_family import MOST, RANGES, family, family_digest
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.errors import UserError
+from sensorless.evaluation.rollout import rollout
+from sensorless.machine.magnetics import flux, inverse_inductance, torque
+from sensorless.machine.motor import MOTORS, Motor
+from sensorless.policies.registry import make_policy
+
+SIXTEEN = family(1, 16)
+
+
+def test_a_machine_follows_from_seed_and_index_alone() -> None:
+    assert family(1, 5) == SIXTEEN[:5]
+    assert len({motor.digest for motor in (*SIXTEEN, *family(2, 16))}) == 32
+    assert family_digest(family(1, 16)) == family_digest(SIXTEEN) != family_digest(SIXTEEN[:15])
+
+
+@pytest.mark.parametrize(("seed", "n"), [(-1, 4), (2**63, 4), (1, 0), (1, MOST + 1)])
+def test_out_of_range(seed: int, n: int) -> None:
+    with pytest.raises(UserError, match="allowed"):
+        family(seed, n)
+
+
+@pytest.mark.parametrize("motor", SIXTEEN, ids=lambda motor: motor.name)
+def test_numbers_are_in_their_ranges_and_belong_together(motor: Motor) -> None:
+    base = motor.u_dc / math.sqrt(3.0) / motor.omega_rated
+    speed = motor.omega_rated / motor.n_p
+    found = {
+        "n_p": motor.n_p,
+        "emf": motor.psi_f / base,
+        "x_d": motor.L_d * motor.i_rated / base,
+        "saliency": motor.L_q / motor.L_d,
+        "r": motor.R_s * motor.i_rated / (base * motor.omega_rated),
+        "start_time": motor.J * speed / motor.tau_rated,
+        "friction": motor.B * speed / motor.tau_rated,
+        "i_max": motor.i_max / motor.i_rated,
+        **{name: getattr(motor, name) for name in ("n_rated_rpm", "u_dc", "i_rated", "dead_time")},
+    }
+    for name, value in found.items():
+        assert 0.998 * RANGES[name].low <= value <= 1.002 * RANGES[name].high, name
+    psi = flux(motor.saturation, np.zeros((1, 2)))
+    L = np.linalg.inv(inverse_inductance(motor.saturation, psi)[0])
+    assert psi[0] == pytest.approx([motor.psi_f, 0.0], rel=1e-4, abs=1e-9)
+    assert np.diag(L) == pytest.approx([motor.L_d, motor.L_q], rel=1e-4)
+    line = operating_line(motor, True)
+    need = float(np.interp(motor.tau_rated, torque(motor, line), np.hypot(*line.T)))
+    low, high = RANGES["loading"].low, RANGES["loading"].high
+    assert 0.99 * low * motor.i_rated < need < 1.01 * high * motor.i_rated
+
+
+def test_no_shipped_machine_is_among_them() -> None:
+    shipped = [Motor.load(path.stem) for path in MOTORS.glob("*.toml")]
+    assert len(shipped) >= 3
+    for motor in family(1, 64):
+        for held_out in shipped:
+            ratios = [getattr(motor, x) / getattr(held_out, x) for x in ("R_s", "L_d", "psi_f")]
+            assert max(abs(math.log(ratio)) for ratio in ratios) > 0.05
+
+
+@pytest.mark.parametrize("motor", SIXTEEN, ids=lambda motor: motor.name)
+def test_the_sensored_twin_loses_nothing(motor: Motor) -> None:
+    """Whatever a schedule loses on these machines is not the control's fault."""
+    run = rollout(
+        make_policy("sensored", motor),
+        suite("stress", motor, 3, 32, "tune"),
+        SimFactory(motor, DriveDesign()),
+    )
+    assert not run.lost.any()

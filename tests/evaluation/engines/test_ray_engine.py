@@ -1,0 +1,172 @@
+"""Two nodes on loopback: the same bits as one process, also when a node dies at work."""
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.envs.scenarios.suites import suite
+from sensorless.errors import UserError
+from sensorless.evaluation.engines import ray_engine
+from sensorless.evaluation.engines.code import code
+from sensorless.evaluation.engines.engine import Engine, engine_named
+from sensorless.evaluation.evaluate import evaluate
+from sensorless.machine.motor import Motor
+from sensorless.tuning import tune as tuning
+
+MOTOR = Motor.load("paper")
+DESIGN = DriveDesign()
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    """A node of one processor that others can be added to; required where CI=true."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RAY_AUTH_MODE", "token")
+        patch.setenv("RAY_AUTH_TOKEN", "0123456789abcdef" * 4)
+        patch.setenv("RAY_USAGE_STATS_ENABLED", "0")
+        try:
+            from ray.cluster_utils import Cluster
+        except ImportError:
+            if os.environ.get("CI") == "true":
+                pytest.fail("CI needs ray: pip install -e '.[scale]'")
+            pytest.skip("needs ray: pip install -e '.[scale]'")
+        quick = {"health_check_period_ms": 1000, "health_check_failure_threshold": 3}
+        made = Cluster(
+            initialize_head=True, head_node_args={"num_cpus": 1, "_system_config": quick}
+        )
+        yield made
+        made.shutdown()
+
+
+@pytest.fixture(scope="module")
+def engine(cluster: Any) -> Iterator[Engine]:
+    with engine_named("ray", cluster.address) as made:
+        yield made
+
+
+@pytest.fixture
+def second(cluster: Any, engine: Engine) -> Iterator[Any]:
+    """A second node, gone after the test."""
+    node = cluster.add_node(num_cpus=1)
+    yield node
+    if node in cluster.list_all_nodes():
+        cluster.remove_node(node, allow_graceful=False)
+
+
+def test_a_lost_node_costs_its_chunk_and_nothing_else(
+    cluster: Any, engine: Engine, second: Any, tmp_path: Path
+) -> None:
+    def slow(i: int) -> int:
+        import ray
+
+        node = ray.get_runtime_context().get_node_id()
+        (tmp_path / f"{i}-{node}-{time.time_ns()}").touch()
+        time.sleep(0.5)
+        (tmp_path / f"{i}-{node}.done").touch()
+        return i * i
+
+    def started(i: str = "*") -> list[Path]:
+        return [p for p in tmp_path.glob(f"{i}-{second.node_id}-*") if p.suffix != ".done"]
+
+    def busy() -> bool:
+        here = [p.name.split("-")[0] for p in started()]
+        return any(not (tmp_path / f"{i}-{second.node_id}.done").exists() for i in here)
+
+    results = engine.map(slow, range(12))
+    found = [next(results)]
+    deadline = time.monotonic() + 20.0
+    while not busy():
+        assert time.monotonic() < deadline, "the second node got no work"
+        time.sleep(0.01)
+    cluster.remove_node(second, allow_graceful=False)
+    found += results
+    assert found == [i * i for i in range(12)]
+    names = [p.name for p in tmp_path.iterdir() if p.suffix != ".done"]
+    again = [i for i in range(12) if sum(n.startswith(f"{i}-") for n in names) > 1]
+    assert 1 <= len(again) <= 2, names  # the one under way, and one whose result was on its way
+    assert all(started(str(i)) for i in again)
+
+
+def test_the_file_is_the_same_to_the_byte_with_a_node_killed_half_way(
+    cluster: Any, engine: Engine, second: Any, tmp_path: Path
+) -> None:
+    words = (MOTOR, DESIGN, "envelope", 7, 45**2, ["eq25"])
+    evaluate(*words, out=tmp_path / "local")
+    seen: list[float] = []
+
+    def kill(_: str, done: float) -> None:
+        seen.append(done)
+        if len(seen) == 3:
+            cluster.remove_node(second, allow_graceful=False)
+
+    evaluate(*words, out=tmp_path / "ray", engine=engine, progress=kill)
+    assert len(seen) == 8 and seen == sorted(seen) and seen[-1] == 1.0
+    assert (tmp_path / "local").read_bytes() == (tmp_path / "ray").read_bytes()
+
+
+def test_tuning_finds_the_same(engine: Engine, monkeypatch: pytest.MonkeyPatch) -> None:
+    def short(name: str, motor: Motor, seed: int, size: int, role: str) -> Scenarios:
+        scenarios = suite(name, motor, seed, size, role)
+        scenarios.duration[:] = 0.1
+        return scenarios
+
+    monkeypatch.setattr(tuning, "suite", short)
+    monkeypatch.setattr("sensorless.tuning.batch.DRIVES", 32)
+    local = tuning.tune("linear", MOTOR, DESIGN, 60.0, 7)
+    assert local.provenance["generations"] >= tuning.CHECK
+    assert tuning.tune("linear", MOTOR, DESIGN, 60.0, 7, engine=engine) == local
+
+
+def test_errors_are_raised_as_they_were(engine: Engine) -> None:
+    def fails(i: int) -> int:
+        raise UserError(f"chunk {i}")
+
+    with pytest.raises(UserError, match=r"^chunk 0$"):
+        list(engine.map(fails, range(3)))
+
+
+def test_other_code_is_refused(engine: Engine, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ray_engine, "code", lambda: {**code(), "core": "0" * 64})
+    with pytest.raises(UserError, match=r"ray node .* has other code \(core .* instead of 000000"):
+        list(engine.map(abs, [-1]))
+
+
+def test_a_worker_that_dies_every_time_ends_the_work(
+    engine: Engine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def dies(_: int) -> None:
+        os._exit(1)
+
+    assert isinstance(engine, ray_engine.RayEngine)
+    monkeypatch.setattr(engine, "_task", engine._task.options(max_retries=1))
+    with pytest.raises(UserError, match="lost a chunk for good"):
+        list(engine.map(dies, [1]))
+
+
+@pytest.mark.parametrize("address", ["nonsense", "127.0.0.1:1", ":1", "127.0.0.1:x"])
+def test_no_cluster_there(cluster: Any, address: str) -> None:
+    with pytest.raises(UserError, match="ray-address"), engine_named("ray", address):
+        pytest.fail("entered")
+
+
+def test_the_command_starts_a_cluster_of_its_own(cluster: Any, tmp_path: Path) -> None:
+    for engine in ("local", "ray"):
+        words = f"evaluate --policy eq25 --suite paper --size 6 --engine {engine} --out {engine}"
+        done = subprocess.run(
+            [sys.executable, "-m", "sensorless", *words.split()],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        assert done.stderr == "evaluated eq25\n"
+    assert (tmp_path / "local").read_bytes() == (tmp_path / "ray").read_bytes()

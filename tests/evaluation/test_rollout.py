@@ -1,0 +1,158 @@
+"""Rollouts: the sums of every decision, in chunks, beside the twin."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, Array, lib, sim_run
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.evaluation.rollout import CAUSES, Rollout, rollout, rollouts
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.policy import Signals, decision_periods
+
+MOTOR = Motor.load("paper")
+FACTORY = SimFactory(MOTOR, DriveDesign())
+
+
+def short(n: int, duration: float = 0.25) -> Scenarios:
+    """Random scenarios, cut off."""
+    scenarios = stress_scenarios(MOTOR, np.arange(1, n + 1, dtype=np.uint64))
+    scenarios.duration[:] = duration
+    return scenarios
+
+
+def run(spec: str, scenarios: Scenarios) -> Rollout:
+    return rollout(make_policy(spec, MOTOR), scenarios, FACTORY)
+
+
+class Recorder:
+    """Keeps what it was shown, and answers half."""
+
+    name = "recorder"
+    sensored = False
+
+    def __init__(self) -> None:
+        self.drives = 0
+        self.seen: list[Signals] = []
+
+    def reset(self, n: int) -> None:
+        self.drives = n
+        self.seen = []
+
+    def act(self, obs: Signals) -> NDArray[np.float32]:
+        self.seen.append(obs)
+        return np.full(len(obs), 0.5, dtype=np.float32)
+
+
+class Crooked(Recorder):
+    """One weight too few."""
+
+    def act(self, obs: Signals) -> NDArray[np.float32]:
+        return super().act(obs)[1:]
+
+
+def test_the_sums_are_those_of_the_core_decision_by_decision() -> None:
+    scenarios = short(3, 0.05)
+    r = run("hfi", scenarios)
+    sims = FACTORY.build(scenarios)
+    obs = np.zeros((3, SIGNAL_N), dtype=np.float32)
+    for row in r.sums:
+        sim_run(sims, 5, np.ones(3, dtype=np.float32), obs)
+        assert row.tobytes() == sims["sums"].tobytes()
+    assert len(r.sums) == 50
+    assert r.periods.tolist() == [250, 250, 250]
+    assert r.lost.tolist() == [0, 0, 0]
+
+
+def test_a_decision_is_a_millisecond() -> None:
+    assert decision_periods(MOTOR) == 5
+    assert run("hfi", short(1)).decision_time == pytest.approx(0.001)
+
+
+def test_chunks_give_the_same_bits_as_one_batch() -> None:
+    scenarios = short(7)
+    policy = make_policy("hysteresis:100,200", MOTOR)
+    whole = rollout(policy, scenarios, FACTORY)
+    parts = list(rollouts(policy, scenarios, FACTORY, chunk=3))
+    assert [len(p.lost) for p in parts] == [3, 3, 1]
+    assert np.concatenate([p.sums for p in parts], axis=1).tobytes() == whole.sums.tobytes()
+    assert np.concatenate([p.lost for p in parts]).tolist() == whole.lost.tolist()
+
+
+def test_a_lost_drive_leaves_no_numbers_behind() -> None:
+    r = run("smo", short(12, 1.0))
+    lost = np.flatnonzero(r.lost)
+    assert 0 < len(lost) < 12
+    np.testing.assert_array_equal(r.sums["n"].sum(axis=0), r.periods)
+    for j in lost:
+        end = -(-int(r.periods[j]) // 5)
+        assert end < len(r.sums)
+        assert not any(r.sums[end:, j].tobytes())
+        assert np.isnan(r.mean("omega_m")[end:, j]).all()
+        assert np.isfinite(r.mean("omega_m")[:end, j]).all()
+
+
+def test_scenarios_of_different_length_end_at_their_own_time() -> None:
+    scenarios = short(2)
+    scenarios.duration[:] = [0.1, 0.0506]
+    r = run("hfi", scenarios)
+    assert r.periods.tolist() == [500, 253]
+    assert r.sums["n"][:, 1].tolist() == [5.0] * 50 + [3.0] + [0.0] * 49
+    assert r.lost.tolist() == [0, 0]
+
+
+def test_with_the_true_angle_a_drive_is_its_twin() -> None:
+    r = run("sensored", short(6))
+    assert not r.sums["dev_sq"].any()
+    assert not r.sums["err_sq"].any()
+    np.testing.assert_array_equal(r.sums["tau"], r.sums["tau_twin"])
+
+
+def test_what_stopped_a_drive_is_kept() -> None:
+    factory = SimFactory(replace(MOTOR, i_trip=0.3), DriveDesign())
+    r = rollout(make_policy("sensored", MOTOR), short(6), factory)
+    both = CAUSES["current"] | CAUSES["twin"]
+    assert both in r.lost.tolist()
+    assert set(r.lost.tolist()) <= {0, both}
+
+
+def test_the_twin_does_not_depend_on_the_policy() -> None:
+    scenarios = short(4)
+    a, b = run("hfi", scenarios), run("eq25", scenarios)
+    both = a.alive & b.alive
+    np.testing.assert_array_equal(a.sums["tau_twin"][both], b.sums["tau_twin"][both])
+    assert not np.array_equal(a.sums["tau"][both], b.sums["tau"][both])
+
+
+def test_a_policy_is_reset_and_sees_the_start_before_its_first_answer() -> None:
+    scenarios = short(5, 0.02)
+    policy = Recorder()
+    r = rollout(policy, scenarios, FACTORY)
+    assert policy.drives == 5
+    assert len(policy.seen) == len(r.sums) == 20
+    rated = MOTOR.omega_rated / MOTOR.n_p
+    speed = policy.seen[0][:, SIGNAL_NAMES.index("speed")]
+    np.testing.assert_allclose(speed, np.abs(scenarios.omega_0) / rated, rtol=1e-5)
+    assert not np.shares_memory(policy.seen[0], policy.seen[1])
+
+
+def test_a_policy_with_the_wrong_number_of_weights_is_stopped() -> None:
+    with pytest.raises(ValueError, match="policy recorder: weights of shape"):
+        rollout(Crooked(), short(3), FACTORY)
+
+
+def test_totals_are_means_over_all_periods() -> None:
+    r = run("eq25", short(3))
+    sums: Array = r.sums["tau"].sum(axis=0, dtype=np.float64)
+    np.testing.assert_allclose(r.total("tau"), sums / 1250.0)
+
+
+def test_every_cause_of_the_core_has_a_name() -> None:
+    assert {f"LOST_{name.upper()}" for name in CAUSES} == {
+        name for name in dir(lib) if name.startswith("LOST_")
+    }

@@ -1,0 +1,184 @@
+"""Machine files: what is read, what is refused and how, and that every number has its source."""
+
+import re
+import sys
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sensorless.errors import UserError
+from sensorless.machine.motor import MOTORS, Motor, Saturation
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+SHIPPED = sorted(MOTORS.glob("*.toml"))
+PAPER = (MOTORS / "paper.toml").read_text(encoding="utf-8")
+HUGE = "1" + "0" * 400
+TABLES = ("machine", "rating", "drive")
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def change(field: str, value: str) -> str:
+    """The paper's motor with another value of one field."""
+    text, n = re.subn(rf"(?m)^{field} = [^#\n\"]+", f"{field} = {value} ", PAPER, count=1)
+    assert n == 1, field
+    return text
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(UserError) as error:
+        Motor.load(path)
+    message = str(error.value)
+    assert "\n" not in message
+    assert str(path) in message
+    return message
+
+
+def numbers() -> list[str]:
+    data = tomllib.loads(PAPER)
+    return [name for table in TABLES for name in data[table]]
+
+
+def test_paper_motor() -> None:
+    """Table 1 of the source paper."""
+    motor = Motor.load("paper")
+    assert (motor.n_p, motor.R_s, motor.L_d, motor.L_q, motor.psi_f) == (
+        2,
+        2.484,
+        0.063,
+        0.286,
+        0.993,
+    )
+    assert (motor.J, motor.T_s, motor.u_inj, motor.n_rated_rpm) == (0.02, 2e-4, 50.0, 1500.0)
+    assert motor.omega_rated == pytest.approx(314.159, abs=1e-3)
+    assert motor.rpm_to_electrical(300.0) == pytest.approx(62.832, abs=1e-3)
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_shipped_motors_load(path: Path) -> None:
+    """By name and by path, to the same machine, named like its file."""
+    assert Motor.load(path.stem) == Motor.load(path)
+    assert Motor.load(path).name == path.stem
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_every_number_has_a_source(path: Path) -> None:
+    """Each field of each table, and the saturation as a whole; no source for what is not there."""
+    data = tomllib.loads(path.read_text(encoding="utf-8"))
+    named = {name for table in TABLES for name in data[table]}
+    named |= {"saturation"} if "saturation" in data else set()
+    source = data["source"]
+    assert set(source) == named
+    assert all(isinstance(text, str) and len(text) >= 5 for text in source.values())
+
+
+@pytest.mark.parametrize("field", numbers())
+def test_missing_field(field: str, tmp_path: Path) -> None:
+    """The message names the field and what it is."""
+    text = re.sub(rf"(?m)^{field} = [^\"\n]+$", "", PAPER, count=1)
+    assert f" {field}: missing" in refusal(write(tmp_path, text))
+
+
+@pytest.mark.parametrize("field", numbers())
+@pytest.mark.parametrize("value", ["-1.5", "nan", "inf", "-inf", '"much"', "true", "[1.0]", HUGE])
+def test_bad_value(field: str, value: str, tmp_path: Path) -> None:
+    """Negative, not a number, infinite, no number at all: field, value and what is allowed."""
+    message = refusal(write(tmp_path, change(field, value)))
+    assert f" {field}: " in message
+    assert "allowed: " in message
+    assert value.strip('"-') in message or (value == "true" and "True" in message)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("n_p", "2.5"), ("n_p", "0"), ("adc_bits", "3"), ("T_s", "0.5"), ("R_s", "0.0"), ("L_d", "0")],
+)
+def test_out_of_range(field: str, value: str, tmp_path: Path) -> None:
+    """Whole numbers are whole, and a machine has resistance and inductance."""
+    assert f" {field}: {float(value) if '.' in value else value}" in refusal(
+        write(tmp_path, change(field, value))
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        (PAPER.replace("[machine]", "[machine]\nL_s = 0.1"), "L_s"),
+        (PAPER.replace("[saturation]", "[saturation]\nX = 1"), "X"),
+        (PAPER.replace("[drive]", "[drives]"), "drives"),
+        ("colour = 3\n" + PAPER, "colour"),
+    ],
+)
+def test_unknown_field(text: str, name: str, tmp_path: Path) -> None:
+    """A field nobody reads is a mistake, not a comment."""
+    assert f" {name}: unknown field; allowed: " in refusal(write(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("S", "9"), ("T", "1.5"), ("a_dq", "-3.0"), ("a_d0", "0.0"), ("i_f", "nan")],
+)
+def test_bad_saturation(field: str, value: str, tmp_path: Path) -> None:
+    """Exponents are whole numbers up to 7, coefficients not negative."""
+    text = re.sub(rf"(?m)^{field} = .*$", f"{field} = {value}", PAPER, count=1)
+    assert f"saturation: {field}: " in refusal(write(tmp_path, text))
+
+
+def test_trip_has_to_lie_above_the_limit(tmp_path: Path) -> None:
+    """Two fields that contradict each other."""
+    assert "i_trip: 6.5 A; allowed: above i_max = 6.8 A" in refusal(
+        write(tmp_path, change("i_trip", "6.5"))
+    )
+
+
+@pytest.mark.parametrize("content", [b"n_p = = 2", b"\xff\xfe\x00", b"[machine", b"name = 3"])
+def test_not_a_motor_file(content: bytes, tmp_path: Path) -> None:
+    """Broken TOML and broken text are one line as well."""
+    path = tmp_path / "mine.toml"
+    path.write_bytes(content)
+    refusal(path)
+
+
+def test_unknown_name_lists_the_known() -> None:
+    """A typing error in the name shows what there is."""
+    with pytest.raises(UserError, match=r"motor 'papre'.*shipped motors: .*paper"):
+        Motor.load("papre")
+
+
+def test_without_saturation_the_machine_is_linear(tmp_path: Path) -> None:
+    """The table is optional."""
+    text = re.sub(r"(?ms)^\[saturation\].*?(?=^\[drive\])", "", PAPER)
+    motor = Motor.load(write(tmp_path, text))
+    assert motor.saturation == Saturation.linear(motor.L_d, motor.L_q, motor.psi_f)
+
+
+def other_value(value: Any) -> Any:
+    return value + 1 if isinstance(value, (int, float)) else value
+
+
+@pytest.mark.parametrize(
+    "name", [f.name for f in fields(Motor) if f.name not in ("name", "description", "saturation")]
+)
+def test_digest_sees_every_number(name: str) -> None:
+    """Two machines that differ in one number have different digests; the description has no say."""
+    motor = Motor.load("paper")
+    assert replace(motor, **{name: other_value(getattr(motor, name))}).digest != motor.digest
+    assert replace(motor, description="other words").digest == motor.digest
+
+
+@pytest.mark.parametrize("name", [f.name for f in fields(Saturation)])
+def test_digest_sees_the_saturation(name: str) -> None:
+    """Also every coefficient of the flux map counts."""
+    motor = Motor.load("paper")
+    other = replace(motor.saturation, **{name: other_value(getattr(motor.saturation, name))})
+    assert replace(motor, saturation=other).digest != motor.digest

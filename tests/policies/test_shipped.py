@@ -1,0 +1,83 @@
+"""Tuned rules and the reference run by name."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sensorless.baselines.linear import linear_table
+from sensorless.core.api import SIGNAL_N
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+from sensorless.policies import shipped
+from sensorless.policies.registry import RULES, known, make_policy
+from sensorless.policies.tuned import Tuned
+
+PAPER = Motor.load("paper")
+RESULTS = Path(__file__).parents[2] / "results" / "reference"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """What ``results/reference`` may hold."""
+    (tmp_path / "tuned").mkdir()
+    tuned = Tuned("linear", {"lo": 0.1, "hi": 0.5}, {"budget_s": 600.0})
+    tuned.save(tmp_path / "tuned" / "linear-tuned.json")
+    linear_table(0.1, 0.3).save(tmp_path / "table.json", {"motor_digest": PAPER.digest})
+    monkeypatch.setattr(shipped, "FOLDER", tmp_path)
+    return tmp_path
+
+
+def weight(spec: str, speed: float) -> float:
+    obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
+    obs[0, 0] = speed
+    return float(make_policy(spec, PAPER).act(obs)[0])
+
+
+def test_a_tuned_rule_by_its_name(folder: Path) -> None:
+    assert make_policy("linear-tuned", PAPER).name == "linear-tuned"
+    assert weight("linear-tuned", 0.3) == pytest.approx(0.5)
+    assert weight("linear", 0.3) == 0.0
+
+
+def test_the_reference_run_by_its_name(folder: Path) -> None:
+    assert make_policy("reference", PAPER).name == "reference"
+    assert weight("reference", 0.2) == pytest.approx(0.5)
+
+
+def test_both_are_on_the_list(folder: Path) -> None:
+    lines = known()
+    assert lines["linear-tuned"].endswith("in 600 s simulated")
+    provenance = {"budget_s": 600.0, "design": {"estimator": "flux"}}
+    Tuned("linear", {"lo": 0.1, "hi": 0.5}, provenance).save(folder / "tuned/flux-tuned.json")
+    assert known()["flux-tuned"].endswith("in 600 s simulated, estimator=flux")
+    assert "PPO" in lines["reference"]
+    assert all(len(doc) < 90 for doc in lines.values())
+
+
+def test_a_rule_that_nobody_tuned_yet(folder: Path) -> None:
+    with pytest.raises(UserError) as caught:
+        make_policy("gated-tuned", PAPER)
+    text = str(caught.value)
+    assert "results/reference/tuned/gated-tuned.json" in text
+    assert "sensorless tune gated" in text and "linear-tuned" in text and "\n" not in text
+
+
+@pytest.mark.parametrize("spec", ["linear-tuned:1,2", "nobody-tuned", "../table-tuned"])
+def test_names_that_are_none(folder: Path, spec: str) -> None:
+    with pytest.raises(UserError, match="allowed"):
+        make_policy(spec, PAPER)
+
+
+def test_nothing_shipped_is_no_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shipped, "FOLDER", tmp_path / "none")
+    assert "reference" not in known()
+    with pytest.raises(UserError, match="allowed"):
+        make_policy("reference", PAPER)
+
+
+def test_the_package_ships_the_folder_of_the_repository() -> None:
+    assert shipped.FOLDER.resolve() == RESULTS
+    for name in shipped.tuned_names():
+        assert Tuned.load(shipped.tuned_file(name)).rule in RULES
+        assert make_policy(name, PAPER).name == name

@@ -1,0 +1,71 @@
+"""What Q15 costs at a small size: metrics of a learned and of a tuned table hardly change."""
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import SIGNAL_N
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+
+FILE = Path(__file__).parents[2] / "studies" / "q15_study.py"
+MOTOR = Motor.load("paper")
+
+
+@pytest.fixture(scope="module")
+def q15() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("q15_study", FILE)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("word", ["reference", "logistic-tuned"])
+def test_metrics_change_by_less_than_one_percent(q15: ModuleType, word: str) -> None:
+    found = q15.study(word, MOTOR, "stress", 1, 256)
+    assert found["lost_otherwise"] == 0
+    assert len(found["metrics"]) > 20
+    for name, row in found["metrics"].items():
+        assert abs(row["change"]) < q15.LIMIT, name
+    assert any(row["change"] != 0.0 for row in found["metrics"].values()), "it is another table"
+    assert q15.flash_bytes(found) <= q15.MOST_BYTES
+
+
+def test_the_nodes_are_rounded_to_half_a_step(q15: ModuleType) -> None:
+    policy = q15.table_policy("logistic-tuned", MOTOR)
+    table = policy.table
+    obs = np.random.default_rng(0).uniform(-1.0, 1.0, (1000, SIGNAL_N)).astype(np.float32)
+    exact, rounded = table.evaluate(obs), q15.Q15Policy(policy).act(obs)
+    assert 0.0 < np.abs(exact - rounded).max() <= 0.5 / 32767.0 + 2e-7
+
+
+def test_a_policy_that_is_no_table_is_refused(q15: ModuleType) -> None:
+    with pytest.raises(UserError, match="hysteresis"):
+        q15.table_policy("hysteresis", MOTOR)
+
+
+def test_a_change_is_put_over_what_it_belongs_to(q15: ModuleType) -> None:
+    def scores(lost: list[int], **metrics: list[float]) -> object:
+        values = {name: np.array(x) for name, x in metrics.items()}
+        return q15.Scores(np.array(lost, dtype=np.int32), np.ones(len(lost)), values, {})
+
+    exact = scores(
+        [0, 0, 1, 0],
+        torque_dev_rms=[1.0, 3.0, 9.0, 9.0],
+        dip_pct_s=[4.0, 4.0, 9.0, 9.0],
+        dip_excess_pct_s=[0.1, -0.1, 9.0, 9.0],
+    )
+    rounded = scores(
+        [0, 0, 1, 1],
+        torque_dev_rms=[1.0, 3.2, 7.0, 7.0],
+        dip_pct_s=[4.0, 4.0, 7.0, 7.0],
+        dip_excess_pct_s=[0.2, -0.2, 7.0, 7.1],
+    )
+    found = q15.changes(exact, rounded, 1)
+    assert found["torque_dev_rms"]["change"] == pytest.approx(0.05)
+    assert found["dip_excess_pct_s"]["change"] == pytest.approx(0.0, abs=1e-12)
+    assert found["lost_rate"]["change"] == pytest.approx(1.0)

@@ -1,0 +1,74 @@
+"""The recorded studies: they write what they found and go on where they stopped."""
+
+import importlib.util
+import json
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from sensorless.agents.train.config import TrainConfig
+from sensorless.machine.motor import Motor
+
+BENCHMARKS = Path(__file__).parents[2] / "studies"
+
+
+@dataclass(frozen=True)
+class Small(TrainConfig):
+    """Fewer drives than anybody would train with."""
+
+    n_envs: int = 16
+    validate_size: int = 16
+
+
+def study(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, BENCHMARKS / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    vars(module)["TrainConfig"] = Small
+    return module
+
+
+def run(module: ModuleType, monkeypatch: pytest.MonkeyPatch, *words: str) -> None:
+    monkeypatch.setattr(sys, "argv", [module.__name__, *words])
+    module.main()
+
+
+def test_axes_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    module, out = study("axes_study"), tmp_path / "axes.json"
+    words = ("--steps", "512", "--size", "8", "--out", str(out), "--sets", "speed", "--seeds")
+    run(module, monkeypatch, *words, "1")
+    first = json.loads(out.read_text())["runs"]
+    monkeypatch.setattr(module, "train", lambda *_: pytest.fail("it was trained already"))
+    run(module, monkeypatch, *words, "1")
+    assert json.loads(out.read_text())["runs"] == first
+    assert [(r["set"], r["seed"], r["steps"]) for r in first] == [("speed", 1, 512)]
+    assert 0.0 < first[0]["torque_dev_rms"] < 1.0 and first[0]["survived_both"] <= 8
+    with pytest.raises(pytest.fail.Exception):
+        run(module, monkeypatch, *words, "1", "2")
+
+
+def test_every_set_of_axes_can_be_trained() -> None:
+    for axes in study("axes_study").SETS.values():
+        table = TrainConfig(axes=axes).start_table(Motor.load("paper"), 50.0)
+        assert len(table.axes) == len(axes.split(","))
+
+
+def test_search(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("optuna")
+    module, out = study("ppo_search"), tmp_path / "ppo.json"
+    words = ("--steps", "512", "--size", "8", "--seeds", "1", "--out", str(out), "--trials")
+    run(module, monkeypatch, *words, "1")
+    run(module, monkeypatch, *words, "2")
+    trials = json.loads(out.read_text())["trials"]
+    assert sorted(t["number"] for t in trials) == [0, 1]
+    assert trials[0]["objective"] <= trials[1]["objective"]
+    chosen = next(t for t in trials if t["number"] == 0)["settings"]
+    assert {k: chosen[k] for k in module.SEARCHED} == {
+        k: getattr(module.TrainConfig(), k) for k in module.SEARCHED
+    }
+    monkeypatch.setattr(module, "train", lambda *_: pytest.fail("there are enough trials"))
+    run(module, monkeypatch, *words, "2")

@@ -1,0 +1,57 @@
+"""Many policies at once cost what each costs alone."""
+
+from dataclasses import astuple
+
+import numpy as np
+import pytest
+
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.evaluation.aggregate import summary
+from sensorless.evaluation.evaluate import score
+from sensorless.evaluation.rollout import rollout
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.tuning.batch import SideBySide, costs
+
+MOTOR = Motor.load("paper")
+FACTORY = SimFactory(MOTOR, DriveDesign())
+SCENARIOS = suite("stress", MOTOR, 4, 3, "tune")
+SCENARIOS.duration[:] = 0.1
+
+
+def test_side_by_side_is_the_same_as_one_by_one() -> None:
+    specs = ["eq25", "gated", "smo", "oracle"]
+    rows = np.tile(np.arange(3), len(specs))
+    together = rollout(SideBySide([make_policy(s, MOTOR) for s in specs]), SCENARIOS[rows], FACTORY)
+    for i, spec in enumerate(specs):
+        alone = rollout(make_policy(spec, MOTOR), SCENARIOS, FACTORY)
+        part = together.sums[:, 3 * i : 3 * (i + 1)]
+        assert (part == alone.sums).all(), spec
+
+
+def test_costs_do_not_depend_on_the_company(monkeypatch: pytest.MonkeyPatch) -> None:
+    policies = [make_policy(s, MOTOR) for s in ("eq25", "hfi", "linear:100,900")]
+    many, seconds = costs(policies, SCENARIOS, FACTORY)
+    assert seconds == pytest.approx(0.9)
+    for drives in (2, 3, 7):
+        monkeypatch.setattr("sensorless.tuning.batch.DRIVES", drives)
+        again, time = costs(policies, SCENARIOS, FACTORY)
+        for one, other in zip(again, many, strict=True):  # sums of float64 in another order
+            assert astuple(one) == pytest.approx(astuple(other), rel=1e-12)
+        assert time == pytest.approx(seconds)
+
+
+def test_the_cost_is_that_of_an_evaluation() -> None:
+    scenarios = suite("stress", MOTOR, 0, 6, "tune")
+    policy = make_policy("hysteresis:50,60", MOTOR)
+    (cost,), _ = costs([policy], scenarios, FACTORY)
+    scores = score(policy, scenarios, FACTORY)
+    wanted = summary(scores.lost, scores.metrics, 0)
+    assert 0.0 < cost.lost_rate < 1.0
+    for name in ("lost_rate", "torque_dev", "torque_ripple"):
+        key = name if name == "lost_rate" else f"{name}_rms"
+        assert getattr(cost, name) == pytest.approx(wanted[key], rel=1e-6)
+    parts = wanted["torque_dev_rms"] + wanted["torque_ripple_rms"]
+    assert cost.objective == pytest.approx(10.0 * wanted["lost_rate"] + parts)

@@ -1,0 +1,151 @@
+"""Tuning: within its budget, reproducible, never worse than the start on what it judges by."""
+
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from sensorless.baselines.linear import RULE
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.machine_family import family, family_digest
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.errors import UserError
+from sensorless.evaluation.objective import Cost
+from sensorless.machine.motor import Motor
+from sensorless.policy import Policy, TablePolicy
+from sensorless.tuning import tune as tuning
+
+PAPER = Motor.load("paper")
+DESIGN = DriveDesign()
+
+
+def bowl(
+    policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, *_: object
+) -> tuple[list[Cost], float]:
+    """Costs with their least at the band 0.15 to 0.6, without any drive."""
+    out = []
+    for policy in policies:
+        assert isinstance(policy, TablePolicy)
+        axis = policy.table.axes[0]
+        out.append(Cost(0.0, (axis.lo - 0.15) ** 2 + (axis.hi - 0.6) ** 2, 0.0))
+    return out, len(policies) * float(scenarios.duration.sum())
+
+
+def test_finds_the_least_within_its_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tuning, "costs", bowl)
+    seen: list[float] = []
+    found = tuning.tune(
+        "linear", PAPER, DESIGN, 20000.0, 5, progress=lambda done, best, start: seen.append(done)
+    )
+    assert found.parameters == pytest.approx({"lo": 0.15, "hi": 0.6}, abs=0.02)
+    known = found.provenance
+    assert 0.5 * known["budget_s"] < known["used_s"] <= known["budget_s"]
+    assert known["best"]["objective"] < known["start"]["objective"]
+    assert known["policy"] == RULE.spec(found.parameters, PAPER)
+    assert known["motor_digest"] == PAPER.digest
+    assert seen == sorted(seen) and 0.9 < seen[-1] <= 1.0
+
+
+def test_one_parameter_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    def first_node(
+        policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, *_: object
+    ) -> tuple[list[Cost], float]:
+        corners = [p.table.axes[0].hi for p in policies if isinstance(p, TablePolicy)]
+        return [Cost(0.0, (c - 0.7) ** 2, 0.0) for c in corners], 16.0 * len(policies)
+
+    monkeypatch.setattr(tuning, "costs", first_node)
+    found = tuning.tune("quadratic", PAPER, DESIGN, 5000.0, 1)
+    assert found.parameters["corner"] == pytest.approx(0.7, abs=0.05)
+
+
+def test_ctrl_c_keeps_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = 0
+
+    def until_tired(
+        policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, *_: object
+    ) -> tuple[list[Cost], float]:
+        nonlocal calls
+        calls += 1
+        if calls == 12:
+            raise KeyboardInterrupt
+        return bowl(policies, scenarios, factory)
+
+    monkeypatch.setattr(tuning, "costs", until_tired)
+    known = tuning.tune("linear", PAPER, DESIGN, 20000.0, 5).provenance
+    assert known["interrupted"] and known["generations"] == 8
+    assert known["best"]["objective"] < known["start"]["objective"]
+
+
+def test_the_same_words_give_the_same_result_on_real_drives(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def short(name: str, motor: Motor, seed: int, size: int, role: str) -> Scenarios:
+        scenarios = suite(name, motor, seed, size, role)
+        scenarios.duration[:] = 0.1
+        return scenarios
+
+    monkeypatch.setattr(tuning, "LEAST", 2)
+    monkeypatch.setattr(tuning, "suite", short)
+    state = np.random.get_state()[1].copy()  # type: ignore[index]
+    first, second = (tuning.tune("linear", PAPER, DESIGN, 8.0, 7) for _ in range(2))
+    assert first == second
+    assert first.provenance["generations"] >= tuning.CHECK
+    third, fourth = (tuning.tune("linear", PAPER, DESIGN, 8.0, 7, machines=2) for _ in range(2))
+    assert third == fourth
+    assert third.provenance["start"] != first.provenance["start"]
+    assert (np.random.get_state()[1] == state).all(), "leaves the global generator alone"  # type: ignore[index]
+
+
+def test_random_machines_share_the_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each machine has scenarios of its own; the mean over all is what is made least."""
+    met: dict[str, list[Scenarios]] = {}
+
+    def by_machine(
+        policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, *_: object
+    ) -> tuple[list[Cost], float]:
+        met.setdefault(factory.motor.name, []).append(scenarios)
+        found, seconds = bowl(policies, scenarios, factory)
+        shift = 0.3 * (list(met).index(factory.motor.name) - 1)  # cancels in the mean
+        return [Cost(0.0, c.torque_dev + shift, 0.0) for c in found], seconds
+
+    monkeypatch.setattr(tuning, "costs", by_machine)
+    found = tuning.tune("linear", PAPER, DESIGN, 20000.0, 5, machines=3)
+    assert found.parameters == pytest.approx({"lo": 0.15, "hi": 0.6}, abs=0.02)
+    known, motors = found.provenance, family(5, 3)
+    assert list(met) == [motor.name for motor in motors]
+    assert known["machines"]["digest"] == family_digest(motors)
+    assert "motor_digest" not in known
+    assert known["used_s"] <= known["budget_s"]
+    assert known["best"]["objective"] < 0.01
+    first = [parts[1] for parts in met.values()]
+    assert len(np.unique(np.concatenate([s.seed for s in first]))) == sum(map(len, first))
+    assert {len(s) for s in first} == {known["scenarios_per_candidate"] // 3}
+
+
+def test_every_generation_has_scenarios_of_its_own() -> None:
+    seeds = [tuning._scenarios(PAPER, 1, g, 8).seed for g in range(5)]
+    others = tuning._scenarios(PAPER, 2, 1, 8).seed
+    assert len(np.unique(np.concatenate([*seeds, others]))) == 48
+
+
+@pytest.mark.parametrize(
+    ("name", "budget", "said"),
+    [
+        ("nobody", 1e4, "gated"),
+        ("eq25", 1e4, "no parameters"),
+        ("linear", 10.0, "budget"),
+        ("linear", float("nan"), "budget"),
+        ("linear", float("inf"), "budget"),
+    ],
+)
+def test_what_cannot_be_tuned_is_refused(name: str, budget: float, said: str) -> None:
+    with pytest.raises(UserError, match=said):
+        tuning.tune(name, PAPER, DESIGN, budget, 1)
+
+
+def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cma", None)
+    with pytest.raises(UserError, match=r"sensorless\[tune\]"):
+        tuning.tune("linear", PAPER, DESIGN, 1e4, 1)
