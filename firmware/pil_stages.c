@@ -8,9 +8,9 @@ APART void hfi_part(hfi_state_t *x, ab_t i_ab, const estimate_t *est) {
     hfi_observe(&drive_params.hfi, x, i_ab, est->theta, est->omega, drive_params.T_s);
 }
 
-APART void smo_part(smo_state_t *x, ab_t i_ab, const drive_state_t *d) {
-    smo_observe(&drive_params.smo, x, i_ab, d->u_2, drive_params.L_q.y[0], d->est.omega,
-                d->est.theta, drive_params.T_s);
+APART void smo_part(drive_state_t *x, ab_t i_ab) {
+    smo_observe(&drive_params.smo, &x->smo, &x->emf, i_ab, x->u_2, drive_params.L_q.y[0],
+                x->est.omega, x->est.theta, drive_params.T_s);
 }
 
 APART ab_t control_part(drive_state_t *x, const drive_in_t *in, ab_t i_ab) {
@@ -33,7 +33,7 @@ stages_t pil_stages(const drive_state_t *x, const ks_schedule_state_t *schedule,
     hfi_part(&d.hfi, i_ab, &d.est);
     y.hfi = pil_since(t);
     t = port_ticks();
-    smo_part(&d.smo, i_ab, &d);
+    smo_part(&d, i_ab);
     y.smo = pil_since(t);
     t = port_ticks();
     control_part(&d, in, i_ab);

@@ -26,6 +26,9 @@ static void smo_clear(smo_state_t *x) {
     x->i_hat.b = 0.0f;
     x->z.a = 0.0f;
     x->z.b = 0.0f;
+}
+
+static void emf_clear(emf_estimate_t *x) {
     x->e.a = 0.0f;
     x->e.b = 0.0f;
     x->err = 0.0f;
@@ -59,6 +62,7 @@ static void signal_clear(signal_state_t *x) {
 void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float omega, float k_s) {
     float at = wrap_pi(theta);
     hfi_clear(&x->hfi);
+    emf_clear(&x->emf);
     smo_clear(&x->smo);
     x->flux.psi.a = 0.0f;
     x->flux.psi.b = 0.0f;
@@ -71,8 +75,8 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float om
     x->fault = 0;
     x->hfi.pll.theta = at;
     x->hfi.pll.omega = omega;
-    x->smo.pll.theta = at;
-    x->smo.pll.omega = omega;
+    x->emf.pll.theta = at;
+    x->emf.pll.omega = omega;
     x->smo.omega_f = omega;
     x->est.theta = at;
     x->est.omega = omega;

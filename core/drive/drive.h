@@ -49,7 +49,8 @@ typedef struct {
 
 typedef struct {
     hfi_state_t hfi;
-    smo_state_t smo; /* of the flux observer where that takes its place */
+    emf_estimate_t emf; /* of the sliding-mode observer, or of the flux observer in its place */
+    smo_state_t smo;
     flux_state_t flux;
     control_state_t control;
     signal_state_t signal;
@@ -95,11 +96,11 @@ CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i
 
     x->k_s = ks_slew(x->k_s, k_s_ref, p->k_s_step);
     if (p->estimator == ESTIMATE_ERRORS) {
-        x->hfi.pll.theta = wrap_pi(x->smo.pll.theta - cross);
-        x->hfi.pll.omega = x->smo.pll.omega;
+        x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);
+        x->hfi.pll.omega = x->emf.pll.omega;
     }
     estimate_t hfi = {wrap_pi(x->hfi.pll.theta + cross), x->hfi.pll.omega};
-    estimate_t smo = {x->smo.pll.theta, x->smo.pll.omega};
+    estimate_t smo = {x->emf.pll.theta, x->emf.pll.omega};
     x->theta_hfi = hfi.theta;
     x->theta_smo = smo.theta;
     x->est = p->estimator == ESTIMATE_UNWRAPPED ? ks_blend_unwrapped(hfi, smo, x->k_s)
@@ -107,17 +108,18 @@ CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i
 
     hfi_observe(&p->hfi, &x->hfi, i_ab, wrap_pi(x->est.theta - cross), x->est.omega, p->T_s);
     if (p->estimator == ESTIMATE_FLUX) {
-        flux_observe(&p->flux, &x->flux, &x->smo, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
+        flux_observe(&p->flux, &x->flux, &x->emf, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
                      p->T_s);
     } else {
-        smo_observe(&p->smo, &x->smo, i_ab, x->u_2, L_q, x->est.omega, x->est.theta, p->T_s);
+        smo_observe(&p->smo, &x->smo, &x->emf, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
+                    p->T_s);
     }
     if (p->estimator == ESTIMATE_ERRORS) {
         estimate_t by_hfi = {wrap_pi(x->hfi.pll.theta + cross), x->hfi.pll.omega};
-        estimate_t by_smo = {x->smo.pll.theta, x->smo.pll.omega};
+        estimate_t by_smo = {x->emf.pll.theta, x->emf.pll.omega};
         estimate_t next = ks_blend(by_hfi, by_smo, x->k_s);
-        x->smo.pll.theta = next.theta;
-        x->smo.pll.omega = next.omega;
+        x->emf.pll.theta = next.theta;
+        x->emf.pll.omega = next.omega;
     }
 }
 
@@ -130,10 +132,10 @@ CORE_INLINE void drive_signals(const signal_params_t *p, drive_state_t *x, float
     y->omega_ref = omega_ref;
     y->i_q += a * (x->control.i.q - y->i_q);
     y->disagree += a * (wrap_pi(x->theta_hfi - x->theta_smo) - y->disagree);
-    y->emf += a * (norm_ab(x->smo.e) - y->emf);
+    y->emf += a * (norm_ab(x->emf.e) - y->emf);
     y->hf += a * (x->hfi.valid * x->hfi.amplitude - y->hf);
     y->hfi_var += a * (x->hfi.err * x->hfi.err - y->hfi_var);
-    y->smo_var += a * (x->smo.err * x->smo.err - y->smo_var);
+    y->smo_var += a * (x->emf.err * x->emf.err - y->smo_var);
     y->voltage += a * (x->control.u_abs / x->control.u_max - y->voltage);
     y->k_s = x->k_s;
 }

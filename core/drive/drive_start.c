@@ -5,7 +5,8 @@
 CORE_APART rot_t unit(float theta) { return rot_of(theta); }
 
 CORE_APART void see_emf(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float omega) {
-    smo_observe(&p->start.smo, &x->smo, i_ab, x->u_2, p->L_q.y[0], omega, x->est.theta, p->T_s);
+    smo_observe(&p->start.smo, &x->smo, &x->emf, i_ab, x->u_2, p->L_q.y[0], omega, x->est.theta,
+                p->T_s);
 }
 
 void drive_find_rotor(drive_state_t *x) { start_begin(&x->start); }
@@ -14,10 +15,10 @@ void drive_find_rotor(drive_state_t *x) { start_begin(&x->start); }
 static void release(const drive_params_t *p, drive_state_t *x, estimate_t next, ab_t i_ab) {
     x->hfi.pll.theta = next.theta;
     x->hfi.pll.omega = next.omega;
-    x->smo.pll.theta = next.theta;
-    x->smo.pll.omega = next.omega;
+    x->emf.pll.theta = next.theta;
+    x->emf.pll.omega = next.omega;
     x->smo.omega_f = next.omega;
-    x->smo.valid = 0.0f; /* an observer that integrates begins anew */
+    x->emf.valid = 0.0f; /* an observer that integrates begins anew */
     x->control.i_1 = ab_to_dq(i_ab, unit(x->est.theta));
     control_ready(&p->control, &x->control, next.omega);
     start_enter(&x->start, START_DONE);
@@ -43,17 +44,17 @@ static void enter_fly(const drive_params_t *p, drive_state_t *x) {
     float way = sign_f(omega);
     ab_t north = {way * s->e_f.b, -way * s->e_f.a};
     float ahead = clamp_f(omega * p->T_s * (p->start.e_lag + 1.0f), -PI_F, PI_F);
-    x->smo.pll.theta = wrap_pi(angle_of(north) + ahead);
-    x->smo.pll.omega = clamp_f(omega, -p->smo.pll.omega_max, p->smo.pll.omega_max);
-    x->smo.omega_f = x->smo.pll.omega;
+    x->emf.pll.theta = wrap_pi(angle_of(north) + ahead);
+    x->emf.pll.omega = clamp_f(omega, -p->smo.pll.omega_max, p->smo.pll.omega_max);
+    x->smo.omega_f = x->emf.pll.omega;
     x->k_s = 0.0f;
-    show_speed(x, x->smo.pll.omega);
+    show_speed(x, x->emf.pll.omega);
     start_enter(&x->start, START_FLY);
 }
 
 /* The sliding-mode observer alone, the injection estimator on its angle. */
 static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab) {
-    estimate_t own = {x->smo.pll.theta, x->smo.pll.omega};
+    estimate_t own = {x->emf.pll.theta, x->emf.pll.omega};
     show_angle(x, own);
     x->hfi.pll.theta = own.theta;
     x->hfi.pll.omega = own.omega;
@@ -61,7 +62,7 @@ static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
     ab_t u = drive_hold(p, x, in, i_ab, x->est);
     x->start.n += 1;
     if (x->start.n >= p->start.n_fly) {
-        estimate_t next = {x->smo.pll.theta, x->smo.pll.omega};
+        estimate_t next = {x->emf.pll.theta, x->emf.pll.omega};
         release(p, x, next, i_ab);
     }
     return u;
@@ -163,7 +164,7 @@ static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t i_ab, floa
         s->e_f.b = e.s;
         start_peak(q, s, ab_to_dq(i_ab, unit(x->hfi.pll.theta)).d);
     } else {
-        start_emf(q, s, x->smo.e);
+        start_emf(q, s, x->emf.e);
     }
     if (scan) {
         start_scan(q, s, i_ab, x->hfi.sign_2);

@@ -6,14 +6,11 @@
  * delta = theta_e - theta_e_hat: its part across the auxiliary flux psi_a drives the PLL, its part
  * along psi_a corrects psi_hat with a bandwidth that rises with speed from a bound at standstill
  * (doi 10.1109/TIA.2018.2858753). Integration over [k-1, k] is exact for a held voltage.
- *
- * The result goes where the sliding-mode observer puts its own, so that all else is the same.
  */
 #ifndef SENSORLESS_FLUX_OBSERVER_H
 #define SENSORLESS_FLUX_OBSERVER_H
 
-#include "pll.h"
-#include "sliding_mode.h"
+#include "emf_estimate.h"
 #include "trig.h"
 
 typedef struct {
@@ -30,8 +27,8 @@ typedef struct {
     ab_t psi; /* estimated stator flux [Vs]; 0: none yet, taken from the current */
 } flux_state_t;
 
-/* One period; arguments as for smo_observe. y: angle, speed, EMF and error go there. */
-CORE_INLINE void flux_observe(const flux_params_t *p, flux_state_t *x, smo_state_t *y, ab_t i_ab,
+/* One period; arguments as for smo_observe of sliding_mode.h. */
+CORE_INLINE void flux_observe(const flux_params_t *p, flux_state_t *x, emf_estimate_t *y, ab_t i_ab,
                               ab_t u_ab, float L_q, float omega, float theta_idle, float T_s) {
     int valid = abs_f(omega) >= p->omega_floor;
     int fresh = !valid || (x->psi.a == 0.0f && x->psi.b == 0.0f);

@@ -10,7 +10,7 @@
 #ifndef SENSORLESS_SLIDING_MODE_H
 #define SENSORLESS_SLIDING_MODE_H
 
-#include "pll.h"
+#include "emf_estimate.h"
 #include "trig.h"
 
 typedef struct {
@@ -29,20 +29,16 @@ typedef struct {
 } smo_params_t;
 
 typedef struct {
-    pll_state_t pll;
     ab_t i_hat;    /* model current [A] */
     ab_t z;        /* last correction voltage [V] */
-    ab_t e;        /* estimated extended EMF [V] */
     float omega_f; /* filtered speed of the cross term, electrical [rad/s] */
-    float err;     /* last normalised angle error [rad near lock] */
-    float valid;   /* 1 when the EMF led the loop, 0 when it followed theta_idle */
 } smo_state_t;
 
-/* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] [V]; L_q: [H];
- * omega: speed the drive runs on [rad/s], for direction and for the EMF floor; theta_idle: angle to
- * follow below the floor, at instant k [rad]. */
-CORE_INLINE void smo_observe(const smo_params_t *p, smo_state_t *x, ab_t i_ab, ab_t u_ab, float L_q,
-                             float omega, float theta_idle, float T_s) {
+/* One period. y: the estimate, moved on; i_ab: measured current at k [A]; u_ab: voltage applied over
+ * [k-1, k] [V]; L_q: [H]; omega: speed the drive runs on [rad/s], for direction and for the EMF
+ * floor; theta_idle: angle to follow below the floor, at instant k [rad]. */
+CORE_INLINE void smo_observe(const smo_params_t *p, smo_state_t *x, emf_estimate_t *y, ab_t i_ab,
+                             ab_t u_ab, float L_q, float omega, float theta_idle, float T_s) {
     float w_l = x->omega_f * (p->L_d - L_q);
     float h = T_s / p->L_d;
     ab_t i_hat = {
@@ -57,20 +53,20 @@ CORE_INLINE void smo_observe(const smo_params_t *p, smo_state_t *x, ab_t i_ab, a
     x->i_hat.a = i_ab.a + d.a;
     x->i_hat.b = i_ab.b + d.b;
     float r = p->lag_cure * p->R_s;
-    float w_q = p->lag_cure * x->pll.omega * L_q;
+    float w_q = p->lag_cure * y->pll.omega * L_q;
     ab_t e = {x->z.a + r * d.a - w_q * d.b, x->z.b + r * d.b + w_q * d.a};
-    x->e.a += p->alpha_e * (e.a - x->e.a);
-    x->e.b += p->alpha_e * (e.b - x->e.b);
+    y->e.a += p->alpha_e * (e.a - y->e.a);
+    y->e.b += p->alpha_e * (e.b - y->e.b);
 
-    rot_t at = rot_of(x->pll.theta + 0.5f * T_s * x->pll.omega);
-    float e_q = sign_f(omega) * (-x->e.a * at.c - x->e.b * at.s);
+    rot_t at = rot_of(y->pll.theta + 0.5f * T_s * y->pll.omega);
+    float e_q = sign_f(omega) * (-y->e.a * at.c - y->e.b * at.s);
     int valid = abs_f(omega) >= p->omega_floor;
-    x->err = valid ? e_q / max_f(norm_ab(x->e), p->e_floor) : 0.0f;
-    x->valid = valid ? 1.0f : 0.0f;
-    x->pll.theta = valid ? x->pll.theta : theta_idle;
-    x->pll.omega = valid ? x->pll.omega : omega;
-    pll_step(&p->pll, &x->pll, x->err, T_s);
-    x->omega_f += p->alpha_omega * (x->pll.omega - x->omega_f);
+    y->err = valid ? e_q / max_f(norm_ab(y->e), p->e_floor) : 0.0f;
+    y->valid = valid ? 1.0f : 0.0f;
+    y->pll.theta = valid ? y->pll.theta : theta_idle;
+    y->pll.omega = valid ? y->pll.omega : omega;
+    pll_step(&p->pll, &y->pll, y->err, T_s);
+    x->omega_f += p->alpha_omega * (y->pll.omega - x->omega_f);
 }
 
 #endif

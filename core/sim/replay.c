@@ -47,7 +47,7 @@ void replay_run(const drive_params_t *p, replay_t *x, const replay_in_t *in, int
     for (int32_t j = 0; j < n; j++) {
         float *row = &out[(long)j * REPLAY_N];
         row[REPLAY_OMEGA_HFI] = x->x.hfi.pll.omega;
-        row[REPLAY_OMEGA_SMO] = x->x.smo.pll.omega;
+        row[REPLAY_OMEGA_SMO] = x->x.emf.pll.omega;
         replay_step(p, x, &in[j], k_s_ref);
         row[REPLAY_THETA_HFI] = x->x.theta_hfi;
         row[REPLAY_THETA_SMO] = x->x.theta_smo;
@@ -55,7 +55,7 @@ void replay_run(const drive_params_t *p, replay_t *x, const replay_in_t *in, int
         row[REPLAY_OMEGA_BLEND] = x->x.est.omega;
         row[REPLAY_K_S] = x->x.k_s;
         row[REPLAY_VALID_HFI] = x->x.hfi.valid;
-        row[REPLAY_VALID_SMO] = x->x.smo.valid;
+        row[REPLAY_VALID_SMO] = x->x.emf.valid;
     }
     signals_read(&p->signal, &x->x.signal, obs);
 }

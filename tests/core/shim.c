@@ -96,18 +96,18 @@ void t_hfi_direction(const hfi_params_t *p, const hfi_state_t *x, float T_s, flo
     y[1] = r.s;
 }
 
-void t_flux_observe(const flux_params_t *p, flux_state_t *x, smo_state_t *y, const float *i,
+void t_flux_observe(const flux_params_t *p, flux_state_t *x, emf_estimate_t *y, const float *i,
                     const float *u, float L_q, float omega, float theta_idle, float T_s) {
     ab_t i_ab = {i[0], i[1]};
     ab_t u_ab = {u[0], u[1]};
     flux_observe(p, x, y, i_ab, u_ab, L_q, omega, theta_idle, T_s);
 }
 
-void t_smo_observe(const smo_params_t *p, smo_state_t *x, const float *i, const float *u, float L_q,
-                   float omega, float theta_idle, float T_s) {
+void t_smo_observe(const smo_params_t *p, smo_state_t *x, emf_estimate_t *y, const float *i,
+                   const float *u, float L_q, float omega, float theta_idle, float T_s) {
     ab_t i_ab = {i[0], i[1]};
     ab_t u_ab = {u[0], u[1]};
-    smo_observe(p, x, i_ab, u_ab, L_q, omega, theta_idle, T_s);
+    smo_observe(p, x, y, i_ab, u_ab, L_q, omega, theta_idle, T_s);
 }
 
 void t_blend(const float *hfi, const float *smo, float k_s, float *y) {

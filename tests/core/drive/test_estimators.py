@@ -81,7 +81,7 @@ def test_error_of_the_flux_observer(motor: Motor, L_q_bias: float) -> None:
 def test_flux_observer_follows_below_its_floor(c: Call, motor: Motor) -> None:
     """At rest it is told angle and speed, and its flux is the one of the current."""
     p = np.array(control_record(motor, FLUX)["flux"]).reshape(1)
-    x, y = (np.zeros(1, dtype=struct_dtype(f"{name}_state_t")) for name in ("flux", "smo"))
+    x, y = (np.zeros(1, struct_dtype(name)) for name in ("flux_state_t", "emf_estimate_t"))
     i, u = np.array([0.5, 0.1], np.float32), np.array([1.0, 2.0], np.float32)
     for _ in range(20):
         c("flux_observe", p, x, y, i, u, motor.L_q, 3.0, 0.0, motor.T_s)

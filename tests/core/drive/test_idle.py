@@ -35,7 +35,7 @@ def gap(motor: Motor, rpm: Floats, tau: float, k_s: float) -> Floats:
         x = sims["drive"]["x"]
         worst = np.maximum(worst, wrapped(x["theta_hfi"] - x["theta_smo"]))
     assert (sims["lost"] == 0).all()
-    valid = sims["drive"]["x"]["hfi" if k_s == 0.0 else "smo"]["valid"]
+    valid = sims["drive"]["x"]["hfi" if k_s == 0.0 else "emf"]["valid"]
     assert (valid == 0.0).all(), "the idle estimator has no signal of its own here"
     return np.asarray(np.rad2deg(worst))
 

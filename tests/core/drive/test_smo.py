@@ -22,6 +22,7 @@ Call = Callable[..., None]
 Angle = Callable[[DriveDesign, float, float, float], float]
 
 STATE = struct_dtype("smo_state_t")
+ESTIMATE = struct_dtype("emf_estimate_t")
 
 EXACT = DriveDesign(
     smo_pll_hz=20.0,
@@ -101,18 +102,19 @@ def angles(
     omega = motor.rpm_to_electrical(rpm)
     u = holding_voltage(motor, rpm, i)
     u += u_lost * i / abs(i) * cmath.exp(0.5j * omega * motor.T_s) if u_lost else 0.0
-    x = np.zeros(1, dtype=STATE)
-    x["pll"]["omega"], x["omega_f"], x["pll"]["theta"] = omega, omega, 0.1
+    x, y = np.zeros(1, dtype=STATE), np.zeros(1, dtype=ESTIMATE)
+    y["pll"]["omega"], x["omega_f"], y["pll"]["theta"] = omega, omega, 0.1
     out, miss = np.empty(periods), np.empty(periods)
     for k in range(periods):
         theta = math.remainder(omega * motor.T_s * k, 2.0 * math.pi)
         now = i * cmath.exp(1j * theta)
         was = u * cmath.exp(1j * (theta - omega * motor.T_s))
-        out[k] = math.degrees(math.remainder(theta - float(x["pll"]["theta"][0]), 2.0 * math.pi))
+        out[k] = math.degrees(math.remainder(theta - float(y["pll"]["theta"][0]), 2.0 * math.pi))
         c(
             "smo_observe",
             p,
             x,
+            y,
             np.array([now.real, now.imag], np.float32),
             np.array([was.real, was.imag], np.float32),
             motor.L_q if L_q is None else L_q,
@@ -267,11 +269,11 @@ def test_gain_beyond_the_range_is_refused(motor: Motor) -> None:
 
 def test_below_its_floor_the_estimator_follows(c: Call, motor: Motor) -> None:
     """At rest there is no EMF: angle and speed are the ones it is told."""
-    p, x = params(motor), np.zeros(1, dtype=STATE)
+    p, x, y = params(motor), np.zeros(1, dtype=STATE), np.zeros(1, dtype=ESTIMATE)
     i, u = np.array([0.5, 0.1], np.float32), np.array([1.0, 2.0], np.float32)
     for _ in range(20):
-        c("smo_observe", p, x, i, u, motor.L_q, 3.0, 0.9, motor.T_s)
-    assert x["valid"][0] == 0.0
-    assert x["err"][0] == 0.0
-    assert x["pll"]["theta"][0] == pytest.approx(0.9 + 3.0 * motor.T_s, abs=1e-6)
-    assert x["pll"]["omega"][0] == 3.0
+        c("smo_observe", p, x, y, i, u, motor.L_q, 3.0, 0.9, motor.T_s)
+    assert y["valid"][0] == 0.0
+    assert y["err"][0] == 0.0
+    assert y["pll"]["theta"][0] == pytest.approx(0.9 + 3.0 * motor.T_s, abs=1e-6)
+    assert y["pll"]["omega"][0] == 3.0
