@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.baselines.linear import EQ25_BAND
-from sensorless.baselines.rule import RPM, Parameter, Rule, Values, speed
+from sensorless.baselines.rule import SPEED_UNIT, Parameter, Rule, Values, speed
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, KsTable
@@ -53,7 +53,9 @@ RULE = Rule(
     _build,
     (
         speed("speed", 0.5 * sum(EQ25_BAND), 0.02, 0.9, "where k_s is one half, without load"),
-        Parameter("width", EQ25_BAND[1] - EQ25_BAND[0], 0.03, 1.5, RPM, "of the band", 0.001, 10.0),
+        Parameter(
+            "width", EQ25_BAND[1] - EQ25_BAND[0], 0.03, 1.5, SPEED_UNIT, "of the band", 0.001, 10.0
+        ),
         _shift("motoring", "shift of the centre [rated speed] at rated current, motoring"),
         _shift("regenerating", "the same when regenerating"),
         _shift("lead", "shift at 30 degrees of disagreement, injection ahead"),

@@ -17,3 +17,11 @@ def ramp_on(name: str, estimator: str, doc: str) -> Rule:
         speed("hi", EQ25_BAND[1], 0.05, 1.5, "above it no injection"),
     )
     return Rule(name, doc, build, band, rising=(("lo", "hi"),))
+
+
+ERROR_BLEND = ramp_on(
+    "error_blend", "errors", "ramp of the speed that weighs error signals in one loop, not angles"
+)
+FLUX_OBSERVER = ramp_on(
+    "flux_observer", "flux", "ramp of the speed from injection to a flux observer, not to the SMO"
+)

@@ -11,7 +11,7 @@ from sensorless.policy import Policy
 Values = Mapping[str, float]
 """Parameters by name. They hold no property of a machine: speeds are shares of rated speed."""
 
-RPM = "r/min"
+SPEED_UNIT = "r/min"
 """Unit of parameters that a user gives in r/min and that rules get as a share of rated speed."""
 
 
@@ -33,12 +33,12 @@ class Parameter:
 
     def factor(self, motor: Motor) -> float:
         """Number on the command line over the number that the rule gets."""
-        return motor.n_rated_rpm if self.unit == RPM else 1.0
+        return motor.n_rated_rpm if self.unit == SPEED_UNIT else 1.0
 
 
 def speed(name: str, default: float, low: float, high: float, doc: str) -> Parameter:
     """Speed, a share of rated speed; r/min on the command line."""
-    return Parameter(name, default, low, high, RPM, doc, most=10.0)
+    return Parameter(name, default, low, high, SPEED_UNIT, doc, most=10.0)
 
 
 @dataclass(frozen=True)

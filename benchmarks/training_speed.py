@@ -23,6 +23,7 @@ from sensorless.agents.train.train import TablePPO, _model
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.stress import DURATION
 from sensorless.machine.motor import Motor
+from sensorless.policies.registry import table_named
 
 
 class FreeVecEnv(SB3VecEnv):
@@ -87,7 +88,7 @@ def measure(seconds: float) -> dict[str, Any]:
     """Steps per second, their ratio, and where the time of training goes."""
     torch.set_num_threads(1)
     config, design, motor = TrainConfig(), DriveDesign(), Motor.load("paper")
-    table = config.start_table(motor, design.k_s_slew)
+    table = config.start_table(table_named("eq25", motor), motor, design.k_s_slew)
     env = training_env(config, design, (motor,))
     env.seed(0)
     model = _model(config, table, env)

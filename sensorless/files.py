@@ -48,5 +48,30 @@ def ensure_writable(folder: str | Path) -> Path:
     return folder
 
 
+def check_writable(path: str | Path | None, name: str = "out") -> None:
+    """Find out before a long run whether a file can be written; None: there is none to write.
+
+    Raises
+    ------
+    UserError
+        No such folder, no right to write there, or the path is a folder; ``name`` is the option
+        that the message blames.
+    """
+    if path is None:
+        return
+    path = Path(path)
+    folder = path.parent
+    if not folder.is_dir():
+        raise UserError(f"{name}: {str(path)!r}: folder {str(folder)!r} does not exist")
+    if path.is_dir():
+        raise UserError(f"{name}: {str(path)!r} is a folder: give the name of a file")
+    probe = folder / f".{path.name}.{os.getpid()}.part"
+    try:
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise UserError(f"{name}: {str(path)!r}: {_reason(error)}") from None
+
+
 def _reason(error: OSError) -> str:
     return error.strerror or str(error)

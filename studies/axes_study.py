@@ -23,11 +23,12 @@ from sensorless.agents.train.train import train
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
-from sensorless.evaluation.evaluate import Scores, score, versions
+from sensorless.evaluation.evaluate import Scores, score
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
-from sensorless.policies.registry import make_policy
+from sensorless.policies.registry import make_policy, table_named
 from sensorless.policy import Policy
+from sensorless.versions import versions
 
 SPEED, TORQUE = "speed:0:1:16", "torque_current:-1.5:1.5:5"
 SETS = {
@@ -79,6 +80,7 @@ def main() -> None:
     args = parser.parse_args()
     design = DriveDesign(estimator=args.estimator)
     factory = SimFactory(Motor.load(args.motor), design)
+    start = table_named(TrainConfig.start, factory.motor)
     base = TrainConfig(motor=args.motor, steps=args.steps)
     args.out.parent.mkdir(parents=True, exist_ok=True)
     done: list[dict[str, Any]] = (
@@ -95,7 +97,7 @@ def main() -> None:
                 reference = judged(make_policy("eq25", factory.motor), factory, args.size)
             with tempfile.TemporaryDirectory() as folder:
                 run = Path(folder) / "run"
-                train(replace(base, axes=SETS[name], seed=seed), design, run)
+                train(replace(base, axes=SETS[name], seed=seed), design, run, start)
                 policy = load_run(run, factory.motor)
             row = compared(judged(policy, factory, args.size), reference)
             asked = {"estimator": args.estimator, "set": name, "axes": SETS[name], "seed": seed}

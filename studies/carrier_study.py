@@ -21,11 +21,12 @@ from sensorless.design.drive import DriveDesign, plant_record, sensor_record
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.aggregate import paired, summary
-from sensorless.evaluation.evaluate import score, versions
+from sensorless.evaluation.evaluate import score
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.magnetics import flux, mtpa, torque
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
+from sensorless.versions import versions
 
 POLICIES = ("eq25", "hysteresis", "gated", "constant:1", "sensored")
 SUITES = {"handoff": 208, "stress": 200}

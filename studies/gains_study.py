@@ -26,7 +26,6 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
-from sensorless.evaluation.evaluate import versions
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.metrics.step import reference
@@ -35,6 +34,7 @@ from sensorless.evaluation.rollout import rollouts
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
+from sensorless.versions import versions
 
 RULE = "eq25"
 SEED = 1

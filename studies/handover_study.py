@@ -25,7 +25,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, suite
 from sensorless.evaluation.aggregate import paired, summary
-from sensorless.evaluation.evaluate import Scores, score, versions
+from sensorless.evaluation.evaluate import Scores, score
 from sensorless.evaluation.metrics.ripple import HANDOVER, torque_ripple_window
 from sensorless.evaluation.results_tables import difference, number
 from sensorless.evaluation.rollout import rollout
@@ -34,6 +34,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy
 from sensorless.reproduce.case import CORRECTED, PUBLISHED
+from sensorless.versions import versions
 
 RULE_OF_THE_PAPER = "eq25"
 POLICIES = {

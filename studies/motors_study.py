@@ -20,11 +20,12 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.evaluation.aggregate import paired, summary
-from sensorless.evaluation.evaluate import Scores, score, versions
+from sensorless.evaluation.evaluate import Scores, score
 from sensorless.files import write_atomic
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy, TablePolicy
+from sensorless.versions import versions
 
 SUITE = "motors"
 MARGIN = 0.02

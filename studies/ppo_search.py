@@ -27,9 +27,10 @@ from sensorless.agents.train.train import train
 from sensorless.agents.validation import validate
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.evaluation.evaluate import versions
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
+from sensorless.policies.registry import table_named
+from sensorless.versions import versions
 
 JUDGED = 2
 """Seed of the scenarios that trials are judged on; validation in training uses 0."""
@@ -69,10 +70,11 @@ def worth(
     def objective(trial: optuna.Trial) -> float:
         config = suggested(trial, base)
         found = []
+        start = table_named(config.start, factory.motor)
         for seed in seeds:
             with tempfile.TemporaryDirectory() as folder:
                 run = Path(folder) / "run"
-                train(replace(config, seed=seed), factory.design, run)
+                train(replace(config, seed=seed), factory.design, run, start)
                 found.append(validate(load_run(run, factory.motor), factory, size, JUDGED))
         for name in ("lost_rate", "torque_dev", "torque_ripple"):
             trial.set_user_attr(name, [getattr(cost, name) for cost in found])

@@ -21,12 +21,13 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import UserError
 from sensorless.evaluation.aggregate import paired
-from sensorless.evaluation.evaluate import Scores, score, versions
+from sensorless.evaluation.evaluate import Scores, score
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Signals, TablePolicy
 from sensorless.table.image import lookup
+from sensorless.versions import versions
 
 POLICIES = ("reference", "logistic-tuned")
 LIMIT = 0.01

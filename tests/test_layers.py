@@ -1,101 +1,161 @@
-"""A file imports only from its own layer or from a lower one."""
+"""A layer is a folder: files import from lower ones and from their own, never in circles."""
 
 import ast
+import re
 from collections.abc import Iterator
-from fnmatch import fnmatchcase
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ("core", "observers", "envs", "baselines", "agents", "firmware", "sensorless")
+TOP = ("agents", "baselines", "core", "envs", "observers")
+"""Folders of the package that stand at the top; ``sensorless`` links to them."""
 
-# Lowest first. A pattern stands for sensorless.NAME and all below it; "" is sensorless/__init__.py.
 LAYERS = (
-    ("", "core", "core_*", "errors", "files", "motor", "magnetics", "ks_*"),
-    ("observers", "*_design"),
-    ("drive",),
+    ("errors", "files", "units"),
+    ("core",),
+    ("machine", "table", "versions"),
+    ("observers",),
+    ("design",),
+    ("policy",),
     ("envs",),
-    ("rollout", "*metrics", "objective", "suites", "steady"),
-    ("baselines", "agents"),
-    ("aggregate", "results*", "evaluate", "engine*", "tuning*"),
-    ("export*", "pil*", "plant_*", "trace*", "plots", "options", "identify*", "rep*"),
-    ("demo", "cli*", "__main__"),
+    ("evaluation",),
+    ("agents", "baselines"),
+    ("policies",),
+    ("tuning",),
+    ("export", "identify", "pil", "plant", "replay"),
+    ("plots",),
+    ("report", "reproduce"),
+    ("cli",),
 )
+"""Folders and single files of ``sensorless``, lowest first."""
+
+SIBLINGS = {("files", "errors"), ("pil", "export")}
+"""Who may import whom inside a layer."""
+
+ABOVE_ALL = ("__init__", "__main__")
+"""``__init__`` only registers the environments by name."""
 
 
-def files() -> list[Path]:
-    """Python files of the package, each once: links are not followed."""
-    return sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
+def files() -> dict[str, Path]:
+    """Python files of the package by module name, each once: links are not followed."""
+    found = {}
+    for folder in ("sensorless", *TOP):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            parts = path.relative_to(ROOT).with_suffix("").parts
+            parts = parts if parts[0] == "sensorless" else ("sensorless", *parts)
+            found[".".join(parts).removesuffix(".__init__")] = path
+    return found
 
 
-def unit(module: str) -> str:
-    """Name in the table of layers: the first part below ``sensorless``."""
-    return [*module.split("."), ""][1]
+FILES = files()
 
 
-def level(module: str) -> int | None:
-    """Layer of a module, 0 is the lowest; None if no pattern matches."""
-    name = unit(module)
-    found = (i for i, layer in enumerate(LAYERS) if any(fnmatchcase(name, p) for p in layer))
-    return next(found, None)
+def room(module: str) -> str:
+    """Folder or single file below ``sensorless`` that a module belongs to."""
+    return [*module.split("."), "__init__"][1]
 
 
-def module_of(path: Path) -> str:
-    """Dotted import name of a file."""
-    parts = path.relative_to(ROOT).with_suffix("").parts
-    parts = parts[:-1] if parts[-1] == "__init__" else parts
-    return ".".join(parts if parts[0] == "sensorless" else ("sensorless", *parts))
+def layer(module: str) -> int:
+    """Layer of a module, 0 is the lowest."""
+    if room(module) in ABOVE_ALL:
+        return len(LAYERS)
+    found = [i for i, names in enumerate(LAYERS) if room(module) in names]
+    if not found:
+        raise LookupError(f"{module} is in no layer: add its folder to LAYERS in tests/test_layers")
+    return found[0]
 
 
-def imports(source: str) -> Iterator[tuple[int, str]]:
-    """Line and dotted name of every import of ``sensorless``, also inside of functions."""
+def imports(source: str) -> Iterator[tuple[int, str, str]]:
+    """Line, module and name of every import of ``sensorless``, also inside functions."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.level:
-            raise ValueError(f"line {node.lineno}: relative import, write it out from sensorless")
+            for alias in node.names:
+                if alias.name.split(".")[0] == "sensorless":
+                    yield node.lineno, alias.name, ""
         elif isinstance(node, ast.ImportFrom):
-            names = [f"{node.module}.{alias.name}" for alias in node.names]
-        else:
+            if node.level:
+                raise ValueError(f"line {node.lineno}: relative import: spell it from sensorless")
+            if node.module and node.module.split(".")[0] == "sensorless":
+                for alias in node.names:
+                    whole = f"{node.module}.{alias.name}"
+                    is_module = whole in FILES
+                    yield node.lineno, whole if is_module else node.module, alias.name
+
+
+def forbidden(module: str, source: str) -> list[str]:
+    """Imports that climb, cross to a sibling that is not listed, or take a private name."""
+    out = []
+    for line, target, name in imports(source):
+        if name == "_core" or target == "sensorless":  # the compiled core; __version__
             continue
-        yield from ((node.lineno, name) for name in names if name.split(".")[0] == "sensorless")
+        crossing = room(module) != room(target) and layer(module) == layer(target)
+        if layer(target) > layer(module):
+            out.append(f"line {line}: {module} imports {target} from a layer above")
+        elif crossing and (room(module), room(target)) not in SIBLINGS:
+            out.append(f"line {line}: {module} imports its sibling {target}")
+        elif name.startswith("_"):
+            out.append(f"line {line}: {module} imports the private name {target}.{name}")
+    return out
 
 
-def upward(module: str, source: str) -> list[str]:
-    """Imports in the source of a module that climb.
-
-    A name without a layer is no Python file (``__version__``, the compiled ``_core``): it passes.
-    """
-    here = level(module) or 0
-    return [
-        f"line {line}: {unit(module)} (layer {here}) imports {name} (layer {level(name)})"
-        for line, name in imports(source)
-        if (level(name) or 0) > here
-    ]
-
-
-@pytest.mark.parametrize("path", files(), ids=lambda path: str(path.relative_to(ROOT)))
-def test_imports_point_down(path: Path) -> None:
-    module = module_of(path)
-    assert level(module) is not None, f"{path.name} is in no layer: add it to LAYERS in {__file__}"
-    assert not upward(module, path.read_text(encoding="utf-8"))
+@pytest.mark.parametrize("module", FILES)
+def test_imports_point_down(module: str) -> None:
+    assert not forbidden(module, FILES[module].read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize(
-    ("module", "source", "climbs"),
+    ("module", "source"),
     [
-        (
-            "sensorless.design.drive",
-            "from sensorless.envs.scenarios.scenario import Scenario",
-            True,
-        ),
-        ("sensorless.machine.motor", "def late():\n    import sensorless.cli.app", True),
-        ("sensorless.envs.reward", "from sensorless import metrics", True),
-        ("sensorless", "from sensorless.design.drive import Drive", True),
-        ("sensorless.envs.blend_env", "from sensorless.envs.signals import SIGNALS", False),
-        ("sensorless.cli.app", "import numpy\nfrom sensorless import __version__, agents", False),
+        ("sensorless.design.drive", "from sensorless.envs.scenarios.scenario import Scenarios"),
+        ("sensorless.machine.motor", "def late():\n    import sensorless.cli.app"),
+        ("sensorless.envs.reward", "from sensorless.evaluation import rollout"),
+        ("sensorless.agents.loading", "from sensorless.baselines.linear import EQ25"),
+        ("sensorless.plots.envelope", "from sensorless.plots.figure import _figure"),
     ],
+    ids=["a layer above", "inside a function", "a module", "a sibling", "a private name"],
 )
-def test_the_check_can_fail(module: str, source: str, climbs: bool) -> None:
-    assert bool(upward(module, source)) == climbs
+def test_a_forbidden_import_is_found(module: str, source: str) -> None:
+    """Added to the real file, which is clean without it."""
+    text = FILES[module].read_text(encoding="utf-8")
+    assert len(forbidden(module, f"{text}\n{source}\n")) == 1
+
+
+def circle(graph: dict[str, set[str]]) -> list[str]:
+    """One circle of a graph; none: empty."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def test_no_import_runs_in_a_circle() -> None:
+    graph = {
+        module: {t for _, t, _ in imports(path.read_text(encoding="utf-8")) if t in FILES}
+        - {module, "sensorless"}
+        for module, path in FILES.items()
+    }
+    assert not circle(graph)
+    assert circle({**graph, "sensorless.errors": {"sensorless.cli.app"}})
+
+
+def test_c_includes_point_down() -> None:
+    """What ships includes nothing of what only simulates, and no header runs in a circle."""
+    core = ROOT / "core"
+    graph: dict[str, set[str]] = {}
+    for path in [*core.glob("*/*.[ch]"), *(ROOT / "firmware").glob("*.[ch]")]:
+        here = path.relative_to(ROOT)
+        graph[str(here)] = set()
+        for name in re.findall(r'^#include "(\S+)"', path.read_text(encoding="utf-8"), flags=re.M):
+            beside, below = path.parent / name, core / name
+            target = beside if beside.exists() else below
+            if not target.exists():  # generated
+                continue
+            target = target.resolve().relative_to(ROOT.resolve())
+            graph[str(here)].add(str(target))
+            if here.parts[:2] == ("core", "drive"):
+                assert target.parts[:2] == ("core", "drive"), f"{here} includes {target}"
+    assert graph["core/sim/simulate.h"] >= {"core/drive/drive.h", "core/sim/plant.h"}
+    assert not circle(graph)

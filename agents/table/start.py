@@ -5,14 +5,13 @@ import numpy as np
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
-from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, KsTable
 
 TO_RATED = 1.0
 """Speed that a placed axis reaches at least, over rated speed."""
 
 
-def start_table(axes: str, start: str, motor: Motor, slew_per_s: float) -> KsTable:
+def start_table(axes: str, start: str, source: KsTable, motor: Motor, slew_per_s: float) -> KsTable:
     """Copy a schedule onto a grid.
 
     A linear ramp of the speed is copied exactly: the ends of its band have to be nodes. So is a
@@ -24,18 +23,20 @@ def start_table(axes: str, start: str, motor: Motor, slew_per_s: float) -> KsTab
         ``SIGNAL:LOW:HIGH:NODES,...``; ``speed:NODES`` places the nodes so that the ends of a linear
         start are among them; ``start`` takes the axes of the start.
     start : str
-        A policy that is a table, as ``sensorless evaluate`` knows them.
+        Name of the schedule, for messages.
+    source : KsTable
+        The schedule.
     motor : Motor
+        Tells messages the r/min of a node.
     slew_per_s : float
         Largest change of k_s in the drive [1/s].
 
     Raises
     ------
     UserError
-        Bad words, a start that is no table, looks at a signal without an axis, or is a ramp with an
-        end between two nodes.
+        Bad words, or a start that looks at a signal without an axis, or that is a ramp with an end
+        between two nodes.
     """
-    source = _source(start, motor)
     if axes == "start":
         return KsTable(source.axes, source.values, slew_per_s=slew_per_s)
     ramp = source.axes[0] if source.values.tolist() == [1.0, 0.0] else None
@@ -52,21 +53,6 @@ def start_table(axes: str, start: str, motor: Motor, slew_per_s: float) -> KsTab
     k_s = source.evaluate(obs.reshape(-1, SIGNAL_N)).reshape(obs.shape[:-1])
     # A node of a ramp's end lies a rounding beside it: 0 has to stay 0, which turns injection off.
     return KsTable(shape, np.round(k_s, 5), slew_per_s=slew_per_s)
-
-
-def _source(start: str, motor: Motor) -> KsTable:
-    from sensorless.policies.registry import make_policy
-
-    try:
-        policy = make_policy(start, motor)
-    except UserError as error:
-        raise UserError(f"start: {error}") from None
-    if not isinstance(policy, TablePolicy):
-        raise UserError(
-            f"start: {start!r} is no table; allowed: eq25, linear:LO,HI [r/min], logistic, a file "
-            "of sensorless tune or a run folder with a table"
-        )
-    return policy.table
 
 
 def grid(text: str, ramp: Axis | None = None) -> tuple[Axis, ...]:

@@ -112,6 +112,6 @@ class TrainConfig:
                 f"machines: {self.machines}; allowed: up to half of n_envs = {self.n_envs}"
             )
 
-    def start_table(self, motor: Motor, slew_per_s: float) -> KsTable:
-        """Return the table training starts from, see ``agents.start``."""
-        return start_table(self.axes, self.start, motor, slew_per_s)
+    def start_table(self, source: KsTable, motor: Motor, slew_per_s: float) -> KsTable:
+        """Return the table training starts from: ``source`` on the axes of this run."""
+        return start_table(self.axes, self.start, source, motor, slew_per_s)

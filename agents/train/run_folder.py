@@ -2,9 +2,7 @@
 
 import dataclasses
 import json
-import platform
 import sys
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -18,17 +16,14 @@ from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import KsTable
+from sensorless.versions import versions
 
+LIBRARIES = ("numpy", "torch", "stable-baselines3", "gymnasium")
+"""What a trained schedule depends on."""
 PROGRESS = "progress.csv"
 START = "start.json"
 """Schedule that training started from."""
 LATEST = "checkpoints/latest.zip"
-
-
-def versions() -> dict[str, str]:
-    """Versions of what a result depends on."""
-    names = ("numpy", "torch", "stable-baselines3", "gymnasium")
-    return {"python": platform.python_version(), **{name: version(name) for name in names}}
 
 
 def describe(
@@ -41,7 +36,7 @@ def describe(
         "start_digest": start.digest,
         "train": dataclasses.asdict(config),
         "design": dataclasses.asdict(design),
-        "versions": versions(),
+        "versions": versions(LIBRARIES),
     }
 
 

@@ -42,48 +42,75 @@ def train(
     config: TrainConfig,
     design: DriveDesign,
     folder: Path,
+    source: KsTable,
     *,
-    resume: bool = False,
     report: Progress | None = None,
 ) -> Cost:
-    """Train into a run folder; returns what the best schedule reached in validation.
+    """Train into a new run folder; returns what the best schedule reached in validation.
 
-    A run that is resumed goes on counting its steps with the same settings but for ``minutes`` and
-    ``steps``; it is not bit-identical to one that was never interrupted, because the environments
-    begin new episodes.
+    Parameters
+    ----------
+    config, design
+    folder : Path
+        New or empty.
+    source : KsTable
+        The schedule of the name ``config.start``, which is copied onto the axes of the run.
+    report : optional
+        Called with the share that is done, the decisions so far and what a validation found.
 
     Raises
     ------
     UserError
-        A setting out of range, a folder in use, or a checkpoint of another motor.
+        A setting out of range, or a folder in use.
     KeyboardInterrupt
         After checkpoint and best schedule were saved.
     """
-    torch.set_num_threads(1)
-    if resume:
-        old, design, digest, table = reopen(folder)
-        motor = old.motor if config.motor == TrainConfig.motor else config.motor
-        machines = Machines.of(Motor.load(motor), old.machines, old.seed)
-        if digest != machines.digest:
-            raise UserError(
-                f"resume: {str(folder)!r} was trained on {old.motor!r}, digest {digest[:16]}; "
-                f"allowed: {machines.name!r}, digest {machines.digest[:16]}"
-            )
-        config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)
-    else:
-        reference = Motor.load(config.motor)
-        machines = Machines.of(reference, config.machines, config.seed)
-        table = config.start_table(reference, design.k_s_slew)
+    reference = Motor.load(config.motor)
+    machines = Machines.of(reference, config.machines, config.seed)
+    table = config.start_table(source, reference, design.k_s_slew)
     model = _model(config, table, training_env(config, design, machines.motors))
-    if resume:
-        _restore(model, folder / LATEST)
-    else:
-        create(folder, config, machines, design, table)
+    create(folder, config, machines, design, table)
+    return _learn(model, folder, config, design, machines, report)
+
+
+def resume(config: TrainConfig, folder: Path, *, report: Progress | None = None) -> Cost:
+    """Continue the run in ``folder`` with its own settings but for ``minutes`` and ``steps``.
+
+    It counts its steps on, but is not bit-identical to a run that was never interrupted, because
+    the environments begin new episodes. Parameters, result and errors as in `train`.
+
+    Raises
+    ------
+    UserError
+        No run in the folder, a damaged checkpoint, or one of another motor.
+    """
+    old, design, digest, table = reopen(folder)
+    motor = old.motor if config.motor == TrainConfig.motor else config.motor
+    machines = Machines.of(Motor.load(motor), old.machines, old.seed)
+    if digest != machines.digest:
+        raise UserError(
+            f"resume: {str(folder)!r} was trained on {old.motor!r}, digest {digest[:16]}; "
+            f"allowed: {machines.name!r}, digest {machines.digest[:16]}"
+        )
+    config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)
+    model = _model(config, table, training_env(config, design, machines.motors))
+    _restore(model, folder / LATEST)
+    return _learn(model, folder, config, design, machines, report)
+
+
+def _learn(
+    model: TablePPO,
+    folder: Path,
+    config: TrainConfig,
+    design: DriveDesign,
+    machines: Machines,
+    report: Progress | None,
+) -> Cost:
     model.set_logger(configure(str(folder / "tb"), ["tensorboard"]))
     factories = [SimFactory(motor, design) for motor in machines.motors]
     watch = Watch(folder, config, factories, report)
     try:
-        model.learn(10**15, callback=watch, log_interval=1, reset_num_timesteps=not resume)
+        model.learn(10**15, callback=watch, log_interval=1, reset_num_timesteps=False)
         watch.judge()
     except KeyboardInterrupt:
         watch.checkpoint()
@@ -95,6 +122,7 @@ def train(
 
 
 def _model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
+    torch.set_num_threads(1)
     actor: type[TableActorCritic] | type[MlpActorCritic] = TableActorCritic
     kwargs = {"table": table, "noise": config.noise, "value_scale": VALUE_SCALE, "hidden": 64}
     if config.policy_kind == "table":

@@ -17,14 +17,13 @@ from sensorless.envs.counter_random import Draws, combine
 from sensorless.errors import UserError
 from sensorless.machine.magnetics import Floats, cross_angle, flux, inverse_inductance, torque
 from sensorless.machine.motor import Motor
+from sensorless.units import RPM_TO_RAD_S
 
 NAME = "ipmsm-1"
 """Of these ranges and checks; another draw needs another name."""
 
 MOST = 256
 """Machines of a family at most."""
-
-RPM = math.pi / 30.0
 
 
 @dataclass(frozen=True)
@@ -94,7 +93,7 @@ def _drawn(name: str, d: Draws) -> Motor | None:
     """One machine, or none if rated torque has no operating point on its flux map."""
     x = {key: _number(d, limits) for key, limits in RANGES.items()}
     n_p, i_rated = int(x["n_p"]), x["i_rated"]
-    omega = n_p * x["n_rated_rpm"] * RPM
+    omega = n_p * x["n_rated_rpm"] * RPM_TO_RAD_S
     base = x["u_dc"] / math.sqrt(3.0) / omega
     psi_f, L_d = _rounded(x["emf"] * base), _rounded(x["x_d"] * base / i_rated)
     L_q = _rounded(L_d * x["saliency"])
@@ -121,7 +120,7 @@ def _drawn(name: str, d: Draws) -> Motor | None:
     except UserError:  # a flux map without an inverse
         return None
     rated = float(np.interp(x["loading"] * i_rated, np.hypot(*line.T), tau))
-    speed = x["n_rated_rpm"] * RPM
+    speed = x["n_rated_rpm"] * RPM_TO_RAD_S
     tables["rating"]["tau_rated"] = _rounded(rated)
     tables["machine"]["J"] = _rounded(x["start_time"] * rated / speed)
     tables["machine"]["B"] = _rounded(x["friction"] * rated / speed)

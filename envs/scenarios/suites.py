@@ -16,11 +16,11 @@ from sensorless.envs.scenarios.starts import starts_scenarios
 from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
+from sensorless.units import RPM_TO_RAD_S
 
 ROLES = {"train": 1, "tune": 2, "test": 3}
 """Seeds of training, tuning and judging never meet."""
 
-RPM = np.pi / 30.0
 
 Indices = NDArray[np.int64]
 
@@ -118,7 +118,7 @@ def paper_scenarios(motor: Motor, seeds: Seeds, indices: Indices, _: int) -> Sce
     of 600 r/min/s. Fig. 11: 150 r/min, 6 N m (43 % of rated torque).
     """
     s = Scenarios.nominal(motor, seeds, 4.0)
-    base = motor.n_rated_rpm / 1500.0 * RPM
+    base = motor.n_rated_rpm / 1500.0 * RPM_TO_RAD_S
     kind = indices % 3
     steps = kind == 0
     _plan(s, steps, [(0.0, 200), (1.0, 350), (2.0, 600)], base)
@@ -146,7 +146,7 @@ def handoff_scenarios(motor: Motor, seeds: Seeds, indices: Indices, _: int) -> S
     regenerating 0 to 100 %; reversals through zero; load steps at standstill; fast decelerations.
     """
     s = Scenarios.nominal(motor, seeds, 3.0)
-    base = motor.n_rated_rpm * RPM
+    base = motor.n_rated_rpm * RPM_TO_RAD_S
     crossings = list(product((200.0, 600.0, 1200.0), (-1.0, -0.5, 0.0, 0.5, 1.0), (1.0, -1.0)))
     reversals = list(product((300.0, 900.0), (-0.5, 0.0, 0.5), (1.0, -1.0)))
     holds = list(product((0.5, 1.0), (1.0, -1.0)))
@@ -157,7 +157,11 @@ def handoff_scenarios(motor: Motor, seeds: Seeds, indices: Indices, _: int) -> S
         if j < len(crossings):
             ramp, load, way = crossings[j]
             _cross(
-                s, i, ramp * RPM * motor.n_rated_rpm / 1500.0, load * motor.tau_rated, way * base
+                s,
+                i,
+                ramp * RPM_TO_RAD_S * motor.n_rated_rpm / 1500.0,
+                load * motor.tau_rated,
+                way * base,
             )
             continue
         j -= len(crossings)
@@ -169,7 +173,7 @@ def handoff_scenarios(motor: Motor, seeds: Seeds, indices: Indices, _: int) -> S
                 [(0.0, 0.4 * way, 0.0), (0.6, 0.4 * way, load), (1.0, -0.4 * way, load)],
                 base,
                 motor.tau_rated,
-                ramp * RPM * motor.n_rated_rpm / 1500.0,
+                ramp * RPM_TO_RAD_S * motor.n_rated_rpm / 1500.0,
             )
             s.omega_0[i] = 0.4 * way * base
             continue

@@ -84,11 +84,11 @@ def simulate(
 
     Default: Fig. 9 of the source paper (200, 350, 600 r/min without load) under Eq. 25.
     """
-    from sensorless.cli.words import check_output
+    from sensorless.files import check_writable
 
-    check_output(plot, "plot")
-    check_output(out)
-    check_output(log, "log")
+    check_writable(plot, "plot")
+    check_writable(out)
+    check_writable(log, "log")
     if plant is not None or inputs is not None:
         from sensorless.plant.run import simulate_plant
 
@@ -97,7 +97,8 @@ def simulate(
         simulate_plant(plant, inputs, out)
         console.print(f"wrote {out}")
         return
-    from sensorless.cli.words import design_from, plan_from, scenario_from
+    from sensorless.design.words import design_from
+    from sensorless.envs.scenarios.words import plan_from, scenario_from
     from sensorless.evaluation.trace import trace, write_csv
     from sensorless.evaluation.trace_summary import summary_table
     from sensorless.machine.motor import Motor
@@ -123,7 +124,8 @@ def simulate(
         write_log(run, log)
         console.print(f"wrote {log}")
     if plot is not None:
-        from sensorless.plots.waveforms import save, waveforms
+        from sensorless.plots.figure import save
+        from sensorless.plots.waveforms import waveforms
 
         save(waveforms({f"{machine.name}, {rule.name}, {scenario or 'planned run'}": run}), plot)
         console.print(f"wrote {plot}")
@@ -150,7 +152,7 @@ def export(
     The folder holds the table in float32, Q15 and CMSIS-DSP's layout, the core, params.h, golden
     vectors and a Makefile; its self test is compiled and run here if there is a C compiler.
     """
-    from sensorless.cli.words import design_from
+    from sensorless.design.words import design_from
     from sensorless.export.export import export as write
     from sensorless.export.export import table_of
     from sensorless.machine.motor import Motor

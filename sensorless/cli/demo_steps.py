@@ -3,17 +3,18 @@
 import shutil
 from pathlib import Path
 
-from sensorless.cli.words import plan_from, scenario_from
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.words import plan_from, scenario_from
 from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import PolicyProgress, evaluate
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
 from sensorless.export.export import export, table_of
 from sensorless.machine.motor import Motor
+from sensorless.plots.figure import save
 from sensorless.plots.schedule import schedule_maps
-from sensorless.plots.waveforms import save, waveforms
-from sensorless.policies.registry import make_policy
+from sensorless.plots.waveforms import waveforms
+from sensorless.policies.registry import make_policies, make_policy
 from sensorless.policy import TablePolicy, design_for
 
 MARK = ".sensorless-demo"
@@ -48,7 +49,7 @@ def fresh_folder(folder: Path) -> None:
 def judge(folder: Path, run: str, size: int, seed: int, report: PolicyProgress) -> Results:
     """Rules, the trained table and the sensored drive on the stress suite."""
     motor = Motor.load("paper")
-    policies = [*RULES, run, "sensored"]
+    policies = make_policies([*RULES, run, "sensored"], motor)
     out = folder / "results.json"
     return evaluate(motor, DriveDesign(), "stress", seed, size, policies, out=out, progress=report)
 

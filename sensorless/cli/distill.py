@@ -43,11 +43,12 @@ def distill_command(
     from sensorless.agents.loading import CONFIG, TABLE, load_run
     from sensorless.agents.mlp.schedule import MlpSchedule
     from sensorless.agents.table.start import grid
-    from sensorless.agents.train.run_folder import design_and_motor, fresh, versions
+    from sensorless.agents.train.run_folder import LIBRARIES, design_and_motor, fresh
     from sensorless.cli.train import RUNS
     from sensorless.envs.scenarios.scenario import SimFactory
     from sensorless.evaluation.objective import Cost
     from sensorless.files import write_atomic
+    from sensorless.versions import versions
 
     design, motor = design_and_motor(run)
     teacher = load_run(run, motor)
@@ -79,7 +80,7 @@ def distill_command(
         "motor": motor.name,
         "motor_digest": motor.digest,
         "design": dataclasses.asdict(design),
-        "versions": versions(),
+        "versions": versions(LIBRARIES),
         "distilled_from": {
             key: teacher.provenance.get(key) for key in ("command", "seed", "steps")
         },

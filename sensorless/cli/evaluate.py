@@ -76,15 +76,17 @@ def evaluate_command(
     A schedule runs on the estimator it was trained or tuned on, whatever `--set estimator` says
     (here and in every command that takes one); other rules run on the design's.
     """
-    from sensorless.cli.words import check_output, design_from
-    from sensorless.evaluation.engines.engine import engine_named
+    from sensorless.design.words import design_from
+    from sensorless.evaluation.engines.named import engine_named
     from sensorless.evaluation.evaluate import WORST
     from sensorless.evaluation.evaluate import evaluate as run
     from sensorless.evaluation.results import COLUMNS, HANDOVER_COLUMNS
     from sensorless.evaluation.results_tables import paired_table, place_table, worst_table
+    from sensorless.files import check_writable
     from sensorless.machine.motor import Motor
+    from sensorless.policies.registry import make_policies
 
-    check_output(plot, "plot")
+    check_writable(plot, "plot")
     if plot is not None and suite != "envelope":
         raise UserError(f"plot: with suite {suite!r}; allowed: with --suite envelope")
     machine = Motor.load(motor)
@@ -95,7 +97,7 @@ def evaluate_command(
             suite,
             seed,
             size,
-            policy,
+            make_policies(policy, machine),
             out=out,
             every=every,
             progress=report,
@@ -103,7 +105,7 @@ def evaluate_command(
         )
     if plot is not None:
         from sensorless.plots.envelope import envelope_maps
-        from sensorless.plots.waveforms import save
+        from sensorless.plots.figure import save
 
         save(envelope_maps(results, machine), plot)
     console.print(results.table())

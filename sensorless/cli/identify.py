@@ -36,12 +36,13 @@ def cross_coupling(
     torque directions. The drive runs on the file that this writes with --set cross=FILE.json.
     Angles are truth minus estimate.
     """
-    from sensorless.cli.words import check_output, design_from
+    from sensorless.design.words import design_from
+    from sensorless.files import check_writable
     from sensorless.identify.cross_coupling import identify_cross_coupling
     from sensorless.machine.motor import Motor
 
-    check_output(out)
-    check_output(plot, "plot")
+    check_writable(out)
+    check_writable(plot, "plot")
     found = identify_cross_coupling(Motor.load(motor), design_from(settings))
     r = found.report()
     table = Table(title=f"{r['motor']}: θm/2, truth − injection estimate")
@@ -75,7 +76,7 @@ def cross_coupling(
         console.print(f"wrote {out}")
     if plot is not None:
         from sensorless.plots.cross_coupling import cross_coupling as draw
-        from sensorless.plots.waveforms import save
+        from sensorless.plots.figure import save
 
         save(draw(found), plot)
         console.print(f"wrote {plot}")

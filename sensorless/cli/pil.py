@@ -33,15 +33,16 @@ def pil_command(
     instructions of a control period and of a lookup, flash and RAM. Needs arm-none-eabi-gcc and
     qemu-system-arm.
     """
-    from sensorless.cli.words import check_output, design_from
+    from sensorless.design.words import design_from
     from sensorless.export.export import table_of
+    from sensorless.files import check_writable
     from sensorless.machine.motor import Motor
     from sensorless.pil.pil import passed, pil
     from sensorless.pil.report import table, write_report
     from sensorless.policies.registry import make_policy
     from sensorless.policy import design_for
 
-    check_output(out)
+    check_writable(out)
     machine = Motor.load(motor)
     policy = make_policy(run, machine)
     schedule, design = table_of(policy, run), design_for(policy, design_from(settings))

@@ -35,13 +35,14 @@ def replay_command(
     The log has time, two or three phase currents and the applied voltages or duty cycles; with an
     encoder angle the errors are known. No estimator sees the encoder.
     """
-    from sensorless.cli.words import check_output, design_from
+    from sensorless.design.words import design_from
+    from sensorless.files import check_writable
     from sensorless.machine.motor import Motor
     from sensorless.policies.registry import make_policy
     from sensorless.replay.replay import load, replay
 
-    check_output(out)
-    check_output(plot, "plot")
+    check_writable(out)
+    check_writable(plot, "plot")
     machine, design = Motor.load(motor), design_from(settings)
     rule = make_policy(policy, machine)
     found = replay(
@@ -57,8 +58,8 @@ def replay_command(
         found.write_csv(out)
         console.print(f"wrote {out}")
     if plot is not None:
+        from sensorless.plots.figure import save
         from sensorless.plots.replayed import replayed
-        from sensorless.plots.waveforms import save
 
         save(replayed(found), plot)
         console.print(f"wrote {plot}")

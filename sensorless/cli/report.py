@@ -45,7 +45,7 @@ def report_command(
     cases, what holds lock over speed and load, the schedule beside Eq. 25, waveforms of hand-overs,
     learning curves, and the commands that make each of them again.
     """
-    from sensorless.cli.words import design_from
+    from sensorless.design.words import design_from
     from sensorless.machine.motor import Motor
     from sensorless.policies.registry import make_policy
     from sensorless.report.report import SUITES, Report

@@ -74,7 +74,7 @@ def _train(
 
         sensorless train --name better --start linear.json --axes speed:16 --steps 4000000
     """
-    from sensorless.cli.words import design_from
+    from sensorless.design.words import design_from
 
     if (name is None) == (resume is None):
         raise UserError("name, resume: allowed: exactly one, --name NEW or --resume FOLDER")
@@ -84,8 +84,10 @@ def _train(
 
 def run_training(config: TrainConfig, design: Any, folder: Path, *, resume: bool) -> None:
     """Train with progress on the terminal, and say where the result is."""
-    from sensorless.agents.train.train import train
+    from sensorless.agents.train import train as training
     from sensorless.evaluation.objective import Cost
+    from sensorless.machine.motor import Motor
+    from sensorless.policies.registry import table_named
 
     columns = [TextColumn("training"), BarColumn(), TextColumn("{task.percentage:.0f} %")]
     columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
@@ -105,7 +107,11 @@ def run_training(config: TrainConfig, design: Any, folder: Path, *, resume: bool
 
     try:
         with bar:
-            train(config, design, folder, resume=resume, report=report)
+            if resume:
+                training.resume(config, folder, report=report)
+            else:
+                source = table_named(config.start, Motor.load(config.motor))
+                training.train(config, design, folder, source, report=report)
     except KeyboardInterrupt:
         errors.print(f"interrupted; go on with: sensorless train --resume {folder}")
         raise typer.Exit(130) from None

@@ -41,12 +41,13 @@ def tune_command(
 
         sensorless evaluate --policy eq25 --policy linear-tuned.json
     """
-    from sensorless.cli.words import check_output, design_from
-    from sensorless.evaluation.engines.engine import engine_named
+    from sensorless.design.words import design_from
+    from sensorless.evaluation.engines.named import engine_named
+    from sensorless.files import check_writable
     from sensorless.machine.motor import Motor
     from sensorless.tuning.tune import tune
 
-    check_output(out)
+    check_writable(out)
     machine, design = Motor.load(motor), design_from(settings)
     columns = [TextColumn(f"tuning {name}"), BarColumn(), TextColumn("{task.percentage:.0f} %")]
     columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]

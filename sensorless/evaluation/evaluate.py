@@ -1,17 +1,15 @@
 """A suite of scenarios under several policies, from names to results."""
 
-import platform
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core.api import Array, ffi, lib
+from sensorless.core.api import Array
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
@@ -21,11 +19,12 @@ from sensorless.evaluation.engines.engine import LOCAL, Engine
 from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.evaluation.metrics.place import QUADRANTS, SPEED_EDGES
 from sensorless.evaluation.metrics.place import by_place as sums_by_place
-from sensorless.evaluation.results import Results, check_writable
+from sensorless.evaluation.results import Results
 from sensorless.evaluation.rollout import CAUSES, CHUNK, Floats, rollout
+from sensorless.files import check_writable
 from sensorless.machine.motor import Motor
-from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy, PrivilegedPolicy, design_for
+from sensorless.versions import versions
 
 Progress = Callable[[float], None]
 """Called now and then with the share that is done, 0 to 1."""
@@ -59,7 +58,7 @@ def evaluate(
     suite: str,
     seed: int,
     size: int,
-    policies: Sequence[str],
+    policies: Mapping[str, Policy],
     *,
     out: Path | None = None,
     every: bool = True,
@@ -72,8 +71,8 @@ def evaluate(
     ----------
     suite, seed, size
         As in ``sensorless.envs.scenarios.suites.suite``.
-    policies : sequence of str
-        As in ``sensorless.policies.registry.known``.
+    policies : mapping
+        By name; the others are compared with the first.
     out : Path, optional
         Results file to write; whether it can be written is found out before the run.
     every : bool
@@ -86,13 +85,13 @@ def evaluate(
     UserError
         Something that was asked for does not exist or is out of its range.
     """
-    if out is not None:
-        check_writable(out)
-    named = _named(policies, motor)
+    check_writable(out)
+    if not policies:
+        raise UserError("policy: none given; allowed: one or more")
     scenarios = SuiteRows(suite, motor, seed, size)
     factory = SimFactory(motor, design)
     scores = {}
-    for name, policy in named.items():
+    for name, policy in policies.items():
         report = None if progress is None else _report(progress, name)
         scores[name] = score(policy, scenarios, factory, report, engine)
     results = Results(
@@ -104,8 +103,8 @@ def evaluate(
         design=asdict(design),
         versions=versions(),
         policies={
-            name: {"estimator": _estimator(named[name], design)}
-            | _entry(s, scenarios, suite, seed, _is_bound(named[name]))
+            name: {"estimator": _estimator(policies[name], design)}
+            | _entry(s, scenarios, suite, seed, _is_bound(policies[name]))
             for name, s in scores.items()
         },
         paired=_paired(scores, seed),
@@ -145,20 +144,6 @@ def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRow
     metrics = {name: metric(r) for name, metric in METRICS.items()}
     time = np.asarray(r.periods * r.motor.T_s, dtype=np.float64)
     return Scores(r.lost, time, metrics, sums_by_place(r))
-
-
-def _named(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
-    """Policies by name; by their whole word where a name is taken."""
-    if not specs:
-        raise UserError("policy: none given; allowed: one or more")
-    out: dict[str, Policy] = {}
-    for spec in specs:
-        policy = make_policy(spec, motor)
-        name = spec if policy.name in out else policy.name
-        if name in out:
-            raise UserError(f"policy: {spec!r} is given twice; allowed: each policy once")
-        out[name] = policy
-    return out
 
 
 def _is_bound(policy: Policy) -> bool:
@@ -224,17 +209,3 @@ def _paired(scores: dict[str, Scores], seed: int) -> dict[str, dict[str, Any]]:
 def _cause(bits: int) -> str | None:
     """Names of the bits set, or nothing."""
     return "+".join(name for name, bit in CAUSES.items() if bits & bit) or None
-
-
-def versions() -> dict[str, str]:
-    """What the numbers depend on besides the inputs."""
-    try:
-        own = version("sensorless")
-    except PackageNotFoundError:
-        own = "not installed"
-    return {
-        "sensorless": own,
-        "core": ffi.string(lib.core_hash).decode(),
-        "python": platform.python_version(),
-        **{name: version(name) for name in ("numpy", "scipy")},
-    }

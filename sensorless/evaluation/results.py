@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,6 @@ import numpy as np
 from rich.markup import escape
 from rich.table import Table
 
-from sensorless.errors import UserError
 from sensorless.files import write_atomic
 
 DIGITS = 9
@@ -110,31 +108,6 @@ def _cell(policy: dict[str, Any], key: str, _: str, factor: float, decimals: int
     low, high = policy[f"{key}_ci"]
     half = 0.5 * factor * (high - low)
     return f"{value:.{decimals}f}" + (f" ±{half:.{decimals}f}" if math.isfinite(half) else "")
-
-
-def check_writable(path: Path) -> None:
-    """Find out before a long run whether a file can be written.
-
-    Raises
-    ------
-    UserError
-        No such folder, no right to write there, or the path is a folder.
-    """
-    folder = path.parent
-    if not folder.is_dir():
-        raise UserError(
-            f"out: {str(path)!r}: no folder {str(folder)!r}; allowed: a file in an existing folder"
-        )
-    if path.is_dir():
-        raise UserError(f"out: {str(path)!r} is a folder; allowed: the name of a file")
-    probe = folder / f".{path.name}.{os.getpid()}.part"
-    try:
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        raise UserError(
-            f"out: {str(path)!r}: {error.strerror}; allowed: a file in a writable folder"
-        ) from None
 
 
 def _text(x: Any, indent: str = "") -> str:

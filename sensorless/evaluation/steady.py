@@ -12,8 +12,8 @@ from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
+from sensorless.units import RPM_TO_RAD_S
 
-RPM = np.pi / 30.0
 STEP = 5
 """PWM periods between two readings of the current; odd, so that the injected part averages out."""
 
@@ -49,7 +49,7 @@ def constant(motor: Motor, rpm: Floats, tau: Floats, duration: float, seed: int 
     ``tau`` is the torque the machine is to give: the friction of the speed is taken off the load.
     """
     s = Scenarios.nominal(motor, combine(seed, np.arange(len(rpm))), duration)
-    s.omega_0[:] = rpm * RPM
+    s.omega_0[:] = rpm * RPM_TO_RAD_S
     s.omega[:] = s.omega_0[:, None]
     s.t[:, 1] = 0.1
     s.tau[:, 1:] = (tau - motor.B * s.omega_0)[:, None]
@@ -107,7 +107,7 @@ def steady(
         i_q_hat = i_q_hat + x["x"]["control"]["i"]["q"]
         reads += 1
     mean = {name: total[name] / reads for name in names}
-    slow = np.abs(mean["omega_m"] - speed * RPM) > 0.02 * motor.omega_rated / motor.n_p
+    slow = np.abs(mean["omega_m"] - speed * RPM_TO_RAD_S) > 0.02 * motor.omega_rated / motor.n_p
     return Steady(
         err=mean["err"],
         err_std=np.sqrt(np.maximum(mean["err_sq"] - mean["err"] ** 2, 0.0)),

@@ -5,8 +5,8 @@ from rich.table import Table
 
 from sensorless.core.api import Array
 from sensorless.evaluation.trace import Trace, lost_cause
+from sensorless.units import RAD_S_TO_RPM
 
-RPM = 30.0 / np.pi
 SETTLED = 0.02
 """Band around a target, over the height of the step."""
 STEADY = 0.2
@@ -58,7 +58,7 @@ def plateaus(t: Trace) -> list[dict[str, float]]:
         ``angle_err_steady_deg``: largest magnitude of its 20 ms mean there; ``angle_err_max_deg``,
         the start sequence left out.
     """
-    ref, omega = RPM * t["omega_m_ref"], RPM * t["omega_m"]
+    ref, omega = RAD_S_TO_RPM * t["omega_m_ref"], RAD_S_TO_RPM * t["omega_m"]
     edges = np.flatnonzero(np.abs(np.diff(ref)) > 1e-6) + 1
     starts = np.concatenate([[0], edges])
     stops = np.concatenate([edges, [len(ref)]])
@@ -81,7 +81,7 @@ def _plateau(
     before: float,
     T_s: float,
 ) -> dict[str, float]:
-    target = RPM * float(t["omega_m_ref"][b - 1])
+    target = RAD_S_TO_RPM * float(t["omega_m_ref"][b - 1])
     step = target - before
     away = np.flatnonzero(np.abs(omega[a:b] - target) > SETTLED * max(abs(step), 1e-9))
     settled = 0.0 if len(away) == 0 else (away[-1] + 1) * T_s

@@ -7,7 +7,7 @@ import numpy as np
 from sensorless.design.control import operating_line
 from sensorless.identify.cross_coupling import CrossCoupling, lookup
 from sensorless.machine.magnetics import cross_angle
-from sensorless.plots.waveforms import COLOURS, _figure
+from sensorless.plots.figure import COLOURS, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 def cross_coupling(c: CrossCoupling) -> "Figure":
     """Measured angle over the torque current with line, table and closed form; residuals below."""
-    figure, (top, low) = _figure(figsize=(8.0, 7.0), nrows=2, sharex=True, height_ratios=(2.2, 1.0))
+    figure, (top, low) = new_figure(
+        figsize=(8.0, 7.0), nrows=2, sharex=True, height_ratios=(2.2, 1.0)
+    )
     i_q, deg = c.i[:, 1], np.rad2deg
     edge = float(np.max(np.abs(i_q)))
     x = np.linspace(-edge, edge, 201)

@@ -7,7 +7,7 @@ import numpy as np
 
 from sensorless.evaluation.results import Results
 from sensorless.machine.motor import Motor
-from sensorless.plots.waveforms import _figure
+from sensorless.plots.figure import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,7 +30,7 @@ def envelope_maps(results: Results, motor: Motor) -> "Figure":
     n = len(results.policies)
     columns = n if n <= 4 else 3
     rows = math.ceil(n / columns)
-    figure, axes = _figure(
+    figure, axes = new_figure(
         figsize=(2.9 * columns + 1.1, 3.1 * rows + 0.7),
         nrows=rows,
         ncols=columns,

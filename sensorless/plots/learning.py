@@ -13,7 +13,7 @@ from sensorless.agents.train.run_folder import PROGRESS, design_and_motor
 from sensorless.agents.validation import validate
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.evaluation.objective import Cost
-from sensorless.plots.waveforms import _figure
+from sensorless.plots.figure import new_figure
 from sensorless.policies import shipped
 from sensorless.policies.registry import make_policy
 
@@ -99,7 +99,7 @@ def _motor_of(folder: Path) -> str:
 
 def learning_curves(curves: Mapping[str, Curve], levels: Mapping[str, Cost]) -> "Figure":
     """Objective and its parts in validation over training time, one line a run, one a level."""
-    figure, axes = _figure(figsize=(11.0, 6.4), nrows=2, ncols=2)
+    figure, axes = new_figure(figsize=(11.0, 6.4), nrows=2, ncols=2)
     for ax, (key, label) in zip(axes.flat, CURVES, strict=True):
         for name, curve in curves.items():
             minutes, value = curve["seconds"] / 60.0, 100.0 * curve[key]

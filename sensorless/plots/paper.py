@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sensorless.evaluation.trace import Trace
-from sensorless.plots.waveforms import COLOURS, _figure
+from sensorless.plots.figure import COLOURS, new_figure
+from sensorless.units import RAD_S_TO_RPM
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-RPM = 30.0 / np.pi
 LINES = (COLOURS["hfi"], COLOURS["ref"], COLOURS["twin"], COLOURS["smo"])
 
 
@@ -19,7 +19,7 @@ def angle_traces(
 ) -> "Figure":
     """Angle errors of several runs over their last ``window`` [s], times the axis' factor."""
     label, factor = axis
-    figure, axes = _figure(figsize=(8.0, 4.2))
+    figure, axes = new_figure(figsize=(8.0, 4.2))
     for colour, (name, t) in zip(LINES, traces.items(), strict=False):
         T_s = float(t["t"][1] - t["t"][0])
         part = slice(-round(window / T_s), None)
@@ -40,16 +40,19 @@ def angle_traces(
 
 def speed_runs(published: Trace, corrected: Trace, title: str) -> "Figure":
     """Speed, angle error and weight of the published and the corrected drive."""
-    figure, axes = _figure(figsize=(9.0, 7.0), nrows=3, sharex=True, height_ratios=(2, 2, 1))
+    figure, axes = new_figure(figsize=(9.0, 7.0), nrows=3, sharex=True, height_ratios=(2, 2, 1))
     speed, angle, weight = axes
     speed.plot(
-        published["t"], RPM * published["omega_m_ref"], color=COLOURS["ref"], label="reference"
+        published["t"],
+        RAD_S_TO_RPM * published["omega_m_ref"],
+        color=COLOURS["ref"],
+        label="reference",
     )
     for name, t, colour in (
         ("as published", published, COLOURS["hfi"]),
         ("corrected", corrected, COLOURS["smo"]),
     ):
-        speed.plot(t["t"], RPM * t["omega_m"], color=colour, lw=1.2, label=name)
+        speed.plot(t["t"], RAD_S_TO_RPM * t["omega_m"], color=colour, lw=1.2, label=name)
         angle.plot(t["t"], np.rad2deg(t["theta_e_err"]), color=colour, lw=0.6, label=name)
         weight.plot(t["t"], t["k_s"], color=colour, lw=1.0, label=name)
     speed.set_ylabel("speed [r/min]")
@@ -66,7 +69,7 @@ def speed_runs(published: Trace, corrected: Trace, title: str) -> "Figure":
 
 def hand_over(runs: dict[str, dict[str, Trace]], title: str) -> "Figure":
     """Torque over speed while the drive goes up and down, hard switch against blend."""
-    figure, axes = _figure(figsize=(10.0, 4.2), ncols=len(runs), sharey=True, squeeze=False)
+    figure, axes = new_figure(figsize=(10.0, 4.2), ncols=len(runs), sharey=True, squeeze=False)
     for one, (drive, pair) in zip(axes[0], runs.items(), strict=True):
         for colour, (rule, t) in zip((COLOURS["hfi"], COLOURS["smo"]), pair.items(), strict=True):
             tau = 0.5 * (t["tau"] + np.concatenate([t["tau"][:1], t["tau"][:-1]]))

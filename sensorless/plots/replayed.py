@@ -4,8 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sensorless.plots.waveforms import COLOURS, _figure
-from sensorless.replay.replay import NAMES, RPM, Replay
+from sensorless.plots.figure import COLOURS, new_figure
+from sensorless.replay.replay import NAMES, Replay
+from sensorless.units import RAD_S_TO_RPM
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -15,7 +16,7 @@ COLOUR = {name: COLOURS.get(name, "#6a994e") for name in NAMES}
 
 def replayed(r: Replay) -> "Figure":
     """Speed, angle error (without an encoder: angle) and weight over time."""
-    figure, axes = _figure(figsize=(9.0, 8.0), nrows=3, sharex=True, height_ratios=(2, 2.4, 1))
+    figure, axes = new_figure(figsize=(9.0, 8.0), nrows=3, sharex=True, height_ratios=(2, 2.4, 1))
     speed, angle, weight = axes
     t, theta_e = r.log.t, r.log.theta_e
     if theta_e is not None:
@@ -23,11 +24,11 @@ def replayed(r: Replay) -> "Figure":
         turned = np.unwrap(theta_e)
         true = (turned[window:] - turned[:-window]) / (t[window:] - t[:-window])
         middle = 0.5 * (t[window:] + t[:-window])
-        rpm = RPM / r.motor.n_p * true
+        rpm = RAD_S_TO_RPM / r.motor.n_p * true
         speed.plot(middle, rpm, color=COLOURS["twin"], lw=2.5, label="encoder, over 5 ms")
     for name, estimate in r.estimates.items():
         style = {"color": COLOUR[name], "lw": 0.8, "label": NAMES[name]}
-        speed.plot(t, RPM / r.motor.n_p * estimate.omega_e, **style)
+        speed.plot(t, RAD_S_TO_RPM / r.motor.n_p * estimate.omega_e, **style)
         error = r.error(name)
         shown = np.rad2deg(estimate.theta_e if error is None else error)
         angle.plot(t, np.where(estimate.valid, shown, np.nan), **style)

@@ -9,7 +9,7 @@ from sensorless.envs.signals import SIGNALS
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.results_tables import speed_labels
 from sensorless.machine.motor import Motor
-from sensorless.plots.waveforms import _figure
+from sensorless.plots.figure import new_figure
 from sensorless.table.ks_table import Axis, KsTable
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def lost_by_place(results: Results) -> "Figure":
     Of many policies ``MOST`` are shown: the first two, the bounds, and the best of the others.
     """
     shown = _shown(results.policies)
-    figure, axes = _figure(figsize=(11.0, 6.4), nrows=2)
+    figure, axes = new_figure(figsize=(11.0, 6.4), nrows=2)
     for ax, key in zip(axes, ("by_quadrant", "by_speed"), strict=True):
         labels: list[str] = []
         for j, (name, policy) in enumerate(shown.items()):
@@ -73,7 +73,7 @@ def schedule_maps(name: str, table: KsTable, reference: KsTable, motor: Motor) -
     """
     across, up = table.axes[0], _second(table)
     slices = _slices(table)
-    figure, axes = _figure(
+    figure, axes = new_figure(
         figsize=(3.3 * (1 + len(slices)) + 1.2, 3.9),
         ncols=1 + len(slices),
         sharey=True,

@@ -1,79 +1,20 @@
-"""Figures: waveforms of a drive, and a schedule beside Eq. 25. Needs the extra ``plot``."""
+"""Waveforms of a drive."""
 
-import io
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sensorless.errors import UserError
 from sensorless.evaluation.trace import Trace, lost_cause
-from sensorless.files import write_atomic
+from sensorless.plots.figure import COLOURS, new_figure
+from sensorless.units import RAD_S_TO_RPM
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-COLOURS = {
-    "hfi": "#d1495b",
-    "smo": "#2e86ab",
-    "blend": "#1b1b1e",
-    "twin": "#8d99ae",
-    "ref": "#f2a541",
-}
-RPM = 30.0 / np.pi
-DPI = 120
-LARGE = 100_000
-"""Bytes of a picture that is worth a palette: waveforms are, maps with their gradients are not."""
-
-
-def require_matplotlib() -> None:
-    """Find out before the work whether there can be figures.
-
-    Raises
-    ------
-    UserError
-        Matplotlib is missing.
-    """
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        raise UserError("plots need matplotlib: pip install 'sensorless[plot]'") from None
-
-
-def _figure(**options: Any) -> Any:
-    """Return figure and axes of matplotlib, without a display."""
-    require_matplotlib()
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    size = options.pop("figsize")
-    figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure, figure.subplots(**options)
-
-
-def save(figure: "Figure", path: Path) -> None:
-    """Write a figure as PNG, whole or not at all."""
-    write_atomic(path, png(figure))
-
-
-def png(figure: "Figure") -> bytes:
-    """Return a figure as PNG; one above ``LARGE`` with a palette, which is a third of the size."""
-    from PIL import Image
-
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=DPI)
-    if len(buffer.getvalue()) <= LARGE:
-        return buffer.getvalue()
-    picture = Image.open(buffer).convert("RGB")
-    small = io.BytesIO()
-    picture.quantize(256, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
-    return small.getvalue()
-
 
 def waveforms(traces: dict[str, Trace]) -> "Figure":
     """Speed, torque, angle errors and weight over time, one column a run; keys are titles."""
-    figure, axes = _figure(
+    figure, axes = new_figure(
         figsize=(7.0 * len(traces) + 1.5, 9.5),
         nrows=4,
         ncols=len(traces),
@@ -124,10 +65,16 @@ def _quantile(x: Any) -> float:
 
 
 def _speeds(ax: Any, t: Trace) -> None:
-    ax.plot(t["t"], RPM * t["omega_m_ref"], color=COLOURS["ref"], label="reference")
-    ax.plot(t["t"], RPM * t["omega_m_twin"], color=COLOURS["twin"], lw=2.5, label="sensored twin")
-    ax.plot(t["t"], RPM * t["omega_m"], color=COLOURS["blend"], lw=1.0, label="sensorless")
-    ax.plot(t["t"], RPM * t["omega_m_hat"], color=COLOURS["smo"], lw=0.6, label="estimate")
+    ax.plot(t["t"], RAD_S_TO_RPM * t["omega_m_ref"], color=COLOURS["ref"], label="reference")
+    ax.plot(
+        t["t"],
+        RAD_S_TO_RPM * t["omega_m_twin"],
+        color=COLOURS["twin"],
+        lw=2.5,
+        label="sensored twin",
+    )
+    ax.plot(t["t"], RAD_S_TO_RPM * t["omega_m"], color=COLOURS["blend"], lw=1.0, label="sensorless")
+    ax.plot(t["t"], RAD_S_TO_RPM * t["omega_m_hat"], color=COLOURS["smo"], lw=0.6, label="estimate")
 
 
 def _torques(ax: Any, t: Trace) -> None:

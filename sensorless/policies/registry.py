@@ -1,13 +1,12 @@
 """From a word on the command line to a policy."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from sensorless.agents.loading import load_run
 from sensorless.baselines import (
     constant,
     emf_threshold,
-    error_blend,
-    flux_observer,
     fusion,
     fuzzy,
     gated,
@@ -15,37 +14,37 @@ from sensorless.baselines import (
     hysteresis,
     linear,
     logistic,
+    on_estimator,
     oracle,
     physics_threshold,
-    quadratic,
     ramp,
     sensored,
-    sine,
-    smoothstep,
+    smooth,
 )
 from sensorless.baselines.rule import Rule
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
 from sensorless.policies.tuned import Tuned
-from sensorless.policy import Policy, trained_estimator, with_estimator
+from sensorless.policy import Policy, TablePolicy, trained_estimator, with_estimator
+from sensorless.table.ks_table import KsTable
 
 RULES: dict[str, Rule] = {
     rule.name: rule
     for rule in (
         linear.EQ25,
         linear.RULE,
-        smoothstep.RULE,
-        sine.RULE,
-        quadratic.RULE,
+        smooth.SMOOTHSTEP,
+        smooth.SINE,
+        smooth.QUADRATIC,
         hysteresis.RULE,
         ramp.RULE,
         gated.RULE,
         emf_threshold.RULE,
         physics_threshold.RULE,
         fusion.RULE,
-        error_blend.RULE,
-        flux_observer.RULE,
+        on_estimator.ERROR_BLEND,
+        on_estimator.FLUX_OBSERVER,
         fuzzy.RULE,
         logistic.RULE,
         grid.RULE,
@@ -122,6 +121,44 @@ def make_policy(spec: str, motor: Motor) -> Policy:
     raise UserError(
         f"policy: {spec!r}: no such rule, folder or file; allowed: {names} (see evaluate --list)"
     )
+
+
+def make_policies(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
+    """Policies of several words by name; by their whole word where a name is taken.
+
+    Raises
+    ------
+    UserError
+        A word given twice, or as in `make_policy`.
+    """
+    out: dict[str, Policy] = {}
+    for spec in specs:
+        policy = make_policy(spec, motor)
+        name = spec if policy.name in out else policy.name
+        if name in out:
+            raise UserError(f"policy: {spec!r} is given twice; allowed: each policy once")
+        out[name] = policy
+    return out
+
+
+def table_named(spec: str, motor: Motor) -> KsTable:
+    """Table of a policy that is one, for training to start from.
+
+    Raises
+    ------
+    UserError
+        The policy has no table, or as in `make_policy`.
+    """
+    try:
+        policy = make_policy(spec, motor)
+    except UserError as error:
+        raise UserError(f"start: {error}") from None
+    if not isinstance(policy, TablePolicy):
+        raise UserError(
+            f"start: {spec!r} is no table; allowed: eq25, linear:LO,HI [r/min], logistic, a file "
+            "of sensorless tune or a run folder with a table"
+        )
+    return policy.table
 
 
 def load_tuned(path: Path, motor: Motor) -> Policy:

@@ -16,7 +16,6 @@ from sensorless.observers.ekf import run_ekf
 from sensorless.policy import Policy, PrivilegedPolicy, decision_periods, design_for
 from sensorless.replay.log import Log, clarke, read_log
 
-RPM = 30.0 / np.pi
 NAMES = {"hfi": "HFI", "smo": "SMO", "blend": "blend", "ekf": "EKF"}
 """Estimators by the ending of their columns."""
 

@@ -7,19 +7,20 @@ from importlib.metadata import version
 from pathlib import Path
 
 from sensorless.baselines.linear import EQ25_BAND, linear_table
-from sensorless.cli.words import scenario_from
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.words import scenario_from
 from sensorless.evaluation.evaluate import PolicyProgress, evaluate
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.plots.envelope import envelope_maps
+from sensorless.plots.figure import png, require_matplotlib
 from sensorless.plots.learning import curves_of, learning_curves, shipped_levels
 from sensorless.plots.schedule import lost_by_place, schedule_maps
-from sensorless.plots.waveforms import png, require_matplotlib, waveforms
+from sensorless.plots.waveforms import waveforms
 from sensorless.policies import shipped
-from sensorless.policies.registry import make_policy
+from sensorless.policies.registry import make_policies, make_policy
 from sensorless.policy import TablePolicy, design_for
 from sensorless.report.cases import Case, cases
 from sensorless.report.page import Figure, Section, render
@@ -111,7 +112,8 @@ class Report:
             if self.progress is not None:
                 self.progress(f"{suite}: {name}", done)
 
-        return evaluate(self.motor, self.design, suite, seed, size, policies, progress=report)
+        chosen = make_policies(policies, self.motor)
+        return evaluate(self.motor, self.design, suite, seed, size, chosen, progress=report)
 
     def _section(self, results: Results) -> Section:
         policies = [word for name in (self.run, *self.others) for word in ("--policy", name)]

@@ -7,7 +7,6 @@ import numpy as np
 
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.suites import suite
-from sensorless.evaluation.steady import RPM
 from sensorless.evaluation.trace import Trace, lost_cause, trace
 from sensorless.evaluation.trace_summary import plateaus
 from sensorless.machine.magnetics import Floats
@@ -15,6 +14,7 @@ from sensorless.machine.motor import Motor
 from sensorless.plots.paper import speed_runs
 from sensorless.policies.registry import make_policy
 from sensorless.reproduce.case import CORRECTED, PUBLISHED, Case, Row, row_of
+from sensorless.units import RPM_TO_RAD_S
 
 Pair = dict[str, Trace]
 
@@ -125,7 +125,7 @@ def figure_13(motor: Motor) -> tuple[Case, Pair]:
 
 def _plateau_peak(t: Trace, rpm: int) -> float:
     """Largest angle error in the last 0.3 s of the first plateau at a speed [deg]."""
-    at = np.flatnonzero(np.abs(t["omega_m_ref"] / RPM - rpm) < 0.5)
+    at = np.flatnonzero(np.abs(t["omega_m_ref"] / RPM_TO_RAD_S - rpm) < 0.5)
     if len(at) == 0:
         return math.nan
     breaks = np.flatnonzero(np.diff(at) > 1)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.motor import Motor
-from sensorless.plots.waveforms import save
+from sensorless.plots.figure import save
 from sensorless.reproduce.case import Case
 from sensorless.reproduce.dynamic import abstract, figure_9, figure_13
 from sensorless.reproduce.page import data, markdown

@@ -9,7 +9,7 @@ import numpy as np
 from sensorless.core.api import Array
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios
-from sensorless.evaluation.steady import RPM, Change, constant, make_ideal
+from sensorless.evaluation.steady import Change, constant, make_ideal
 from sensorless.evaluation.trace import Trace, lost_cause, trace
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
@@ -17,6 +17,7 @@ from sensorless.plots.paper import hand_over
 from sensorless.policies.registry import make_policy
 from sensorless.reproduce.case import CORRECTED, PUBLISHED, Case, Cell, Row, row_of
 from sensorless.reproduce.steady import less
+from sensorless.units import RPM_TO_RAD_S
 
 HARD = "hysteresis:332.5,367.5"
 """Switch at 350 r/min, +-5 %."""
@@ -34,8 +35,8 @@ def crossing(motor: Motor, seed: int) -> Scenarios:
     """200, 600, 200 r/min at 300 r/min/s under 4 N m; ``seed`` draws the noise."""
     s = constant(motor, np.array([200.0]), np.array([4.0 / 14.0 * motor.tau_rated]), 5.0, seed)
     s.t[:, 2:4] = (WAYS["up"][0], WAYS["down"][0])
-    s.omega[:, 2], s.omega[:, 3:] = 600.0 * RPM, 200.0 * RPM
-    s.omega_rate[:] = 300.0 * RPM
+    s.omega[:, 2], s.omega[:, 3:] = 600.0 * RPM_TO_RAD_S, 200.0 * RPM_TO_RAD_S
+    s.omega_rate[:] = 300.0 * RPM_TO_RAD_S
     return s
 
 
@@ -67,7 +68,7 @@ def without_injection(t: Trace) -> Floats:
 def torque_span(t: Trace, way: str) -> float:
     """Peak-to-peak torque [N m] between 300 and 400 r/min; NaN if lost."""
     start, stop = WAYS[way]
-    rpm = np.abs(t["omega_m"]) / RPM
+    rpm = np.abs(t["omega_m"]) / RPM_TO_RAD_S
     inside = (t["t"] >= start) & (t["t"] < stop) & (rpm > 300.0) & (rpm < 400.0)
     if not inside.any() or (lost_cause(t) is not None and t["t"][-1] < stop):
         return math.nan

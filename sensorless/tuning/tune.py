@@ -21,13 +21,13 @@ from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.evaluation.engines.engine import LOCAL, Engine
-from sensorless.evaluation.evaluate import versions
 from sensorless.evaluation.objective import OBJECTIVE, Cost
 from sensorless.evaluation.rollout import Floats
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES, rule_named
 from sensorless.policies.tuned import Tuned
 from sensorless.tuning.batch import costs
+from sensorless.versions import versions
 
 SUITE, ROLE = "stress", "tune"
 CHECK = 3

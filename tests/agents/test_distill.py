@@ -20,11 +20,12 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
 from sensorless.export.export import export
 from sensorless.machine.motor import Motor
-from sensorless.policies.registry import make_policy
+from sensorless.policies.registry import make_policy, table_named
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, KsTable
 
 MOTOR = Motor.load("paper")
+START = table_named("eq25", MOTOR)
 AXES = (Axis("speed", 0.0, 1.0, 16), Axis("torque_current", -1.5, 1.5, 3))
 
 
@@ -122,7 +123,7 @@ def test_the_command_writes_a_run_that_exports(
         policy_kind="mlp", n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1,
         validate_size=16,
     )  # fmt: skip
-    train(config, DriveDesign(signal_hz=40.0), tmp_path / "runs" / "net")
+    train(config, DriveDesign(signal_hz=40.0), tmp_path / "runs" / "net", START)
     words = "--rounds 1 --size 8 --validate-size 16 --name table --axes speed:0:1:16".split()
     result = CliRunner().invoke(app, ["distill", "runs/net", *words])
     assert result.exit_code == 0, result.output

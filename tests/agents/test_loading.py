@@ -20,11 +20,12 @@ from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.rollout import rollout
 from sensorless.evaluation.trace import trace
 from sensorless.machine.motor import Motor
-from sensorless.policies.registry import make_policy
+from sensorless.policies.registry import make_policies, make_policy, table_named
 from sensorless.policies.tuned import Tuned
 from sensorless.policy import TablePolicy
 
 MOTOR = Motor.load("paper")
+START = table_named("eq25", MOTOR)
 FLUX = DriveDesign(estimator="flux")
 TINY = TrainConfig(n_envs=8, n_steps=8, n_epochs=1, steps=64, warm_up=0, validate_size=16)
 
@@ -86,7 +87,9 @@ def test_the_design_of_the_evaluation_does_not_matter(design: DriveDesign, tmp_p
 
 def test_results_say_what_each_policy_ran_on(tmp_path: Path) -> None:
     run = write(tmp_path / "mine", "flux", None)
-    results = evaluate(MOTOR, DriveDesign(), "paper", 0, 1, ["eq25", str(run)])
+    results = evaluate(
+        MOTOR, DriveDesign(), "paper", 0, 1, make_policies(["eq25", str(run)], MOTOR)
+    )
     assert [p["estimator"] for p in results.policies.values()] == ["angles", "flux"]
 
 
@@ -94,14 +97,14 @@ def test_results_say_what_each_policy_ran_on(tmp_path: Path) -> None:
 def test_training_on_flux(kind: str, tmp_path: Path) -> None:
     """The schedule is validated on that estimator, and asks for it when it is loaded again."""
     run = tmp_path / "run"
-    best = train(replace(TINY, policy_kind=kind), FLUX, run)
+    best = train(replace(TINY, policy_kind=kind), FLUX, run, START)
     policy = load_run(run, MOTOR)
     assert isinstance(policy, TablePolicy if kind == "table" else MlpSchedule)
     assert policy.estimator == "flux"
     (run / CONFIG).unlink()
     assert load_run(run, MOTOR).estimator == "flux"
-    assert best == train(replace(TINY, policy_kind=kind), FLUX, tmp_path / "again")
-    assert best != train(replace(TINY, policy_kind=kind), DriveDesign(), tmp_path / "other")
+    assert best == train(replace(TINY, policy_kind=kind), FLUX, tmp_path / "again", START)
+    assert best != train(replace(TINY, policy_kind=kind), DriveDesign(), tmp_path / "other", START)
 
 
 def test_a_start_is_only_numbers(tmp_path: Path) -> None:
@@ -109,5 +112,5 @@ def test_a_start_is_only_numbers(tmp_path: Path) -> None:
     path = tmp_path / "tuned.json"
     for rule in ("linear", "flux_observer"):
         Tuned(rule, {"lo": 0.1, "hi": 0.5}, {"design": {"estimator": "flux"}}).save(path)
-        table = start_table("start", str(path), MOTOR, 50.0)
+        table = start_table("start", str(path), table_named(str(path), MOTOR), MOTOR, 50.0)
         assert (table.axes[0].lo, table.axes[0].hi) == pytest.approx((0.1, 0.5))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from sensorless.baselines.rule import RPM, Rule
+from sensorless.baselines.rule import SPEED_UNIT, Rule
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES
@@ -17,7 +17,7 @@ def test_defaults_lie_in_the_range_that_tuning_searches(rule: Rule) -> None:
     for p in rule.parameters:
         assert p.least <= p.low <= p.default <= p.high <= p.most, p.name
         assert p.low < p.high
-        assert p.doc and p.unit in (RPM, "1", "deg", "ms", "%", "1/s")
+        assert p.doc and p.unit in (SPEED_UNIT, "1", "deg", "ms", "%", "1/s")
 
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=lambda rule: rule.name)

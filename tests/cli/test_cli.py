@@ -91,8 +91,8 @@ def test_evaluation_is_the_same_file_to_the_bit(tmp_path: Path) -> None:
 
 def test_fig9_meets_its_figures(tmp_path: Path) -> None:
     """Fig. 9 of the source paper: k_s 1, about 0.5, 0; settled within 0.5 s; error below 5 deg."""
-    from sensorless.cli.words import plan_from
     from sensorless.design.drive import DriveDesign
+    from sensorless.envs.scenarios.words import plan_from
     from sensorless.evaluation.trace import trace
     from sensorless.evaluation.trace_summary import plateaus
     from sensorless.machine.motor import Motor

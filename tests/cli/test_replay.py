@@ -31,7 +31,7 @@ def test_a_simulated_log_is_replayed(tmp_path: Path) -> None:
 
 
 def test_mistakes(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match=r"out: .* no folder"):
+    with pytest.raises(UserError, match=r"out: .* does not exist"):
         run("replay", SAMPLE, "--out", str(tmp_path / "none" / "out.csv"))
     with pytest.raises(UserError, match="policy"):
         run("replay", SAMPLE, "--policy", "nonsense")

@@ -15,7 +15,7 @@ from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import evaluate, score
 from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.machine.motor import Motor
-from sensorless.policies.registry import make_policy
+from sensorless.policies.registry import make_policies, make_policy
 
 MOTOR = Motor.load("paper")
 DESIGN = DriveDesign()
@@ -24,7 +24,7 @@ SIZE = 8
 
 def run(*policies: str, seed: int = 7, suite: str = "stress", **options: Any) -> dict[str, Any]:
     """Parsed results file."""
-    results = evaluate(MOTOR, DESIGN, suite, seed, SIZE, policies, **options)
+    results = evaluate(MOTOR, DESIGN, suite, seed, SIZE, make_policies(policies, MOTOR), **options)
     data: dict[str, Any] = json.loads(results.to_json())
     return data
 
@@ -166,7 +166,15 @@ def test_bad_requests(
     policies: tuple[str, ...], seed: int, size: int, suite: str, tmp_path: Path
 ) -> None:
     with pytest.raises(UserError, match="allowed"):
-        evaluate(MOTOR, DESIGN, suite, seed, size, policies, out=tmp_path / "results.json")
+        evaluate(
+            MOTOR,
+            DESIGN,
+            suite,
+            seed,
+            size,
+            make_policies(policies, MOTOR),
+            out=tmp_path / "results.json",
+        )
     assert not list(tmp_path.iterdir())
 
 
@@ -174,7 +182,7 @@ def test_a_file_that_cannot_be_written_stops_before_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sensorless.evaluation.evaluate, "score", lambda *_: pytest.fail("ran"))
-    with pytest.raises(UserError, match="no folder"):
+    with pytest.raises(UserError, match="does not exist"):
         run("eq25", out=tmp_path / "missing" / "results.json")
 
 

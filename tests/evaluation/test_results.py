@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from sensorless.errors import UserError
-from sensorless.evaluation.results import COLUMNS, Results, check_writable
+from sensorless.evaluation.results import COLUMNS, Results
 
 ROW = {key: 0.123456789012 for key, *_ in COLUMNS}
 INTERVALS = {("lost_ci" if key == "lost_rate" else f"{key}_ci"): (0.1, 0.2) for key in ROW}
@@ -99,25 +98,6 @@ def test_a_failure_leaves_the_old_file(tmp_path: Path) -> None:
         replace(RESULTS, versions={"numpy": object()}).write(path)  # type: ignore[dict-item]
     assert path.read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["results.json"]
-
-
-@pytest.mark.parametrize("name", ["missing/results.json", "file/results.json", "folder"])
-def test_places_that_cannot_be_written_are_found_out(tmp_path: Path, name: str) -> None:
-    (tmp_path / "file").touch()
-    (tmp_path / "folder").mkdir()
-    with pytest.raises(UserError, match="allowed") as caught:
-        check_writable(tmp_path / name)
-    assert name in str(caught.value) and "\n" not in str(caught.value)
-
-
-def test_a_folder_without_the_right_to_write_is_found_out() -> None:
-    with pytest.raises(UserError, match="allowed"):
-        check_writable(Path("/proc/results.json"))
-
-
-def test_the_check_leaves_nothing_behind(tmp_path: Path) -> None:
-    check_writable(tmp_path / "results.json")
-    assert not list(tmp_path.iterdir())
 
 
 def test_the_table_fits_on_a_terminal_and_shows_every_policy() -> None:

@@ -19,12 +19,20 @@ from sensorless.evaluation.results_tables import (
     worst_table,
 )
 from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policies
 
 
 @pytest.fixture(scope="module")
 def results() -> Results:
     words = ("eq25", "smo", "sensored")
-    return evaluate(Motor.load("paper"), DriveDesign(), "stress", 7, 8, words)
+    return evaluate(
+        Motor.load("paper"),
+        DriveDesign(),
+        "stress",
+        7,
+        8,
+        make_policies(words, Motor.load("paper")),
+    )
 
 
 def text_of(table: Table) -> str:

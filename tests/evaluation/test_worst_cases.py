@@ -8,20 +8,22 @@ import pytest
 from typer.testing import CliRunner
 
 from sensorless.cli.app import app
-from sensorless.cli.words import scenario_from
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.suites import SUITES, scenario_word, suite
+from sensorless.envs.scenarios.words import scenario_from
 from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import WORST, evaluate
 from sensorless.evaluation.trace import lost_cause, trace
 from sensorless.machine.motor import Motor
-from sensorless.policies.registry import make_policy
+from sensorless.policies.registry import make_policies, make_policy
 
 MOTOR, DESIGN = Motor.load("paper"), DriveDesign()
 
 
 def entry(name: str, seed: int, size: int, policy: str) -> dict[str, Any]:
-    return evaluate(MOTOR, DESIGN, name, seed, size, [policy]).policies[policy]
+    return evaluate(MOTOR, DESIGN, name, seed, size, make_policies([policy], MOTOR)).policies[
+        policy
+    ]
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,9 @@ from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.export.export import table_of
 from sensorless.machine.motor import Motor
-from sensorless.policies.registry import make_policy
+from sensorless.policies.registry import make_policy, table_named
+
+START = table_named("eq25", Motor.load("paper"))
 
 SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, validate_size=16)
 
@@ -24,7 +26,7 @@ SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, val
 def test_a_trained_table_runs_on_the_target(estimator: str, tmp_path: Path) -> None:
     """With the estimator it was trained on: no ``--set`` here."""
     run, out = tmp_path / "run", tmp_path / "pil.json"
-    train(replace(SMALL, lr_nodes=0.05), DriveDesign(estimator=estimator), run)
+    train(replace(SMALL, lr_nodes=0.05), DriveDesign(estimator=estimator), run, START)
     answer = CliRunner().invoke(app, ["pil", str(run), "--out", str(out)])
     assert answer.exit_code == 0, answer.output
     report = json.loads(out.read_text())

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sensorless.cli.words import plan_from
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.words import plan_from
 from sensorless.errors import UserError
 from sensorless.evaluation.trace import Trace, trace
 from sensorless.machine.magnetics import Floats

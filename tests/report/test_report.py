@@ -19,6 +19,7 @@ from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.results_tables import number
 from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policies
 from sensorless.report.cases import CROSSED, cases
 from sensorless.report.page import COLUMNS
 from sensorless.report.report import Report
@@ -115,7 +116,7 @@ def test_the_page_stands_alone(run: Path, page: Page) -> None:
 
 def test_the_page_says_what_the_evaluation_says(run: Path, page: Page) -> None:
     design = DriveDesign(smo_pll_hz=21.0)
-    results = evaluate(MOTOR, design, "stress", 7, SIZE, [str(run), *OTHERS])
+    results = evaluate(MOTOR, design, "stress", 7, SIZE, make_policies([str(run), *OTHERS], MOTOR))
     rows = {row[0]: row for row in page.rows if len(row) == 2 + len(COLUMNS)}
     names = ["mine & yours", "eq25", "flux_observer (flux)", "sensored (bound)"]
     assert set(rows) >= set(names)
@@ -132,7 +133,7 @@ def test_the_page_says_what_the_evaluation_says(run: Path, page: Page) -> None:
 
 def test_pairs_are_ours_minus_theirs(run: Path, page: Page) -> None:
     design = DriveDesign(smo_pll_hz=21.0)
-    results = evaluate(MOTOR, design, "stress", 7, SIZE, [str(run), "eq25"])
+    results = evaluate(MOTOR, design, "stress", 7, SIZE, make_policies([str(run), "eq25"], MOTOR))
     row = next(row for row in page.rows if row[0] == "eq25" and len(row) == 3 + len(COLUMNS))
     deviation = results.paired["eq25"]["torque_dev_rms"]
     assert row[1] == str(results.paired["eq25"]["survived_both"])
@@ -177,7 +178,9 @@ def test_mistakes(words: list[str], said: str, tmp_path: Path, monkeypatch: Any)
 
 
 def test_cases_are_a_typical_and_the_worst_hand_over() -> None:
-    results = evaluate(MOTOR, DESIGN, "handoff", 7, 12, ["linear:100,700", "eq25"])
+    results = evaluate(
+        MOTOR, DESIGN, "handoff", 7, 12, make_policies(["linear:100,700", "eq25"], MOTOR)
+    )
     found = {case.key: case for case in cases(results, "linear:100,700", "eq25")}
     rows = results.policies["linear:100,700"]["scenarios"]
     crossed = [
@@ -194,7 +197,7 @@ def test_cases_are_a_typical_and_the_worst_hand_over() -> None:
 
 
 def test_where_the_weight_never_moves_there_is_no_hand_over() -> None:
-    results = evaluate(MOTOR, DESIGN, "handoff", 7, 3, ["hfi", "eq25"])
+    results = evaluate(MOTOR, DESIGN, "handoff", 7, 3, make_policies(["hfi", "eq25"], MOTOR))
     keys = [case.key for case in cases(results, "hfi", "eq25")]
     assert "handoff-typical" not in keys and "handoff-worst-hfi" in keys
 

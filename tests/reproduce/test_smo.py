@@ -9,12 +9,13 @@ import pytest
 from sensorless.core.api import Array
 from sensorless.design.drive import DriveDesign, control_record
 from sensorless.envs.scenarios.scenario import Scenarios
-from sensorless.evaluation.steady import RPM, make_ideal, steady
+from sensorless.evaluation.steady import make_ideal, steady
 from sensorless.evaluation.trace import lost_cause, trace
 from sensorless.machine.magnetics import flux
 from sensorless.machine.motor import Motor
 from sensorless.observers.smo_design import deadbeat_gain
 from sensorless.policies.registry import make_policy
+from sensorless.units import RPM_TO_RAD_S
 
 FIXED = DriveDesign(L_q_table=False, L_q_bias=1.0, mtpa=False, cross="none", speed_hz=1.0)
 
@@ -39,7 +40,7 @@ def test_closed_form(motor: Motor, L_q_bias: float, R_s: float) -> None:
     assert run.held.all()
     i_d, i_q = run.i.T
     psi = flux(motor.saturation, run.i)
-    w, dR = motor.n_p * rpm * RPM, (R_s - 1.0) * motor.R_s
+    w, dR = motor.n_p * rpm * RPM_TO_RAD_S, (R_s - 1.0) * motor.R_s
     L_q_hat = L_q_bias * motor.L_q
     expected = np.arctan2(
         w * (psi[:, 1] - L_q_hat * i_q) - dR * i_d, w * (psi[:, 0] - L_q_hat * i_d) + dR * i_q
@@ -68,13 +69,13 @@ def test_warm_start(motor: Motor, seed: int) -> None:
     From rest on injection to 300 r/min against 5 N m that help; the window starts at 60 r/min.
     """
     s = Scenarios.nominal(motor, np.array([seed], dtype=np.uint64), 1.2)
-    s.t[:, 1], s.omega[:, 1:], s.omega_rate[:] = 0.5, 300.0 * RPM, 300.0 * RPM
+    s.t[:, 1], s.omega[:, 1:], s.omega_rate[:] = 0.5, 300.0 * RPM_TO_RAD_S, 300.0 * RPM_TO_RAD_S
     s.tau[:], s.tau_rate[:] = -5.0, 50.0
     worst = []
     for floor in (40.0, 0.0):
         t = trace(make_policy("hfi", motor), s, motor, DriveDesign(smo_floor_rpm=floor))
         assert lost_cause(t) is None
-        start = int(np.argmax(t["omega_m"] > 60.0 * RPM))
+        start = int(np.argmax(t["omega_m"] > 60.0 * RPM_TO_RAD_S))
         worst.append(np.max(np.abs(t["theta_e_err_smo"][start : start + 500])))
     warm, cold = worst
     assert warm < 0.75 * cold
@@ -94,6 +95,6 @@ def test_bounds(motor: Motor) -> None:
     free = control_record(motor, DriveDesign(speed_bound=np.inf))["smo"]["pll"]["omega_max"]
     assert 1e30 < free < np.inf
     s = Scenarios.nominal(motor, np.zeros(1, np.uint64), 0.5)
-    s.omega_0[:] = s.omega[:] = 1000.0 * RPM
+    s.omega_0[:] = s.omega[:] = 1000.0 * RPM_TO_RAD_S
     t = trace(make_policy("smo", motor), s, motor, tight)
     assert np.max(np.abs(t["omega_m_hat"][1:])) <= 0.5001 * motor.omega_rated / motor.n_p

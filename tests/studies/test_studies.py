@@ -11,6 +11,7 @@ import pytest
 
 from sensorless.agents.train.config import TrainConfig
 from sensorless.machine.motor import Motor
+from sensorless.policies.registry import table_named
 
 BENCHMARKS = Path(__file__).parents[2] / "studies"
 
@@ -53,7 +54,9 @@ def test_axes_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_every_set_of_axes_can_be_trained() -> None:
     for axes in study("axes_study").SETS.values():
-        table = TrainConfig(axes=axes).start_table(Motor.load("paper"), 50.0)
+        table = TrainConfig(axes=axes).start_table(
+            table_named("eq25", Motor.load("paper")), Motor.load("paper"), 50.0
+        )
         assert len(table.axes) == len(axes.split(","))
 
 

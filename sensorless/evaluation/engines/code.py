@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 import sensorless
-from sensorless.evaluation.evaluate import versions
+from sensorless.versions import versions
 
 
 @lru_cache

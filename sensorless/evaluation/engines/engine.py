@@ -5,15 +5,10 @@ its result depends on, and results come back in the order of the chunks.
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from typing import Protocol, TypeVar
-
-from sensorless.errors import UserError
 
 Chunk = TypeVar("Chunk")
 Result = TypeVar("Result")
-
-ENGINES = ("local", "ray")
 
 
 class Engine(Protocol):
@@ -32,32 +27,3 @@ class Local:
 
 
 LOCAL = Local()
-
-
-@contextmanager
-def engine_named(name: str, address: str | None = None) -> Iterator[Engine]:
-    """Engine by name for the time of a ``with`` block.
-
-    Parameters
-    ----------
-    name : str
-        One of ``ENGINES``.
-    address : str, optional
-        HOST:PORT of a running Ray cluster; default: a cluster of this machine's own.
-
-    Raises
-    ------
-    UserError
-        Unknown name, an address without Ray, no Ray, or no cluster at that address.
-    """
-    if name not in ENGINES:
-        raise UserError(f"engine: {name!r}; allowed: {', '.join(ENGINES)}")
-    if name == "local":
-        if address is not None:
-            raise UserError(f"ray-address: {address!r}; allowed: with --engine ray only")
-        yield LOCAL
-        return
-    from sensorless.evaluation.engines.ray_engine import ray_engine
-
-    with ray_engine(address) as engine:
-        yield engine

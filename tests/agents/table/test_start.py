@@ -12,6 +12,7 @@ from sensorless.baselines.logistic import logistic_table
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
+from sensorless.policies.registry import table_named
 from sensorless.policies.tuned import Tuned
 
 MOTOR = Motor.load("paper")
@@ -28,7 +29,13 @@ def observations(n: int) -> np.ndarray[tuple[int, int], np.dtype[np.float32]]:
 @pytest.mark.parametrize(("low", "high"), [(0.163004, 0.371973), (0.0, 0.11), (0.2, 0.8 / 3.0)])
 def test_a_tuned_ramp_lies_on_placed_nodes(tmp_path: Path, low: float, high: float) -> None:
     Tuned("linear", {"lo": low, "hi": high}, {}).save(tmp_path / "linear.json")
-    table = start_table(AXES, str(tmp_path / "linear.json"), MOTOR, 50.0)
+    table = start_table(
+        AXES,
+        str(tmp_path / "linear.json"),
+        table_named(str(tmp_path / "linear.json"), MOTOR),
+        MOTOR,
+        50.0,
+    )
     assert table.axes[0].lo >= 0.0 and table.axes[0].hi >= 1.0 - 1e-6
     obs = observations(2000)
     want = linear_table(low, high).evaluate(obs)
@@ -39,7 +46,13 @@ def test_a_tuned_ramp_lies_on_placed_nodes(tmp_path: Path, low: float, high: flo
 
 
 def test_the_axes_of_the_start_copy_it_bit_by_bit() -> None:
-    table = start_table("start", "logistic:400,300,0.1,0.2,0.1,0,0.5", MOTOR, 40.0)
+    table = start_table(
+        "start",
+        "logistic:400,300,0.1,0.2,0.1,0,0.5",
+        table_named("logistic:400,300,0.1,0.2,0.1,0,0.5", MOTOR),
+        MOTOR,
+        40.0,
+    )
     values = {"speed": 400.0, "width": 300.0}
     values = {name: x / MOTOR.n_rated_rpm for name, x in values.items()}
     rest = {"motoring": 0.1, "regenerating": 0.2, "lead": 0.1, "lag": 0.0, "spread": 0.5}
@@ -51,7 +64,7 @@ def test_the_axes_of_the_start_copy_it_bit_by_bit() -> None:
 
 def test_another_grid_samples_the_start_at_its_nodes() -> None:
     axes = "torque_current:-1.5:1.5:4,speed:0:1.2:25,disagreement:-1.5:1.5:3"
-    table = start_table(axes, "logistic", MOTOR, 50.0)
+    table = start_table(axes, "logistic", table_named("logistic", MOTOR), MOTOR, 50.0)
     obs = np.zeros((25, SIGNAL_N), dtype=np.float32)
     obs[:, 0], obs[:, 1] = table.axes[1].nodes, -0.5
     want = logistic_table(LOGISTIC.defaults()).evaluate(obs)
@@ -73,5 +86,5 @@ def test_another_grid_samples_the_start_at_its_nodes() -> None:
 )
 def test_bad_words_are_refused(axes: str, start: str, words: str) -> None:
     with pytest.raises(UserError, match=words) as caught:
-        start_table(axes, start, MOTOR, 50.0)
+        start_table(axes, start, table_named(start, MOTOR), MOTOR, 50.0)
     assert "allowed" in str(caught.value)

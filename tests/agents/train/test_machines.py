@@ -13,7 +13,7 @@ from sensorless.agents.loading import load_run, provenance
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import training_env
 from sensorless.agents.train.run_folder import design_and_motor
-from sensorless.agents.train.train import train
+from sensorless.agents.train.train import resume, train
 from sensorless.agents.validation import validate, validate_all
 from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
@@ -26,8 +26,10 @@ from sensorless.envs.signals import N_SIGNALS
 from sensorless.errors import UserError
 from sensorless.export.export import export
 from sensorless.machine.motor import Motor
-from sensorless.policies.registry import make_policy
+from sensorless.policies.registry import make_policy, table_named
 from sensorless.table.ks_table import KsTable
+
+START = table_named("eq25", Motor.load("paper"))
 
 SMALL = TrainConfig(
     machines=3, n_envs=16, n_steps=16, batch_size=128, n_epochs=1, steps=1024, warm_up=1,
@@ -39,7 +41,7 @@ NAMES = ("paper", "ipmsm_2200w", "pmsyrm_5600w")
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder: Path = tmp_path_factory.mktemp("runs") / "family"
-    train(SMALL, DriveDesign(), folder)
+    train(SMALL, DriveDesign(), folder, START)
     return folder
 
 
@@ -98,8 +100,8 @@ def test_its_schedule_is_exported_for_the_machine_asked_for(run: Path, tmp_path:
 
 
 def test_the_same_seed_gives_the_same_schedule(run: Path, tmp_path: Path) -> None:
-    train(SMALL, DriveDesign(), tmp_path / "again")
-    train(replace(SMALL, seed=2), DriveDesign(), tmp_path / "other")
+    train(SMALL, DriveDesign(), tmp_path / "again", START)
+    train(replace(SMALL, seed=2), DriveDesign(), tmp_path / "other", START)
     first, again, other = (
         [row.split(",")[2:] for row in (folder / "progress.csv").read_text().splitlines()]
         for folder in (run, tmp_path / "again", tmp_path / "other")
@@ -113,15 +115,15 @@ def test_a_run_goes_on_with_its_own_machines(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "run"
-    train(SMALL, DriveDesign(), folder)
+    train(SMALL, DriveDesign(), folder, START)
     before = len((folder / "progress.csv").read_text().splitlines())
-    train(TrainConfig(steps=512), DriveDesign(), folder, resume=True)
+    resume(TrainConfig(steps=512), folder)
     assert len((folder / "progress.csv").read_text().splitlines()) > before
     assert json.loads((folder / "config.json").read_text())["train"]["machines"] == 3
     ranges = {**machine_family.RANGES, "x_d": machine_family.Range(0.25, 0.4, "another family")}
     monkeypatch.setattr(machine_family, "RANGES", ranges)
     with pytest.raises(UserError, match=r"resume: .* digest .*; allowed: '3 machines of"):
-        train(TrainConfig(steps=512), DriveDesign(), folder, resume=True)
+        resume(TrainConfig(steps=512), folder)
 
 
 def test_validation_is_the_mean_over_the_machines() -> None:

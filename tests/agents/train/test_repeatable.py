@@ -15,6 +15,9 @@ from sensorless.agents.train.train import train
 from sensorless.core.api import SIGNAL_N
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.motor import Motor
+from sensorless.policies.registry import table_named
+
+START = table_named("eq25", Motor.load("paper"))
 
 SMALL = TrainConfig(
     n_envs=32, n_steps=16, n_epochs=2, minutes=0.0, steps=4096, warm_up=1, validate_size=16,
@@ -24,7 +27,7 @@ SMALL = TrainConfig(
 
 def trained(config: TrainConfig, folder: Path) -> tuple[dict[str, bytes], list[str], str]:
     """Parameters at the end, the learning curve without its clock, and the best schedule."""
-    train(config, DriveDesign(), folder)
+    train(config, DriveDesign(), folder, START)
     _, parameters, _ = load_from_zip_file(folder / LATEST, load_data=False, device="cpu")
     state: Any = parameters["policy"]
     weights = {k: v.numpy().tobytes() for k, v in state.items()}

@@ -14,10 +14,14 @@ from sensorless.agents.loading import TABLE
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import stream
 from sensorless.agents.train.run_folder import LATEST, PROGRESS
-from sensorless.agents.train.train import train
+from sensorless.agents.train.train import resume, train
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import table_named
 from sensorless.table.ks_table import KsTable
+
+START = table_named("eq25", Motor.load("paper"))
 
 SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, validate_size=16)
 
@@ -26,7 +30,7 @@ SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, val
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a short run."""
     folder = tmp_path_factory.mktemp("runs") / "first"
-    train(SMALL, DriveDesign(), folder)
+    train(SMALL, DriveDesign(), folder, START)
     return folder
 
 
@@ -52,7 +56,7 @@ def test_curve_goes_on_and_the_best_table_stays(finished: Path) -> None:
     table = KsTable.load(finished / TABLE)
     table.save(finished / TABLE, {**document["provenance"], "validation": unbeatable})
     kept = (finished / TABLE).read_text()
-    train(SMALL, DriveDesign(), finished, resume=True)
+    resume(SMALL, finished)
     after = rows(finished)
     assert after[: len(before)] == before and len(after) > len(before)
     assert int(after[-1]["steps"]) >= int(before[-1]["steps"]) + SMALL.steps
@@ -64,20 +68,25 @@ def test_resume_unpickles_nothing(finished: Path) -> None:
     with zipfile.ZipFile(finished / LATEST) as archive:
         steps = json.loads(archive.read("data"))["num_timesteps"]
     rewrite(finished / LATEST, "data", json.dumps({"num_timesteps": steps}).encode())
-    train(SMALL, DriveDesign(), finished, resume=True)
+    resume(SMALL, finished)
     assert int(rows(finished)[-1]["steps"]) >= steps + SMALL.steps
 
 
 def test_a_damaged_checkpoint_is_refused_in_one_line(finished: Path) -> None:
     (finished / LATEST).write_bytes(b"not a checkpoint")
     with pytest.raises(UserError, match="allowed: a checkpoint") as caught:
-        train(SMALL, DriveDesign(), finished, resume=True)
+        resume(SMALL, finished)
     assert "\n" not in str(caught.value)
 
 
 def test_a_mistake_leaves_no_folder(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="no node"):
-        train(replace(SMALL, start="linear:310,400"), DriveDesign(), tmp_path / "run")
+        train(
+            replace(SMALL, start="linear:310,400"),
+            DriveDesign(),
+            tmp_path / "run",
+            table_named("linear:310,400", Motor.load("paper")),
+        )
     assert not (tmp_path / "run").exists()
 
 

@@ -12,22 +12,24 @@ from sensorless.agents.loading import load_run
 from sensorless.agents.table.module import TableModule
 from sensorless.agents.table.policy import TableActorCritic
 from sensorless.agents.train.config import TrainConfig
-from sensorless.agents.train.train import train
+from sensorless.agents.train.train import resume, train
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.evaluation.objective import Cost
 from sensorless.machine.motor import MOTORS, Motor
+from sensorless.policies.registry import table_named
 
 SMALL = TrainConfig(
     n_envs=16, n_steps=16, batch_size=128, n_epochs=1, steps=1024, warm_up=1, validate_size=16
 )
 MOTOR = Motor.load("paper")
+START = table_named("eq25", MOTOR)
 
 
 def test_start_is_an_exact_copy_of_eq25() -> None:
-    table = SMALL.start_table(MOTOR, 50.0)
+    table = SMALL.start_table(table_named("eq25", MOTOR), MOTOR, 50.0)
     rng = np.random.default_rng(0)
     obs = rng.uniform(-1.5, 1.5, (2000, SIGNAL_N)).astype(np.float32)
     obs[:, SIGNAL_NAMES.index("speed")] = rng.uniform(0.0, 1.5, 2000)
@@ -39,7 +41,9 @@ def test_start_is_an_exact_copy_of_eq25() -> None:
 def test_a_run_can_be_used_and_gone_on_with(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     seen: list[int] = []
-    train(SMALL, DriveDesign(), folder, report=lambda share, steps, found: seen.append(steps))
+    train(
+        SMALL, DriveDesign(), folder, START, report=lambda share, steps, found: seen.append(steps)
+    )
     assert seen[-1] >= SMALL.steps
     policy = load_run(folder, MOTOR)
     obs = np.zeros((3, SIGNAL_N), dtype=np.float32)
@@ -50,11 +54,9 @@ def test_a_run_can_be_used_and_gone_on_with(tmp_path: Path) -> None:
     assert config["train"]["seed"] == SMALL.seed
     assert (folder / "progress.csv").is_file()
     again: list[int] = []
-    train(
+    resume(
         SMALL,
-        DriveDesign(),
         folder,
-        resume=True,
         report=lambda share, steps, found: again.append(steps),
     )
     assert again[0] >= seen[-1], "a resumed run goes on counting"
@@ -68,12 +70,12 @@ def test_training_moves_the_table(tmp_path: Path) -> None:
         last.extend([found] if found else [])
 
     wide = dataclasses.replace(SMALL, start="linear:100,900")  # at once between 0 and 1
-    train(wide, DriveDesign(), tmp_path / "run", report=keep)
+    train(wide, DriveDesign(), tmp_path / "run", START, report=keep)
     from stable_baselines3 import PPO
 
     model = PPO.load(tmp_path / "run" / "checkpoints" / "latest.zip", device="cpu")
     moved = model.policy.actor.values.detach()  # type: ignore[operator, union-attr]
-    start = TableModule(wide.start_table(MOTOR, 50.0)).values.detach()
+    start = TableModule(wide.start_table(table_named("eq25", MOTOR), MOTOR, 50.0)).values.detach()
     assert not np.array_equal(moved.numpy(), start.numpy())
     assert min(v.objective for v in last) <= last[0].objective
 
@@ -85,10 +87,10 @@ def test_interrupt_keeps_a_checkpoint(tmp_path: Path) -> None:
 
     folder = tmp_path / "run"
     with pytest.raises(KeyboardInterrupt):
-        train(SMALL, DriveDesign(), folder, report=stop)
+        train(SMALL, DriveDesign(), folder, START, report=stop)
     load_run(folder, MOTOR)
     assert not list(folder.rglob("*part*"))
-    train(SMALL, DriveDesign(), folder, resume=True)
+    resume(SMALL, folder)
 
 
 def test_steps_of_the_optimiser_end_where_asked(
@@ -102,7 +104,7 @@ def test_steps_of_the_optimiser_end_where_asked(
         before(self)
 
     monkeypatch.setattr(TableActorCritic, "_before_step", watched)
-    train(replace(SMALL, lr_end=0.1), DriveDesign(), tmp_path / "run")
+    train(replace(SMALL, lr_end=0.1), DriveDesign(), tmp_path / "run", START)
     np.testing.assert_allclose(seen[0], [SMALL.lr_nodes, SMALL.lr_critic])
     # Of the four rollouts the last one ends the training without an update.
     np.testing.assert_allclose(np.array(seen[-1]) / seen[0], 1.0 - 0.9 * 0.5)
@@ -119,18 +121,18 @@ def other_motor(folder: Path) -> Path:
 
 def test_a_run_of_another_motor_is_refused(tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    train(SMALL, DriveDesign(), folder)
+    train(SMALL, DriveDesign(), folder, START)
     path = other_motor(tmp_path)
     with pytest.raises(UserError, match="digest"):
         load_run(folder, Motor.load(path))
     config = json.loads((folder / "config.json").read_text())
     config["train"]["motor"] = str(path)
     with pytest.raises(UserError, match="digest"):
-        train(TrainConfig(motor=str(path), steps=64), DriveDesign(), folder, resume=True)
+        resume(TrainConfig(motor=str(path), steps=64), folder)
 
 
 def test_a_folder_in_use_is_refused(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     with pytest.raises(UserError, match="exists"):
-        train(SMALL, DriveDesign(), tmp_path)
+        train(SMALL, DriveDesign(), tmp_path, START)
     assert (tmp_path / "notes.txt").read_text() == "mine"

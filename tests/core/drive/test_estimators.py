@@ -11,8 +11,9 @@ from sensorless.core.api import SIGNAL_N, Array, sim_run, struct_dtype
 from sensorless.design.drive import ESTIMATORS, DriveDesign, control_record
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
-from sensorless.evaluation.steady import RPM, make_ideal, steady
+from sensorless.evaluation.steady import make_ideal, steady
 from sensorless.machine.motor import Motor, Saturation
+from sensorless.units import RPM_TO_RAD_S
 
 Call = Callable[..., None]
 State = Callable[[Array], bytes]
@@ -139,4 +140,4 @@ def test_unnormalised_and_uncompensated_injection_still_lock(motor: Motor) -> No
     step = np.rad2deg(motor.n_p * run.omega_m * motor.T_s)
     shift = (0.5 * motor.L_q + 1.5 * motor.L_d) / (motor.L_q - motor.L_d)
     np.testing.assert_allclose(np.rad2deg(run.err), shift * step, atol=0.05)
-    assert RPM * 150.0 == pytest.approx(run.omega_m[0], rel=0.01)
+    assert RPM_TO_RAD_S * 150.0 == pytest.approx(run.omega_m[0], rel=0.01)

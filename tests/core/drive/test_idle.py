@@ -8,8 +8,8 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import Floats
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
+from sensorless.units import RPM_TO_RAD_S
 
-RPM = np.pi / 30.0
 CORRECTION = 0.5
 """The leader's own loop moves it by k_p T_s times its noisy error signal in a period, which the
 other one learns a period later [deg]."""
@@ -23,7 +23,7 @@ def gap(motor: Motor, rpm: Floats, tau: float, k_s: float) -> Floats:
     """Largest difference of the two angles, a row a period, once the run has settled [deg]."""
     n = len(rpm)
     s = Scenarios.nominal(motor, np.arange(n, dtype=np.uint64), 2.0)
-    s.omega_0 = rpm * RPM
+    s.omega_0 = rpm * RPM_TO_RAD_S
     s.omega[:] = s.omega_0[:, None]
     s.tau[:], s.tau_rate[:] = tau, 20.0
     sims = SimFactory(motor, DriveDesign()).build(s)
@@ -55,7 +55,7 @@ def test_emf_estimator_follows_below_its_floor(motor: Motor, tau: float) -> None
 def test_nothing_steps_when_injection_returns(motor: Motor) -> None:
     """From k_s 0 to 1 at 500 r/min: less than 1 degree a period beyond the speed."""
     s = Scenarios.nominal(motor, np.arange(1, dtype=np.uint64), 2.0)
-    s.omega_0[:] = s.omega[:] = 500.0 * RPM
+    s.omega_0[:] = s.omega[:] = 500.0 * RPM_TO_RAD_S
     s.tau[:], s.tau_rate[:] = 6.0, 20.0
     sims = SimFactory(motor, DriveDesign()).build(s)
     obs = np.zeros((1, SIGNAL_N), np.float32)
@@ -67,6 +67,6 @@ def test_nothing_steps_when_injection_returns(motor: Motor) -> None:
         now = sims["drive"]["x"]["est"]["theta"].copy()
         step.append(float(np.angle(np.exp(1j * (now - was)))[0]))
         was = now
-    even = 500.0 * RPM * motor.n_p * motor.T_s
+    even = 500.0 * RPM_TO_RAD_S * motor.n_p * motor.T_s
     assert np.abs(np.rad2deg(np.array(step) - even)).max() < 1.0
     assert sims["drive"]["x"]["k_s"][0] == 1.0

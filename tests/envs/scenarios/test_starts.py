@@ -16,10 +16,10 @@ from sensorless.evaluation.rollout import Rollout, rollout
 from sensorless.machine.motor import Motor
 from sensorless.observers.start_design import peaks, polarity_pulse
 from sensorless.policies.registry import make_policy
+from sensorless.units import RPM_TO_RAD_S
 
 MOTOR = Motor.load("paper")
 DONE, FLY, SETTLE, FAULT_POLE = 0, 2, 6, 8
-RPM = np.pi / 30.0
 
 
 @cache
@@ -41,7 +41,7 @@ def to_release(scenarios: Scenarios, design: DriveDesign | None = None) -> tuple
     sims = SimFactory(MOTOR, design or DriveDesign()).build(scenarios)
     n = len(sims)
     k_s, obs = np.ones(n, np.float32), np.zeros((n, SIGNAL_N), np.float32)
-    k_s[np.abs(scenarios.omega_0) > 350.0 * RPM] = 0.0
+    k_s[np.abs(scenarios.omega_0) > 350.0 * RPM_TO_RAD_S] = 0.0
     sim_run(sims, round(0.05 / MOTOR.T_s), k_s, obs)
     released = sims.copy()
     sim_run(sims, round(0.01 / MOTOR.T_s), k_s, obs)
@@ -58,7 +58,9 @@ def test_the_suite_is_what_it_says() -> None:
     half = 0.5 * MOTOR.tau_rated
     assert s.tau[kind(1000) == 1].min() < -0.9 * half and s.tau.max() > 0.9 * half
     assert (s.tau[kind(1000) == 0] == 0.0).all() and s.passive.sum() == 250
-    assert np.abs(s.omega_0).max() > 0.95 * 1500.0 * RPM and (s.omega_0 != 0.0).sum() == 250
+    assert (
+        np.abs(s.omega_0).max() > 0.95 * 1500.0 * RPM_TO_RAD_S and (s.omega_0 != 0.0).sum() == 250
+    )
 
 
 def test_a_thousand_starts() -> None:
@@ -79,7 +81,7 @@ def test_drives_reach_their_targets() -> None:
     r = starts()
     end = r.sums["omega_m"][-1] / r.sums["n"][-1]
     away = np.abs(end - r.scenarios.omega[:, 1])[kind(1000) != 3]
-    assert away.max() < 0.05 * 1500.0 * RPM
+    assert away.max() < 0.05 * 1500.0 * RPM_TO_RAD_S
 
 
 def test_without_polarity_detection_half_of_them_fail() -> None:
@@ -95,7 +97,7 @@ def test_without_polarity_detection_half_of_them_fail() -> None:
     wrong = start_err_deg(r) > 90.0
     assert np.array_equal(wrong[still & clear], (err > 0.5 * np.pi)[still & clear])
     assert 0.45 < wrong[rest].mean() < 0.55
-    spins = np.abs(r.scenarios.omega_0) > 500.0 * RPM
+    spins = np.abs(r.scenarios.omega_0) > 500.0 * RPM_TO_RAD_S
     assert spins.sum() > 50 and not wrong[spins].any()
 
 
@@ -128,13 +130,13 @@ def test_the_shaft_is_not_moved() -> None:
     while (sims["drive"]["x"]["start"]["phase"] != DONE).any():
         sim_run(sims, 1, k_s, obs)
         fastest = np.maximum(fastest, np.abs(sims["drive"]["y"]["omega_m"]))
-    assert fastest.max() < 3.0 * RPM
+    assert fastest.max() < 3.0 * RPM_TO_RAD_S
     assert np.abs(sims["drive"]["y"]["theta_e"] - theta).max() < np.deg2rad(0.5)
 
 
 def flying(rpm: Floats) -> Scenarios:
     s = standing(np.zeros(len(rpm)), np.linspace(-3.1, 3.1, len(rpm)), noise=0.012)
-    s.omega_0 = rpm * RPM
+    s.omega_0 = rpm * RPM_TO_RAD_S
     s.omega[:] = s.omega_0[:, None]
     return s
 
@@ -146,8 +148,8 @@ def test_flying_starts() -> None:
     x, y = released["drive"]["x"], released["drive"]["y"]
     assert (x["start"]["phase"] == DONE).all() and (x["fault"] == 0).all()
     assert after.max() < 15.0
-    found = x["est"]["omega"] / MOTOR.n_p / RPM
-    true = y["omega_m"] / RPM
+    found = x["est"]["omega"] / MOTOR.n_p / RPM_TO_RAD_S
+    true = y["omega_m"] / RPM_TO_RAD_S
     assert np.abs(found - true).max() < 60.0
     assert np.abs(true - rpm).max() < 75.0
 
@@ -226,7 +228,7 @@ def test_a_passive_load_only_resists() -> None:
     """At rest it does nothing; it brakes a spinning shaft to rest and not beyond."""
     s = standing(np.zeros(2), np.zeros(2), tau=5.0)
     s.seek[:], s.passive[:] = False, True
-    s.omega_0 = np.array([0.0, 100.0 * RPM])
+    s.omega_0 = np.array([0.0, 100.0 * RPM_TO_RAD_S])
     sims = SimFactory(MOTOR, DriveDesign()).build(s, sensored=True)
     sims["control"]["control"]["i_max"] = 0.0
     k_s, obs = np.ones(2, np.float32), np.zeros((2, SIGNAL_N), np.float32)
@@ -235,7 +237,7 @@ def test_a_passive_load_only_resists() -> None:
         sim_run(sims, 5, k_s, obs)
         lowest = np.minimum(lowest, sims["drive"]["y"]["omega_m"])
     assert lowest.min() > -1e-3
-    assert np.abs(sims["drive"]["y"]["omega_m"]).max() < 3.0 * RPM
+    assert np.abs(sims["drive"]["y"]["omega_m"]).max() < 3.0 * RPM_TO_RAD_S
 
 
 @pytest.mark.parametrize("name", ["error_blend", "flux_observer"])

@@ -12,7 +12,8 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.engines import code as engine_code
 from sensorless.evaluation.engines.code import code, difference
-from sensorless.evaluation.engines.engine import LOCAL, engine_named
+from sensorless.evaluation.engines.engine import LOCAL
+from sensorless.evaluation.engines.named import engine_named
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES, make_policy
 

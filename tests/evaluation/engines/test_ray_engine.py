@@ -16,9 +16,11 @@ from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.evaluation.engines import ray_engine
 from sensorless.evaluation.engines.code import code
-from sensorless.evaluation.engines.engine import Engine, engine_named
+from sensorless.evaluation.engines.engine import Engine
+from sensorless.evaluation.engines.named import engine_named
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policies
 from sensorless.tuning import tune as tuning
 
 MOTOR = Motor.load("paper")
@@ -98,7 +100,7 @@ def test_a_lost_node_costs_its_chunk_and_nothing_else(
 def test_the_file_is_the_same_to_the_byte_with_a_node_killed_half_way(
     cluster: Any, engine: Engine, second: Any, tmp_path: Path
 ) -> None:
-    words = (MOTOR, DESIGN, "envelope", 7, 45**2, ["eq25"])
+    words = (MOTOR, DESIGN, "envelope", 7, 45**2, make_policies(["eq25"], MOTOR))
     evaluate(*words, out=tmp_path / "local")
     seen: list[float] = []
 

@@ -1,53 +1,16 @@
-"""Words of the command line that several commands share."""
+"""A scenario from words: one of a suite, or plans of speed and load."""
 
-import dataclasses
 import re
-from pathlib import Path
 
 import numpy as np
 
 from sensorless.core.api import PROFILE_N
-from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
-
-RPM = np.pi / 30.0
-
-
-def design_from(settings: list[str] | None) -> DriveDesign:
-    """Drive design from words NAME=VALUE over the defaults.
-
-    Raises
-    ------
-    UserError
-        Unknown name, or a value of the wrong type or out of range.
-    """
-    fields = {f.name: f for f in dataclasses.fields(DriveDesign)}
-    values: dict[str, float | bool | str] = {}
-    for word in settings or []:
-        name, _, text = word.partition("=")
-        if name not in fields:
-            raise UserError(
-                f"set: {word!r}; allowed: NAME=VALUE with NAME one of {', '.join(fields)}"
-            )
-        values[name] = _value(name, text, fields[name].default)
-    return DriveDesign(**values)  # type: ignore[arg-type]
-
-
-def _value(name: str, text: str, default: object) -> float | bool | str:
-    if isinstance(default, bool):
-        if text not in ("true", "false"):
-            raise UserError(f"{name}: {text!r}; allowed: true, false")
-        return text == "true"
-    if isinstance(default, str):
-        return text
-    try:
-        return float(text)
-    except ValueError:
-        raise UserError(f"{name}: {text!r}; allowed: a number") from None
+from sensorless.units import RPM_TO_RAD_S
 
 
 def scenario_from(word: str, motor: Motor) -> Scenarios:
@@ -114,10 +77,10 @@ def plan_from(
     s = Scenarios.nominal(motor, combine(seed, np.arange(1)), duration)
     for j, t in enumerate(times):
         s.t[0, j] = t
-        s.omega[0, j:] = RPM * _at(speeds, t)
+        s.omega[0, j:] = RPM_TO_RAD_S * _at(speeds, t)
         s.tau[0, j:] = _at(loads, t)
-    s.omega_rate[:] = np.inf if ramp is None else ramp * RPM
-    s.seek[:], s.theta_err_0[:], s.omega_0[:] = start, np.deg2rad(theta_err), spin * RPM
+    s.omega_rate[:] = np.inf if ramp is None else ramp * RPM_TO_RAD_S
+    s.seek[:], s.theta_err_0[:], s.omega_0[:] = start, np.deg2rad(theta_err), spin * RPM_TO_RAD_S
     return s
 
 
@@ -135,20 +98,3 @@ def _plan(name: str, text: str) -> list[tuple[float, float]]:
 def _at(points: list[tuple[float, float]], t: float) -> float:
     """Value of the last point not after t; 0 before the first."""
     return next((v for when, v in reversed(points) if when <= t), 0.0)
-
-
-def check_output(path: Path | None, name: str = "out") -> None:
-    """Find out before the work whether a file can be written.
-
-    Raises
-    ------
-    UserError
-        Its folder does not exist or cannot be written to.
-    """
-    from sensorless.evaluation.results import check_writable
-
-    if path is not None:
-        try:
-            check_writable(path)
-        except UserError as error:
-            raise UserError(str(error).replace("out:", f"{name}:", 1)) from None

@@ -5,9 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from sensorless.baselines.quadratic import quadratic_table
-from sensorless.baselines.sine import sine_table
-from sensorless.baselines.smoothstep import smoothstep_table
+from sensorless.baselines.smooth import quadratic_table, sine_table, smoothstep_table
 from sensorless.policy import Signals
 from sensorless.table.ks_table import KsTable
 

@@ -1,0 +1,38 @@
+"""An engine from a word of the command line."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from sensorless.errors import UserError
+from sensorless.evaluation.engines.engine import LOCAL, Engine
+
+ENGINES = ("local", "ray")
+
+
+@contextmanager
+def engine_named(name: str, address: str | None = None) -> Iterator[Engine]:
+    """Engine by name for the time of a ``with`` block.
+
+    Parameters
+    ----------
+    name : str
+        One of ``ENGINES``.
+    address : str, optional
+        HOST:PORT of a running Ray cluster; default: a cluster of this machine's own.
+
+    Raises
+    ------
+    UserError
+        Unknown name, an address without Ray, no Ray, or no cluster at that address.
+    """
+    if name not in ENGINES:
+        raise UserError(f"engine: {name!r}; allowed: {', '.join(ENGINES)}")
+    if name == "local":
+        if address is not None:
+            raise UserError(f"ray-address: {address!r}; allowed: with --engine ray only")
+        yield LOCAL
+        return
+    from sensorless.evaluation.engines.ray_engine import ray_engine
+
+    with ray_engine(address) as engine:
+        yield engine

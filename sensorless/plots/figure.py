@@ -1,0 +1,67 @@
+"""Empty figures, and figures as files. Needs matplotlib."""
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sensorless.errors import UserError
+from sensorless.files import write_atomic
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLOURS = {
+    "hfi": "#d1495b",
+    "smo": "#2e86ab",
+    "blend": "#1b1b1e",
+    "twin": "#8d99ae",
+    "ref": "#f2a541",
+}
+DPI = 120
+LARGE = 100_000
+"""Bytes of a picture that is worth a palette: waveforms are, maps with their gradients are not."""
+
+
+def require_matplotlib() -> None:
+    """Find out before the work whether there can be figures.
+
+    Raises
+    ------
+    UserError
+        Matplotlib is missing.
+    """
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise UserError("plots need matplotlib: pip install 'sensorless[plot]'") from None
+
+
+def new_figure(**options: Any) -> Any:
+    """Return figure and axes of matplotlib, without a display."""
+    require_matplotlib()
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    size = options.pop("figsize")
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(**options)
+
+
+def save(figure: "Figure", path: Path) -> None:
+    """Write a figure as PNG, whole or not at all."""
+    write_atomic(path, png(figure))
+
+
+def png(figure: "Figure") -> bytes:
+    """Return a figure as PNG; one above ``LARGE`` with a palette, which is a third of the size."""
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=DPI)
+    if len(buffer.getvalue()) <= LARGE:
+        return buffer.getvalue()
+    picture = Image.open(buffer).convert("RGB")
+    small = io.BytesIO()
+    picture.quantize(256, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
+    return small.getvalue()

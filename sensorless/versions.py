@@ -1,0 +1,27 @@
+"""What a result depends on besides its inputs."""
+
+import platform
+from collections.abc import Iterable
+from importlib.metadata import PackageNotFoundError, version
+
+from sensorless.core.api import ffi, lib
+
+LIBRARIES = ("numpy", "scipy")
+"""What every evaluation computes with."""
+
+
+def versions(libraries: Iterable[str] = LIBRARIES) -> dict[str, str]:
+    """Versions of this package, its compiled core (hash of its sources), Python and libraries."""
+    return {
+        "sensorless": _version("sensorless"),
+        "core": ffi.string(lib.core_hash).decode(),
+        "python": platform.python_version(),
+        **{name: _version(name) for name in libraries},
+    }
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
