@@ -35,5 +35,5 @@ def test_mistakes(tmp_path: Path) -> None:
         run("replay", SAMPLE, "--out", str(tmp_path / "none" / "out.csv"))
     with pytest.raises(UserError, match="policy"):
         run("replay", SAMPLE, "--policy", "nonsense")
-    with pytest.raises(UserError, match=r"log: .* no folder"):
+    with pytest.raises(UserError, match=r"log: .* does not exist"):
         run("simulate", "--duration", "0.01", "--log", str(tmp_path / "none" / "log.csv"))
