@@ -1,8 +1,11 @@
-# Makes all of results/reference: `make reference` in the folder above. What is there is kept, so that
-# an interrupted run is gone on with by the same command; delete a file to have it made again.
+# Makes the reference anew: `make reference` in the folder above. All work is done in build/reference,
+# where an interrupted run resumes; at the end results/reference is replaced by what was made.
+# Delete a file of build/reference to have it made again.
 SENSORLESS ?= $(abspath .venv/bin/sensorless)
-OUT        ?= results/reference
-WORK       ?= build/reference
+PYTHON     ?= $(abspath .venv/bin/python)
+OUT        ?= build/reference
+WORK       ?= build/reference/work
+SHIPPED    ?= results/reference
 
 # Simulated seconds for every rule, and as many for PPO: decisions of 5 ms.
 BUDGET ?= 50000
@@ -30,6 +33,7 @@ JUDGED := eq25 hfi smo hysteresis fuzzy flux_observer:50,600 $(TUNED) $(SEEDS:%=
 .DELETE_ON_ERROR:
 
 all: $(OUT)/report/index.html
+	$(PYTHON) studies/publish_reference.py $(OUT) $(SHIPPED)
 
 $(OUT)/tuned/%-tuned.json:
 	@mkdir -p $(@D)
@@ -39,8 +43,8 @@ $(OUT)/tuned/%-flux-tuned.json:
 	@mkdir -p $(@D)
 	$(SENSORLESS) tune $* --budget $(BUDGET) --set estimator=flux --out $@
 
-# A run that was interrupted starts again: resumed it would not be the same. $(1): its seed, $(2): its
-# settings. The start is copied to where training runs, so that no path is recorded with it.
+# A training that was interrupted starts again: resumed, it would not give the same bits. $(1): its
+# seed, $(2): its settings. The start is copied to where training runs, so that no path is recorded with it.
 define train
 @rm -rf $(WORK)/$(@D); mkdir -p $(WORK)/$(@D) $(@D)
 @for start in $(filter %-tuned.json,$^); do cp $$start $(WORK)/$(@D); done

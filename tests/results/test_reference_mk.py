@@ -23,6 +23,7 @@ train)
     printf '1,1,0.1,0.1,0.1,0.9,1\\n2,2,0.1,0.1,0.1,0.%s,1\\n' "$((5 - $5))" >> progress.csv
     [ -z "$BREAK" ] || exit 130;;
 report) mkdir -p "$2/report"; echo page > "$2/report/index.html";;
+studies/publish_reference.py) ;;
 esac
 """
 
@@ -43,7 +44,9 @@ def make(folder: Path, *, stop: bool = False) -> tuple[int, list[str]]:
     log.write_text("")
     words = {
         "SENSORLESS": folder / "stand-in",
+        "PYTHON": folder / "stand-in",
         "OUT": folder / "out",
+        "SHIPPED": folder / "shipped",
         "WORK": folder / "work",
         "RULES": "linear gated",
         "FLUX_RULES": "logistic",
@@ -76,11 +79,13 @@ def test_all_of_it_once(folder: Path) -> None:
         assert fresh.endswith("--set estimator=flux")
         assert "--set estimator=flux --start logistic-flux-tuned.json --axes start" in refined
         assert "--start linear-tuned.json --axes speed:16," in smo
+    publish = f"studies/publish_reference.py {folder}/out {folder}/shipped"
+    assert calls.pop() == publish
     assert calls[-1].startswith(f"report {folder}/out --size 2000")
     for policy in ("eq25", f"{folder}/out/tuned/gated-tuned.json", f"{folder}/out/seed-2"):
         assert f"--policy {policy} " in calls[-1]
     assert (folder / "out" / "table.json").read_text() == "3\n", "the best in validation"
-    assert make(folder) == (0, []), "what is there is kept"
+    assert make(folder) == (0, [publish]), "what is there is kept"
 
 
 def test_an_interrupted_training_starts_again_and_the_rest_stays(folder: Path) -> None:
@@ -90,7 +95,7 @@ def test_an_interrupted_training_starts_again_and_the_rest_stays(folder: Path) -
     assert make(folder)[0] == 0
     (folder / "out" / "seed-2" / "table.json").unlink()
     status, calls = make(folder)
-    assert [call.split()[0] for call in calls] == ["train", "report"]
+    assert [call.split()[0] for call in calls[:-1]] == ["train", "report"]
     assert "--seed 2 " in calls[0] and "logistic-flux-tuned.json" in calls[0]
 
 
