@@ -11,7 +11,13 @@ console = Console()
 
 
 def replay_command(
-    log: Annotated[Path, typer.Argument(help="CSV, one row a PWM period; docs/replay.md.")],
+    log: Annotated[
+        Path,
+        typer.Argument(
+            help="CSV file with one row a PWM period (docs/replay.md), or the word sample for the "
+            "log that comes with the package."
+        ),
+    ],
     motor: Annotated[
         str, typer.Option("--motor", help="Shipped motor by name, or a TOML file.")
     ] = "paper",
@@ -39,11 +45,12 @@ def replay_command(
     from sensorless.files import check_writable
     from sensorless.machine.motor import Motor
     from sensorless.policies.registry import make_policy
-    from sensorless.replay.replay import load, replay
+    from sensorless.replay.replay import SAMPLE, load, replay
 
     check_writable(out)
     check_writable(plot, "plot")
     machine, design = Motor.load(motor), design_from(settings)
+    log = SAMPLE if log == Path("sample") and not log.exists() else log
     rule = make_policy(policy, machine)
     found = replay(
         load(log, machine, design, delay),

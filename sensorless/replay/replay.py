@@ -16,6 +16,8 @@ from sensorless.observers.ekf import run_ekf
 from sensorless.policy import Policy, PrivilegedPolicy, decision_periods, design_for
 from sensorless.replay.log import Log, clarke, read_log
 
+SAMPLE = Path(__file__).parent / "sample_log.csv"
+"""A log of the paper's motor that comes with the package."""
 NAMES = {"hfi": "HFI", "smo": "SMO", "blend": "blend", "ekf": "EKF"}
 """Estimators by the ending of their columns."""
 

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from sensorless.cli.app import app
 from sensorless.errors import UserError
 
-SAMPLE = str(Path(__file__).parents[2] / "docs" / "sample_log.csv")
+SAMPLE = "sample"
 
 
 def run(*words: str) -> str:

@@ -15,11 +15,10 @@ from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.replay.log import write_log
-from sensorless.replay.replay import Replay, load, replay
+from sensorless.replay.replay import SAMPLE, Replay, load, replay
 
 MOTOR = Motor.load("paper")
 DESIGN = DriveDesign(carrier=True)
-SAMPLE = Path(__file__).parents[2] / "docs" / "sample_log.csv"
 
 
 def wrapped(x: Floats) -> Floats:
