@@ -31,7 +31,7 @@ SIMD = ("none", "AVX2", "AVX-512")
 
 
 def core_loop(
-    n: int, *, twin: bool, periods: int, simd: int, threads: int = 1, estimator: str = "angles"
+    n: int, *, twin: bool, periods: int, simd: int, threads: int = 1, estimator: str = "smo"
 ) -> Run:
     """n drives at 350 r/min between both observers, ``periods`` a call; counts their periods."""
     motor = Motor.load("paper")

@@ -75,7 +75,7 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=2000, help="scenarios to judge on")
     parser.add_argument("--sets", nargs="+", choices=list(SETS), default=list(SETS))
     parser.add_argument("--motor", default="paper")
-    parser.add_argument("--estimator", default="angles", help="of the drive: angles or flux")
+    parser.add_argument("--estimator", default="smo", help="of the drive: smo or flux")
     parser.add_argument("--out", type=Path, default=Path("results/studies/axes.json"))
     args = parser.parse_args()
     design = DriveDesign(estimator=args.estimator)

@@ -102,7 +102,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--size", type=int, default=1000, help="scenarios to judge on")
     parser.add_argument("--motor", default="paper")
-    parser.add_argument("--estimator", default="angles", help="of the drive: angles or flux")
+    parser.add_argument("--estimator", default="smo", help="of the drive: smo or flux")
     parser.add_argument("--axes", default=TrainConfig.axes)
     parser.add_argument("--start", default=TrainConfig.start)
     parser.add_argument("--out", type=Path, default=Path("results/studies/ppo_search.json"))

@@ -22,11 +22,15 @@ SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
 
 ESTIMATORS = {
-    "angles": lib.ESTIMATE_ANGLES,
+    "smo": lib.ESTIMATE_ANGLES,
     "unwrapped": lib.ESTIMATE_UNWRAPPED,
     "errors": lib.ESTIMATE_ERRORS,
     "flux": lib.ESTIMATE_FLUX,
 }
+"""By the name of what estimates beside the injection."""
+
+RENAMED = {"angles": "smo"}
+"""Names that estimators no longer have, and the ones they have now."""
 
 
 def _setting(default: float, doc: str, low: float, high: float) -> Any:
@@ -66,9 +70,10 @@ class DriveDesign:
     """Injected voltage turned by the 1.5 periods of its delay."""
     hfi_normalised: bool = True
     """Error signal over the magnitude of the current's answer (Eq. 7), not as it is (Eq. 15)."""
-    estimator: str = "angles"
-    """How two sources become one estimate: weighted angles; the same as printed (unwrapped,
-    Eq. 26); weighted errors in one loop; weighted angles with a flux observer for the SMO."""
+    estimator: str = "smo"
+    """What estimates beside the injection, and how both become one: the sliding-mode observer
+    (smo), its angle weighed with the injection's; the same without wrap, as printed in Eq. 26
+    (unwrapped); one loop on weighed error signals (errors); a flux observer for the SMO (flux)."""
     cross_line_torque: float = _setting(
         0.5, "torque that the line of cross=line is fitted up to, over rated", 0.05, 2
     )
@@ -100,6 +105,9 @@ class DriveDesign:
                     f"{f.name}: {value!r}; allowed: {f.metadata['low']:g} to "
                     f"{f.metadata['high']:g}, {f.metadata['doc']}"
                 )
+        if self.estimator in RENAMED:
+            now = RENAMED[self.estimator]
+            raise UserError(f"estimator: {self.estimator!r} is now called {now!r}: write {now}")
         for name, allowed in (
             ("hfi_scheme", tuple(SCHEMES)),
             ("estimator", tuple(ESTIMATORS)),

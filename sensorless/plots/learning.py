@@ -20,7 +20,7 @@ from sensorless.policies.registry import make_policy
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-RULES = {"angles": "linear-tuned", "flux": "flux_observer-tuned"}
+RULES = {"smo": "linear-tuned", "flux": "flux_observer-tuned"}
 """Tuned ramp that a schedule that learns has to pass, by the estimator of its drive."""
 CURVES = (
     ("objective", "objective [%]"),
@@ -90,7 +90,7 @@ def shipped_levels(folder: Path) -> dict[str, Cost]:
 
 def rule_for(folder: Path) -> str:
     """Name of the tuned ramp on the estimator of a run."""
-    return RULES.get(design_and_motor(folder)[0].estimator, RULES["angles"])
+    return RULES.get(design_and_motor(folder)[0].estimator, RULES["smo"])
 
 
 def _motor_of(folder: Path) -> str:

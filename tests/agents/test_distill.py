@@ -105,14 +105,14 @@ def test_the_same_words_give_the_same_table() -> None:
 def test_a_network_is_taught_on_its_own_estimator() -> None:
     """Network, table and the states of the fit, whatever the design of the factory says."""
     found = []
-    for own, given in (("flux", "angles"), (None, "flux"), (None, "angles")):
+    for own, given in (("flux", "smo"), (None, "flux"), (None, "smo")):
         net, factory = teacher(), SimFactory(MOTOR, DriveDesign(estimator=given))
         net.estimator = own
         found.append(
             distill(net, AXES, factory, rounds=1, size=8, seed=1, smoothness=1e-3, validate_size=16)
         )
-    flux, same, angles = ((d.table.digest, d.rms, d.network, d.cost) for d in found)
-    assert flux == same != angles
+    flux, same, smo = ((d.table.digest, d.rms, d.network, d.cost) for d in found)
+    assert flux == same != smo
 
 
 def test_the_command_writes_a_run_that_exports(

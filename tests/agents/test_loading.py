@@ -66,11 +66,11 @@ def test_a_damaged_configuration_is_named(text: str, tmp_path: Path) -> None:
 
 def test_an_estimator_that_does_not_exist_is_named(tmp_path: Path) -> None:
     policy = load_run(write(tmp_path / "run", None, "magic"), MOTOR)
-    with pytest.raises(UserError, match="estimator: 'magic'; allowed: angles"):
+    with pytest.raises(UserError, match="estimator: 'magic'; allowed: smo"):
         rollout(policy, suite("stress", MOTOR, 3, 2), SimFactory(MOTOR, DriveDesign()))
 
 
-@pytest.mark.parametrize("design", [DriveDesign(), FLUX], ids=["angles", "flux"])
+@pytest.mark.parametrize("design", [DriveDesign(), FLUX], ids=["smo", "flux"])
 def test_the_design_of_the_evaluation_does_not_matter(design: DriveDesign, tmp_path: Path) -> None:
     """Rollout and trace, under either design: what Eq. 25 does on the estimator of the run."""
     policy, eq25 = (
@@ -90,7 +90,7 @@ def test_results_say_what_each_policy_ran_on(tmp_path: Path) -> None:
     results = evaluate(
         MOTOR, DriveDesign(), "paper", 0, 1, make_policies(["eq25", str(run)], MOTOR)
     )
-    assert [p["estimator"] for p in results.policies.values()] == ["angles", "flux"]
+    assert [p["estimator"] for p in results.policies.values()] == ["smo", "flux"]
 
 
 @pytest.mark.parametrize("kind", ["table", "mlp"])

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from sensorless.design.control import design_curves, operating_line, torque_constant
-from sensorless.design.drive import DriveDesign, control_record, plant_record, sensor_record
+from sensorless.design.drive import (
+    ESTIMATORS,
+    RENAMED,
+    DriveDesign,
+    control_record,
+    plant_record,
+    sensor_record,
+)
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.observers.hfi_design import error_slope, hf_current
@@ -113,6 +120,14 @@ def test_unknown_compensation_is_refused() -> None:
     """A word has its list of words."""
     with pytest.raises(UserError, match=r"cross: 'spline'; allowed: none, line, table, FILE\.json"):
         DriveDesign(cross="spline")
+
+
+def test_an_old_name_of_an_estimator_is_refused_with_the_new_one() -> None:
+    with pytest.raises(UserError, match="estimator: 'angles' is now called 'smo'"):
+        DriveDesign(estimator="angles")
+    assert not set(RENAMED) & set(ESTIMATORS)
+    for now in RENAMED.values():
+        DriveDesign(estimator=now)
 
 
 def test_operating_line(motor: Motor) -> None:

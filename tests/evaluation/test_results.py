@@ -20,7 +20,7 @@ RESULTS = Results(
     size=2,
     motor="paper",
     motor_digest="abc",
-    design={"smo_emf_hz": math.inf, "mtpa": True, "estimator": "angles"},
+    design={"smo_emf_hz": math.inf, "mtpa": True, "estimator": "smo"},
     versions={"numpy": "2"},
     policies={
         "eq25": {
@@ -61,7 +61,7 @@ def test_what_is_no_number_is_null_and_the_rest_comes_back() -> None:
         "policies",
         "paired",
     ]
-    assert data["design"] == {"smo_emf_hz": None, "mtpa": True, "estimator": "angles"}
+    assert data["design"] == {"smo_emf_hz": None, "mtpa": True, "estimator": "smo"}
     assert data["policies"]["eq25"]["scenarios"] == {
         "seed": [2**64 - 1, 3],
         "lost": [True, False],
@@ -106,7 +106,7 @@ def test_the_table_fits_on_a_terminal_and_shows_every_policy() -> None:
     text = console.export_text()
     assert "eq25" in text and "other" in text
     assert text.count("(bound)") == text.count("(flux)") == 1
-    assert "(None)" not in text and "(angles)" not in text
+    assert "(None)" not in text and "(smo)" not in text
     assert "12.3 (10–20)" in text
     assert "12.35 ±5.00" in text and "0.12 ±0.05" in text
     assert "–" in text and "nan" not in text

@@ -51,7 +51,7 @@ def test_the_shipped_levels_are_those_of_the_same_motor(run: Path, tmp_path: Pat
     assert list(shipped_levels(run)) == ["flux_observer-tuned", "reference"]
     config = json.loads((run / "config.json").read_text())
     config["train"]["motor"] = "ipmsm_2200w"
-    config["design"]["estimator"] = "angles"
+    config["design"]["estimator"] = "smo"
     (run / "config.json").write_text(json.dumps(config))
     assert list(shipped_levels(run)) == ["linear-tuned"]
     assert shipped_levels(run / "no-run") == {}

@@ -16,7 +16,7 @@ from sensorless.machine.motor import Motor
 Bytes = Callable[[Array], bytes]
 Call = Callable[..., None]
 
-IN_BLOCKS = ("angles", "flux")
+IN_BLOCKS = ("smo", "flux")
 SIZES = (1, 3, 4, 15, 16, 17, 100)
 PERIODS = 3000
 
@@ -64,8 +64,8 @@ def test_blocks_equal_the_plain_loop(
 @pytest.mark.parametrize("n", SIZES)
 @pytest.mark.parametrize("threads", [1, 2, 3, 7])
 def test_any_number_of_threads(threads: int, n: int, state_bytes: Bytes) -> None:
-    sims, obs = advance(n, True, "angles", threads=threads)
-    expected, signals = plainly(n, True, "angles")
+    sims, obs = advance(n, True, "smo", threads=threads)
+    expected, signals = plainly(n, True, "smo")
     assert obs.tobytes() == signals.tobytes()
     assert state_bytes(sims) == state_bytes(expected)
 
@@ -83,7 +83,7 @@ def test_the_drives_are_worth_comparing(estimator: str) -> None:
 
 def test_mixed_drives_run_one_by_one(state_bytes: Bytes) -> None:
     """A block holds one kind of drive; others beside it do not change its results."""
-    sims = drives(32, True, "angles").copy()
+    sims = drives(32, True, "smo").copy()
     sims["with_twin"][3], sims["sensored"][20] = 0, 1
     sims["control"]["estimator"][5] = lib.ESTIMATE_FLUX
     expected = sims.copy()
