@@ -26,8 +26,8 @@ LONG = 250
 SMALLEST = 20_000
 """Periods between two looks at the clock, about."""
 
-SIMD = ("none", "AVX2", "AVX-512")
-"""Names of SIMD_* of ``core/simulate.h``."""
+SIMD = {lib.SIMD_NONE: "none", lib.SIMD_AVX2: "AVX2", lib.SIMD_AVX512: "AVX-512"}
+"""Names of the sets of vector instructions."""
 
 
 def core_loop(

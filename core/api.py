@@ -84,8 +84,8 @@ REPLAY_IN = struct_dtype("replay_in_t")
 _SUMS_AT = ffi.offsetof("sim_t", "sums")
 
 SIGNAL_N: int = lib.SIGNAL_N
-PROFILE_N = 8
-CURVE_N = 9
+PROFILE_N: int = lib.PROFILE_N
+CURVE_N: int = lib.CURVE_N
 
 
 def _enum_names(prefix: str) -> tuple[str, ...]:
@@ -99,6 +99,7 @@ CARRIER_NAMES = _enum_names("CARRIER_")
 REPLAY_NAMES = _enum_names("REPLAY_")
 PIECES_A_PERIOD: int = lib.PIECES_A_PERIOD
 SIGNAL_NAMES = _enum_names("SIGNAL_")
+TRUTH_NAMES = _enum_names("TRUTH_")
 
 
 def pointer(array: Array, ctype: str) -> Any:
@@ -174,6 +175,11 @@ def sim_run(
     )
 
 
+def sim_signals(sims: Array, obs: Array) -> None:
+    """Read every drive's signals into ``obs`` (n, SIGNAL_N), float32; no drive moves."""
+    lib.sim_signals(pointer(sims, "sim_t[]"), len(sims), pointer(obs, "float[]"))
+
+
 def sums_matrix(sims: Array) -> Array:
     """View of ``sims["sums"]`` as numbers (n, fields): NumPy copies records slowly."""
     shape = (len(sims), SIM["sums"].itemsize // 4)
@@ -190,7 +196,7 @@ def sim_truth(sims: Array, u_dc: float, scale: Array, bound: float, out: Array) 
     u_dc : float
         Nominal DC-link voltage [V].
     scale : array of float32, shape (TRUTH_N,)
-        Factors on the quantities TRUTH_* of ``core/simulate.h``.
+        Factors on the quantities TRUTH_* of ``core/sim/truth.h``.
     bound : float
         Limit on the magnitude of each product; NaN becomes minus the bound.
     out : array of float32, shape (n, at least TRUTH_N)
@@ -224,7 +230,7 @@ def sim_trace(sim: Array, periods: int, k_s: float) -> Array:
 
 
 class ObserverRun:
-    """Both observers and their blend over a recorded log; see ``core/replay.h``.
+    """Both observers and their blend over a recorded log; see ``core/sim/replay.h``.
 
     Parameters
     ----------

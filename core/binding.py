@@ -1,7 +1,7 @@
 """Builds the extension ``sensorless._core`` from the C core (cffi, API mode).
 
-The declarations are not written twice: the C preprocessor expands ``simulate.h``, and every type,
-enumeration and linkable function in it becomes part of the binding. A hash of all C sources is
+The declarations are not written twice: the C preprocessor expands the headers, and every type,
+enumeration and linkable function in them becomes part of the binding. A hash of all C sources is
 compiled in, so that a stale build can be told from a fresh one. From the same declarations comes
 ``sim_fields.h``, the list of all numbers in ``sim_t`` that the vector code of ``block.h`` works on.
 """
@@ -20,11 +20,19 @@ from pycparser import c_ast, c_generator, c_parser
 
 CORE = Path(__file__).resolve().parent
 sys.path.insert(0, str(CORE))
-from source_hash import source_hash  # noqa: E402  (a build script has no package around it)
+from source_hash import FIRMWARE, WIRE, source_hash  # noqa: E402  (a build script has no package around it)
 
 GENERATED = CORE.parent / "build" / "generated"
 SOURCES = sorted(path.relative_to(CORE).as_posix() for path in CORE.glob("*/*.c"))
-HEADERS = ("sim/simulate.h", "sim/carrier.h", "sim/replay.h", "drive/ks_selftest.h")
+HEADERS = (
+    "sim/simulate.h",
+    "sim/truth.h",
+    "sim/carrier.h",
+    "sim/replay.h",
+    "drive/ks_selftest.h",
+    "pil_wire.h",
+)
+INCLUDE = (CORE, CORE / "drive", FIRMWARE)  # the wire format finds drive.h as on the target
 CFLAGS = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
 THREADS = [] if os.name == "nt" else ["-pthread"]
 STDINT = (
@@ -45,7 +53,7 @@ def _preprocessed() -> str:
             "-nostdinc",
             "-U__GNUC__",
             "-DCORE_SQRTF=sqrtf",
-            f"-I{CORE}",
+            *(f"-I{folder}" for folder in INCLUDE),
             f"-I{CORE}/cdef",
             "-",
         ],
@@ -120,8 +128,8 @@ def make_builder() -> FFI:
         "sensorless._core",
         f'{includes}\nconst char core_hash[] = "{source_hash()}";\n',
         sources=[os.path.relpath(CORE / name) for name in SOURCES],
-        include_dirs=[str(CORE), str(GENERATED)],
-        depends=[os.path.relpath(path) for path in sorted(CORE.glob("*/*.h"))],
+        include_dirs=[*map(str, INCLUDE), str(GENERATED)],
+        depends=[os.path.relpath(path) for path in [*sorted(CORE.glob("*/*.h")), WIRE]],
         extra_compile_args=CFLAGS + THREADS,
         extra_link_args=THREADS,
     )

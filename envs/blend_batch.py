@@ -8,7 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core.api import SIGNAL_N, SIM, Array, lib, sim_run, sim_start, sums_matrix, words
+from sensorless.core.api import (
+    SIGNAL_N,
+    SIM,
+    Array,
+    lib,
+    sim_run,
+    sim_signals,
+    sim_start,
+    sums_matrix,
+    words,
+)
 from sensorless.envs.blend_settings import BlendSettings
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.privileged import FIXED, Values, fixed, privileged
@@ -22,7 +32,7 @@ Flags = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 
 LOST_TWIN: int = lib.LOST_TWIN
-"""Bit of ``lost`` in core/simulate.h: even the sensored twin tripped, no policy is to blame."""
+"""Bit of ``lost``, see core/sim/sim.h: even the sensored twin tripped, no policy is to blame."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +146,7 @@ class BlendBatch:
         words(sims)[:, _TOLD] = told
         sim_start(sims)
         signals = np.zeros((len(rows), SIGNAL_N), dtype=np.float32)
-        sim_run(sims, 0, np.ones(len(rows), dtype=np.float32), signals)
+        sim_signals(sims, signals)
         words(self._sims)[rows] = words(sims)
         self._signals[rows] = signals
 

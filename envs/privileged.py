@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core.api import Array, sim_truth
+from sensorless.core.api import TRUTH_NAMES, Array, sim_truth
 from sensorless.envs.scenarios.scenario import LOST_TIME, Scenarios
 from sensorless.machine.motor import Motor
 
@@ -29,19 +29,28 @@ class Privileged:
     doc: str
 
 
-# In the order of TRUTH_* in core/simulate.h, where the values are read.
-MOVING = (
-    Privileged("theta_e_err", "30 degrees", "angle error of the blend, mean of the decision"),
-    Privileged("theta_e_err_hfi", "30 degrees", "angle error of the injection estimator, mean"),
-    Privileged("theta_e_err_smo", "30 degrees", "angle error of the sliding-mode observer, mean"),
-    Privileged("omega_m_dev", "10 % of rated speed", "speed minus the twin's, mean"),
-    Privileged("tau_dev", "rated torque", "torque minus the twin's, mean"),
-    Privileged("tau", "rated torque", "true torque, mean"),
-    Privileged("tau_load", "rated torque", "load torque; positive brakes"),
-    Privileged("omega_m", "rated speed", "true speed"),
-    Privileged("u_dc", "10 % of nominal", "DC-link voltage minus the nominal one"),
-    Privileged("lost_count", "lost", "time the error has been beyond its limit over that allowed"),
-)
+_TRUTH = {
+    "err": Privileged(
+        "theta_e_err", "30 degrees", "angle error of the blend, mean of the decision"
+    ),
+    "err_hfi": Privileged(
+        "theta_e_err_hfi", "30 degrees", "angle error of the injection estimator, mean"
+    ),
+    "err_smo": Privileged(
+        "theta_e_err_smo", "30 degrees", "angle error of the sliding-mode observer, mean"
+    ),
+    "omega_m_dev": Privileged("omega_m_dev", "10 % of rated speed", "speed minus the twin's, mean"),
+    "tau_dev": Privileged("tau_dev", "rated torque", "torque minus the twin's, mean"),
+    "tau": Privileged("tau", "rated torque", "true torque, mean"),
+    "tau_load": Privileged("tau_load", "rated torque", "load torque; positive brakes"),
+    "omega_m": Privileged("omega_m", "rated speed", "true speed"),
+    "u_dc": Privileged("u_dc", "10 % of nominal", "DC-link voltage minus the nominal one"),
+    "err_count": Privileged(
+        "lost_count", "lost", "time the error has been beyond its limit over that allowed"
+    ),
+}
+MOVING = tuple(_TRUTH[name] for name in TRUTH_NAMES)
+"""What ``core/sim/truth.h`` reads."""
 FIXED = (
     Privileged("R_s", "25 %", "plant's resistance over the controller's, minus 1"),
     Privileged("L_q_hat", "10 %", "observer's q inductance over its design value, minus 1"),
@@ -95,5 +104,16 @@ def _scale(motor: Motor) -> Values:
     """Factors of ``MOVING``."""
     deg_30, speed = 6.0 / np.pi, motor.n_p / motor.omega_rated
     tau, count = 1.0 / motor.tau_rated, motor.T_s / LOST_TIME
-    factors = (deg_30, deg_30, deg_30, 10.0 * speed, tau, tau, tau, speed, 10.0 / motor.u_dc, count)
-    return np.array(factors, dtype=np.float32)
+    factors = {
+        "err": deg_30,
+        "err_hfi": deg_30,
+        "err_smo": deg_30,
+        "omega_m_dev": 10.0 * speed,
+        "tau_dev": tau,
+        "tau": tau,
+        "tau_load": tau,
+        "omega_m": speed,
+        "u_dc": 10.0 / motor.u_dc,
+        "err_count": count,
+    }
+    return np.array([factors[name] for name in TRUTH_NAMES], dtype=np.float32)

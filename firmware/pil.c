@@ -1,7 +1,8 @@
 /* Processor in the loop: the exported control core does what the host asks for, word by word. */
-#include "pil.h"
-
 #include "faults.h"
+#include "params.h"
+#include "pil_stages.h"
+#include "pil_wire.h"
 #include "port.h"
 #include "test/drive_vectors.h"
 
@@ -9,20 +10,18 @@ static drive_state_t drive[PIL_DRIVES];
 static ks_schedule_state_t schedule[PIL_DRIVES];
 
 static union {
-    start_item_t start[PIL_DRIVES];
+    pil_start_t start[PIL_DRIVES];
     drive_in_t in[PIL_DRIVES];
-    lookup_in_t lookup[PIL_DRIVES];
+    pil_lookup_in_t lookup[PIL_DRIVES];
 } item;
 
 static union {
-    info_t info;
-    tests_t tests;
-    step_t step[PIL_DRIVES];
-    lookup_t lookup[PIL_DRIVES];
-    stages_t stages[PIL_DRIVES];
+    pil_info_t info;
+    pil_tests_t tests;
+    pil_step_t step[PIL_DRIVES];
+    pil_lookup_t lookup[PIL_DRIVES];
+    pil_stages_t stages[PIL_DRIVES];
 } answer;
-
-uint32_t pil_since(uint32_t start) { return (port_ticks() - start) & 0xFFFFFFUL; }
 
 /* Called like ks_table_eval: a load and a return. */
 static __attribute__((noinline)) float nothing(const ks_table_t *t, const void *values,
@@ -33,23 +32,23 @@ static __attribute__((noinline)) float nothing(const ks_table_t *t, const void *
 }
 
 static uint32_t info(void) {
-    info_t *y = &answer.info;
+    pil_info_t *y = &answer.info;
     y->drive_state = sizeof(drive_state_t);
     y->schedule_state = sizeof(ks_schedule_state_t);
     y->drive_params = sizeof(drive_params_t);
     uint32_t t = port_ticks();
-    y->ticks_0 = pil_since(t);
+    y->ticks_0 = port_since(t);
     t = port_ticks();
     answer.lookup[PIL_DRIVES - 1].k_s_f32 = nothing(&ks_table_f32, ks_values_f32, item.lookup[0].y);
-    y->ticks_call = pil_since(t);
+    y->ticks_call = port_since(t);
     t = port_ticks();
     port_thousand();
-    y->ticks_1000 = pil_since(t);
+    y->ticks_1000 = port_since(t);
     return sizeof *y;
 }
 
 static uint32_t tests(void) {
-    tests_t *y = &answer.tests;
+    pil_tests_t *y = &answer.tests;
     uint32_t first;
     y->lookups_f32 =
         ks_table_selftest(&ks_table_f32, ks_values_f32, ks_vectors_f32, KS_VECTORS_F32, &first);
@@ -68,8 +67,8 @@ static uint32_t tests(void) {
 }
 
 static void start(uint32_t j) {
-    step_t *y = &answer.step[j];
-    const start_item_t *at = &item.start[j];
+    pil_step_t *y = &answer.step[j];
+    const pil_start_t *at = &item.start[j];
     drive_init(&drive_params, &drive[j], at->theta, at->omega, at->k_s);
     if (at->seek > 0.0f) {
         drive_find_rotor(&drive[j]);
@@ -84,7 +83,7 @@ static void start(uint32_t j) {
 }
 
 static void step(uint32_t j, int raw) {
-    step_t *y = &answer.step[j];
+    pil_step_t *y = &answer.step[j];
     drive_in_t in = item.in[j];
     uint32_t t = port_ticks();
     if (raw == 0) {
@@ -93,34 +92,34 @@ static void step(uint32_t j, int raw) {
     }
     uint32_t t_drive = port_ticks();
     y->u = drive_step(&drive_params, &drive[j], &in);
-    y->ticks_drive = pil_since(t_drive);
-    y->ticks = pil_since(t);
+    y->ticks_drive = port_since(t_drive);
+    y->ticks = port_since(t);
     y->x = drive[j];
     y->schedule = schedule[j];
 }
 
 static void lookup(uint32_t j) {
-    lookup_t *y = &answer.lookup[j];
+    pil_lookup_t *y = &answer.lookup[j];
     const float *signals = item.lookup[j].y;
     uint32_t t = port_ticks();
     y->k_s_f32 = ks_table_eval(&ks_table_f32, ks_values_f32, signals);
-    y->ticks_f32 = pil_since(t);
+    y->ticks_f32 = port_since(t);
     t = port_ticks();
     y->k_s_q15 = ks_table_eval(&ks_table_q15, ks_values_q15, signals);
-    y->ticks_q15 = pil_since(t);
+    y->ticks_q15 = port_since(t);
 }
 
 /* Bytes of one item of a request. */
 static uint32_t item_size(uint32_t operation) {
     switch (operation) {
     case PIL_START:
-        return sizeof(start_item_t);
+        return sizeof(pil_start_t);
     case PIL_STEP:
     case PIL_RAW:
     case PIL_STAGES:
         return sizeof(drive_in_t);
     case PIL_LOOKUP:
-        return sizeof(lookup_in_t);
+        return sizeof(pil_lookup_in_t);
     default:
         return 0;
     }
@@ -131,22 +130,22 @@ static uint32_t serve(uint32_t operation, uint32_t j) {
     switch (operation) {
     case PIL_START:
         start(j);
-        return sizeof(step_t);
+        return sizeof(pil_step_t);
     case PIL_STEP:
     case PIL_RAW:
         step(j, operation == PIL_RAW);
-        return sizeof(step_t);
+        return sizeof(pil_step_t);
     case PIL_LOOKUP:
         lookup(j);
-        return sizeof(lookup_t);
+        return sizeof(pil_lookup_t);
     default:
         answer.stages[j] = pil_stages(&drive[j], &schedule[j], &item.in[j]);
-        return sizeof(stages_t);
+        return sizeof(pil_stages_t);
     }
 }
 
 int main(void) {
-    request_t request;
+    pil_request_t request;
     if (port_open() == 0) {
         return 2;
     }

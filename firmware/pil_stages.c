@@ -1,5 +1,7 @@
-/* Where the instructions go: each part of the control step alone, on copies of the states. */
-#include "pil.h"
+/* Every part as a function of its own, so that the compiler cannot merge them. */
+#include "pil_stages.h"
+
+#include "params.h"
 #include "port.h"
 
 #define APART static __attribute__((noinline))
@@ -21,9 +23,9 @@ APART void signals_part(drive_state_t *x, float omega_ref) {
     drive_signals(&drive_params.signal, x, omega_ref);
 }
 
-stages_t pil_stages(const drive_state_t *x, const ks_schedule_state_t *schedule,
-                    const drive_in_t *in) {
-    stages_t y;
+pil_stages_t pil_stages(const drive_state_t *x, const ks_schedule_state_t *schedule,
+                        const drive_in_t *in) {
+    pil_stages_t y;
     drive_state_t d = *x;
     ks_schedule_state_t s = *schedule;
     ab_t i_ab = phases_to_ab(in->i_a, in->i_b);
@@ -31,18 +33,18 @@ stages_t pil_stages(const drive_state_t *x, const ks_schedule_state_t *schedule,
 
     uint32_t t = port_ticks();
     hfi_part(&d.hfi, i_ab, &d.est);
-    y.hfi = pil_since(t);
+    y.hfi = port_since(t);
     t = port_ticks();
     smo_part(&d, i_ab);
-    y.smo = pil_since(t);
+    y.smo = port_since(t);
     t = port_ticks();
     control_part(&d, in, i_ab);
-    y.control = pil_since(t);
+    y.control = port_since(t);
     t = port_ticks();
     signals_part(&d, in->omega_ref);
-    y.signals = pil_since(t);
+    y.signals = port_since(t);
     t = port_ticks();
     ks_schedule_step(&schedule_params, &s, &drive_params.signal, &d.signal);
-    y.decide = pil_since(t);
+    y.decide = port_since(t);
     return y;
 }

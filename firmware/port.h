@@ -14,6 +14,9 @@ int port_write(const void *words, uint32_t n);
 /* Running count, 24 bits of it; a fixed number of ticks an instruction, or always 0. */
 uint32_t port_ticks(void);
 
+/* Ticks since `start`, a value of port_ticks. */
+static inline uint32_t port_since(uint32_t start) { return (port_ticks() - start) & 0xFFFFFFUL; }
+
 /* A thousand instructions and those of calling it, to find the ticks of one. */
 void port_thousand(void);
 

@@ -3,8 +3,9 @@
 #define SENSORLESS_CURVE_H
 
 #include "frames.h"
+#include "vector.h"
 
-#define CURVE_N 9 /* nodes of every curve */
+enum { CURVE_N = 9 }; /* nodes of every curve */
 
 typedef struct {
     float y[CURVE_N]; /* value at |i_q| = j / inv_step */
@@ -23,21 +24,6 @@ CORE_INLINE curve_pos_t curve_locate(float i_q, float inv_step) {
     j = j < CURVE_N - 2 ? j : CURVE_N - 2;
     curve_pos_t pos = {j, t - (float)j};
     return pos;
-}
-
-/* Element j of n values. Loops over many drives (CORE_VECTOR) choose it by comparisons instead of an
- * indexed load, which would keep them from becoming vector code; the value is the same. */
-CORE_INLINE float pick_f(const float *y, int j, int n) {
-#ifdef CORE_VECTOR
-    float x = y[0];
-    for (int i = 1; i < n; i++) {
-        x = i == j ? y[i] : x;
-    }
-    return x;
-#else
-    (void)n;
-    return y[j];
-#endif
 }
 
 CORE_INLINE float curve_at(const curve_t *c, curve_pos_t pos) {

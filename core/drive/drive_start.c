@@ -1,5 +1,8 @@
-/* The start sequence on the drive's estimators; see start_sequence.h. */
-#include "drive.h"
+/* One period of each phase, and what follows it. */
+#include "drive_start.h"
+
+#include "drive_actuate.h"
+#include "drive_observe.h"
 
 /* Stages that are called from several places, once in the memory of a target. */
 CORE_APART rot_t unit(float theta) { return rot_of(theta); }

@@ -4,25 +4,12 @@
  * dq: a rotor frame, d on the magnet flux. Angles are electrical [rad] in [-pi, pi]; an angle
  * error is always truth minus estimate, wrapped.
  *
- * Everything here is branch-free (selects), so that loops over many drives vectorise.
+ * Everything here is branch-free (selects), see vector.h.
  */
 #ifndef SENSORLESS_FRAMES_H
 #define SENSORLESS_FRAMES_H
 
-/* Compilers other than gcc and clang: define CORE_SQRTF to their square root of a float. */
-#if defined(__GNUC__)
-#define CORE_INLINE static inline __attribute__((always_inline))
-#define CORE_APART static __attribute__((noinline))
-#define CORE_LIKELY(x) __builtin_expect(x, 1)
-#define CORE_SQRTF __builtin_sqrtf
-#else
-#define CORE_INLINE static inline
-#define CORE_APART static
-#define CORE_LIKELY(x) (x)
-#ifndef CORE_SQRTF
-#error "define CORE_SQRTF: the square root of a float, correctly rounded"
-#endif
-#endif
+#include "compiler.h"
 
 #define PI_F 3.14159265358979f
 #define TWO_PI_F 6.28318530717959f

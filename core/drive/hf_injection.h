@@ -19,6 +19,7 @@
 
 #include "pll.h"
 #include "trig.h"
+#include "vector.h"
 
 /* How the alternating part of the current is found: hfi_params_t.scheme. */
 enum {
@@ -26,12 +27,6 @@ enum {
     HFI_STATIONARY = 1 /* Eq. 9 as published, for comparison: first difference in the stator frame,
                           turned by theta_e_hat(k), half a period late */
 };
-
-#ifdef CORE_VECTOR
-#define HFI_SCHEME(p) HFI_ROTATING /* the plain loop runs the other */
-#else
-#define HFI_SCHEME(p) ((p)->scheme)
-#endif
 
 typedef struct {
     pll_params_t pll;
@@ -63,7 +58,7 @@ CORE_INLINE void hfi_observe(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, f
     rot_t r = rot_of(x->pll.theta);
     dq_t i = ab_to_dq(i_ab, r);
     dq_t step = {i.d - 2.0f * x->i_1.d + x->i_2.d, i.q - 2.0f * x->i_1.q + x->i_2.q};
-    if (HFI_SCHEME(p) == HFI_STATIONARY) {
+    if (SCALAR_ONLY(p->scheme == HFI_STATIONARY)) {
         ab_t twice = {2.0f * (i_ab.a - x->i_1.d), 2.0f * (i_ab.b - x->i_1.q)};
         step = ab_to_dq(twice, r);
         i.d = i_ab.a;

@@ -1,5 +1,5 @@
 /* A block of drives in step: sim_period.h over LANES drives at a time, written so that the compiler
- * turns the loop over drives into vector instructions. Host only.
+ * turns the loop over drives into vector instructions.
  *
  * Included once for every set of instructions, with BLOCK_RUN the name of the function it makes. Each
  * lane does the operations of the plain loop in the same order, so results are the same to the bit.

@@ -1,4 +1,4 @@
-/* Drives into a block and back: sim_t in units of 8 bytes, turned 4 by 4. Host only.
+/* Drives into a block and back: sim_t in units of 8 bytes, turned 4 by 4.
  *
  * A block holds every number of LANES drives side by side: a field at byte offset o of sim_t starts at
  * byte LANES * o. A unit of sim_t is one double or a pair of 4-byte numbers; sim_fields.h says which.
@@ -6,9 +6,11 @@
 #ifndef SENSORLESS_BLOCK_COPY_H
 #define SENSORLESS_BLOCK_COPY_H
 
-#include "batch.h"
+#include "lanes.h"
+#include "sim.h"
+#include "simd.h"
 
-#ifdef BATCH_BLOCKS
+#ifdef SIMD_BLOCKS
 
 #include <stddef.h>
 

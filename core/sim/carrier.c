@@ -1,4 +1,4 @@
-/* Switching pattern of one period, and the machine from edge to edge. Host only. */
+/* Switching pattern of one period, and the machine from edge to edge. */
 #include "carrier.h"
 
 #define LEGS 3

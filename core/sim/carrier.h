@@ -1,4 +1,4 @@
-/* Inverter with the switching instants of a triangular carrier. Host only.
+/* Inverter with the switching instants of a triangular carrier.
  *
  * The carrier has the period of the control, with one voltage command a period (single update): the
  * injection, whose sign changes every period, is then at half the switching frequency, and every

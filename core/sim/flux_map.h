@@ -1,4 +1,4 @@
-/* Magnetic model: currents from flux linkages, derived from an energy function. Host only.
+/* Magnetic model: currents from flux linkages, derived from an energy function.
  *
  *   i_d = (a_d0 + a_dd |psi_d|^S + a_dq/(V+2) |psi_d|^U |psi_q|^(V+2)) psi_d
  *         + G_b (psi_d - psi_n) - i_f
@@ -67,5 +67,9 @@ CORE_INLINE dq64_t flux_map_current(const flux_map_t *p, dq64_t psi, int bridge)
     }
     return i;
 }
+
+/* Currents [A] over n flux linkages (psi[2 j], psi[2 j + 1]) [Vs]. */
+void flux_map_currents(const flux_map_t *p, int32_t bridge, const double *psi, double *i,
+                       int32_t n);
 
 #endif

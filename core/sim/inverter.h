@@ -1,4 +1,4 @@
-/* Averaged two-level inverter and the current measurement. Host only. */
+/* Averaged two-level inverter and the current measurement. */
 #ifndef SENSORLESS_INVERTER_H
 #define SENSORLESS_INVERTER_H
 

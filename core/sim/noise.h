@@ -1,4 +1,4 @@
-/* Counter-based noise: a pure function of (seed, counter), so no run depends on another. Host only. */
+/* Counter-based noise: a pure function of (seed, counter), so no run depends on another. */
 #ifndef SENSORLESS_NOISE_H
 #define SENSORLESS_NOISE_H
 

@@ -1,4 +1,4 @@
-/* Machine and mechanics over one PWM period, in double precision. Host only.
+/* Machine and mechanics over one PWM period, in double precision.
  *
  * Rotor frame, voltage constant in the stator frame over the period:
  *   dpsi_d/dt = u_d - R_s i_d + omega_e psi_q      dpsi_q/dt = u_q - R_s i_q - omega_e psi_d
@@ -139,5 +139,12 @@ CORE_INLINE void plant_step(const plant_params_t *p, plant_state_t *x, double u_
     x->omega_m = y.omega_m;
     plant_output(p, x, bridge);
 }
+
+/* The machine alone over n periods under u[3 j]: u_alpha, u_beta [V], tau_load [N m]; rows of seven
+ * (i_d, i_q, psi_d, psi_q, tau, omega_m, theta_e unwrapped) at j = 0 ... n into out. */
+void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, double *out, int32_t n);
+
+/* cos_e, sin_e, currents and torque from theta_e, flux and speed. */
+void plant_start(const plant_params_t *p, plant_state_t *x);
 
 #endif

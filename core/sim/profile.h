@@ -1,13 +1,16 @@
-/* What is asked of the drive over time: speed reference, load torque, DC-link voltage. Host only. */
+/* What is asked of the drive over time: speed reference, load torque, DC-link voltage. */
 #ifndef SENSORLESS_PROFILE_H
 #define SENSORLESS_PROFILE_H
 
 #include <stdint.h>
 
-#include "drive/curve.h"
+#include "drive/frames.h"
+#include "drive/vector.h"
 
-#define PROFILE_N 8      /* segments of a profile */
-#define NEVER 2147483647 /* start of a segment that is not reached */
+enum {
+    PROFILE_N = 8,     /* segments of a profile */
+    NEVER = 2147483647 /* start of a segment that is not reached */
+};
 
 /* Segment j holds from period start[j] until start[j + 1]; each quantity runs to its target with its
  * own rate. */

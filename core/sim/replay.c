@@ -1,4 +1,4 @@
-/* The observers over a recorded log. Host only. */
+/* The observers over a recorded log. */
 #include <stdint.h>
 
 #include "replay.h"

@@ -1,4 +1,4 @@
-/* Both observers and their blend over a recorded log: open loop, nothing is driven. Host only.
+/* Both observers and their blend over a recorded log: open loop, nothing is driven.
  *
  * The observers are the drive's own (drive_observe). What its control would leave for them comes from
  * the log: the voltage applied, and the sign of the injected part of it. Where the log does not hold

@@ -1,19 +1,10 @@
-/* One PWM period of a drive and of its twin: sample, control, advance, sum up. Host only. */
+/* One PWM period of a drive and of its twin: sample, control, advance, sum up. */
 #ifndef SENSORLESS_SIM_PERIOD_H
 #define SENSORLESS_SIM_PERIOD_H
 
 #include "carrier.h"
-#include "simulate.h"
-
-/* Whether the load only resists, and whether the inverter switches: blocks of drives do neither, see
- * batch_fits. */
-#ifdef CORE_VECTOR
-#define SIM_PASSIVE(s) 0
-#define SIM_SWITCHES(s) 0
-#else
-#define SIM_PASSIVE(s) ((s)->inv_stick > 0.0f)
-#define SIM_SWITCHES(s) ((s)->sensor.carrier != 0)
-#endif
+#include "drive/vector.h"
+#include "sim.h"
 
 /* Sampled currents and the present commands as the controller sees them. Drive and twin read the
  * same noise. */
@@ -38,11 +29,11 @@ CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_re
 /* The machine over [k, k+1] under the waiting command; the new command waits in its place. */
 CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_sub, int bridge) {
     float tau = s->now.tau_load;
-    if (SIM_PASSIVE(s)) {
+    if (SCALAR_ONLY(s->inv_stick > 0.0f)) { /* the load only resists */
         tau = abs_f(tau) * clamp_f(s->inv_stick * (float)c->y.omega_m, -1.0f, 1.0f);
     }
     double tau_load = (double)tau;
-    if (SIM_SWITCHES(s)) {
+    if (SCALAR_ONLY(s->sensor.carrier != 0)) {
         carrier_advance(&s->sensor, &s->plant, &c->y, c->u, s->now.u_dc, tau_load);
     } else {
         ab_t i_ab = {
@@ -120,7 +111,7 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
     float omega_m = (float)s->drive.y.omega_m;
     float i_sq = (float)(s->drive.y.i_d * s->drive.y.i_d + s->drive.y.i_q * s->drive.y.i_q);
     float k_s_was = s->drive.x.k_s;
-    int starting = CORE_STARTING(s->drive.x.start.phase);
+    int starting = SCALAR_ONLY(s->drive.x.start.phase != START_DONE);
     drive_in_t in = sim_sample(s, &s->drive, k_s_ref);
     ab_t u;
     if (sensored) {

@@ -1,23 +1,9 @@
-/* Many PWM periods per call. Host only. */
+/* Drives one by one or as blocks, over several threads. */
+#include "simulate.h"
+
 #include "batch.h"
 #include "sim_period.h"
 #include "workers.h"
-
-/* cos and sin of any angle in [-pi, pi] by halving into the range of the series. */
-static void angle_vector(double theta, double *c, double *s) {
-    small_angle(theta * 0.125, c, s);
-    for (int j = 0; j < 3; j++) {
-        double c2 = *c * *c - *s * *s;
-        *s = 2.0 * *c * *s;
-        *c = c2;
-    }
-}
-
-void plant_start(const plant_params_t *p, plant_state_t *x) {
-    angle_vector(x->theta_e, &x->cos_e, &x->sin_e);
-    x->turns = 0;
-    plant_output(p, x, p->bridge);
-}
 
 /* d flux of zero current [Vs]: secant iteration from two guesses around the magnet's flux. */
 static double flux_at_rest(const plant_params_t *p) {
@@ -83,6 +69,12 @@ static void run_one(sim_t *s, int32_t periods, float k_s_ref) {
     }
 }
 
+void sim_signals(const sim_t *s, int32_t n, float *obs) {
+    for (int32_t i = 0; i < n; i++) {
+        signals_read(&s[i].control.signal, &s[i].drive.x.signal, &obs[(long)i * SIGNAL_N]);
+    }
+}
+
 typedef struct {
     sim_t *s;
     int32_t n, periods, simd;
@@ -100,7 +92,7 @@ static void run_piece(void *job, int32_t piece) {
     for (int32_t i = 0; i < count; i++) {
         s[i].sums = none;
     }
-    int simd = run->periods > 0 ? batch_fits(s, count, run->simd) : SIMD_NONE;
+    int simd = batch_fits(s, count, run->simd);
     if (simd != SIMD_NONE) {
         batch_run(s, count, run->periods, simd, &run->k_s_ref[first]);
     } else {
@@ -108,10 +100,7 @@ static void run_piece(void *job, int32_t piece) {
             run_one(&s[i], run->periods, run->k_s_ref[first + i]);
         }
     }
-    for (int32_t i = 0; i < count; i++) {
-        float *y = &run->obs[(long)(first + i) * SIGNAL_N];
-        signals_read(&s[i].control.signal, &s[i].drive.x.signal, y);
-    }
+    sim_signals(s, count, &run->obs[(long)first * SIGNAL_N]);
 }
 
 #define PERIODS_A_THREAD 5000 /* below, a thread takes longer to start than it saves */
@@ -176,31 +165,4 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
         trace_row(s, t, row);
     }
     return j;
-}
-
-void flux_map_currents(const flux_map_t *p, int32_t bridge, const double *psi, double *i,
-                       int32_t n) {
-    for (int32_t j = 0; j < n; j++) {
-        dq64_t at = {psi[2 * j], psi[2 * j + 1]};
-        dq64_t y = flux_map_current(p, at, bridge);
-        i[2 * j] = y.d;
-        i[2 * j + 1] = y.q;
-    }
-}
-
-void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, double *out, int32_t n) {
-    for (int32_t j = 0;; j++) {
-        double *row = &out[7L * j];
-        row[0] = x->i_d;
-        row[1] = x->i_q;
-        row[2] = x->psi_d;
-        row[3] = x->psi_q;
-        row[4] = x->tau;
-        row[5] = x->omega_m;
-        row[6] = x->theta_e + (double)x->turns * (2.0 * PI_D);
-        if (j == n) {
-            return;
-        }
-        plant_step(p, x, u[3 * j], u[3 * j + 1], u[3 * j + 2], p->h, p->n_sub, p->bridge);
-    }
 }

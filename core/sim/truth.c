@@ -1,5 +1,5 @@
-/* What only a critic may see of a drive in motion. Host only. */
-#include "simulate.h"
+/* The truth of drives, from their machines and sums. */
+#include "truth.h"
 
 static void truth_read(const sim_t *s, float u_dc, float *y) {
     const sums_t *m = &s->sums;

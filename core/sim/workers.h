@@ -1,4 +1,4 @@
-/* Independent pieces of work over several threads. Host only. */
+/* Independent pieces of work over several threads. */
 #ifndef SENSORLESS_WORKERS_H
 #define SENSORLESS_WORKERS_H
 

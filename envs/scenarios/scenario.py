@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core.api import PROFILE_N, SIM, Array, sim_start
+from sensorless.core.api import PROFILE_N, SIM, Array, lib, sim_start
 from sensorless.design.drive import DriveDesign, control_record, fill, plant_record, sensor_record
 from sensorless.envs.counter_random import Floats, Seeds
 from sensorless.errors import UserError
@@ -15,7 +15,7 @@ from sensorless.observers.start_design import knows_poles
 
 Bools = NDArray[np.bool_]
 
-NEVER = np.iinfo(np.int32).max
+NEVER: int = lib.NEVER
 LOST_ANGLE_DEG = 60.0
 LOST_TIME = 0.01
 

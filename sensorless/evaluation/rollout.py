@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core.api import SIGNAL_N, SIM, Array, lib, sim_run, sums_matrix
+from sensorless.core.api import SIGNAL_N, SIM, Array, lib, sim_run, sim_signals, sums_matrix
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, decide, decision_periods, estimator_of
@@ -23,7 +23,7 @@ CAUSES: dict[str, int] = {
     "nonfinite": lib.LOST_NONFINITE,
     "twin": lib.LOST_TWIN,
 }
-"""Bits of ``Rollout.lost``, LOST_* of ``core/simulate.h``: why a drive stopped before its end."""
+"""Bits of ``Rollout.lost``, LOST_* of ``core/sim/sim.h``: why a drive stopped before its end."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollou
     rows, now = sums.view(np.float32).reshape(decisions, n, -1), sums_matrix(sims)
     obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
     policy.reset(n)
-    sim_run(sims, 0, np.ones(n, dtype=np.float32), obs)
+    sim_signals(sims, obs)
     for j in range(decisions):
         k_s = np.ascontiguousarray(decide(policy, obs.copy(), sims), dtype=np.float32)
         if k_s.shape != (n,):

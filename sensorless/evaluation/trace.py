@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sensorless.core.api import SIGNAL_N, TRACE_NAMES, Array, sim_run, sim_trace
+from sensorless.core.api import SIGNAL_N, TRACE_NAMES, Array, sim_signals, sim_trace
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
@@ -15,7 +15,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, decide, decision_periods, estimator_of
 
 Trace = dict[str, Array]
-"""Columns of ``TRACE_NAMES`` (``core/simulate.h``), each (periods,): SI units, rad, rad/s."""
+"""Columns of ``TRACE_NAMES`` (``core/sim/simulate.h``), each (periods,): SI units, rad, rad/s."""
 
 MOST_PERIODS = 5_000_000
 
@@ -49,13 +49,13 @@ def trace(
             f"{MOST_PERIODS * motor.T_s:g}"
         )
     obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
-    sim_run(sim, 0, np.ones(1, dtype=np.float32), obs)
+    sim_signals(sim, obs)
     policy.reset(1)
     rows = []
     while sim["lost"][0] == 0 and sim["k"][0] < sim["k_end"][0]:
         k_s = decide(policy, obs.copy(), sim)
         rows.append(sim_trace(sim, decision_periods(motor), float(k_s[0])))
-        sim_run(sim, 0, k_s, obs)
+        sim_signals(sim, obs)
     table = np.concatenate(rows)
     out = {name: table[:, j] for j, name in enumerate(TRACE_NAMES)}
     out["lost"] = np.full(len(table), sim["lost"][0])

@@ -6,33 +6,14 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[1]
 CORE = PACKAGE / "core" / "drive"
 FIRMWARE = PACKAGE / "firmware"
-SOURCES = ("drive.c", "drive_start.c", "ks_schedule.c", "ks_selftest.c", "ks_table.c")
-"""With every header that one of them includes."""
 
 _STRUCT = re.compile(r"typedef struct \{(.*?)\}\s*(\w+);", re.DOTALL)
 _FIELD = re.compile(r"^\s*\w+ (\w+)(?:\[\w+\])?; */\*(.*?)\*/", re.MULTILINE | re.DOTALL)
 
 
 def core_files() -> dict[str, bytes]:
-    """Name and content of every core file that belongs on the target.
-
-    Raises
-    ------
-    RuntimeError
-        One of them is marked "Host only".
-    """
-    files: dict[str, bytes] = {}
-    todo = list(SOURCES)
-    while todo:
-        name = todo.pop()
-        if name in files:
-            continue
-        files[name] = (CORE / name).read_bytes()
-        text = files[name].decode()
-        if "Host only" in text:
-            raise RuntimeError(f"core/{name} is host only, but a file of the target includes it")
-        todo += re.findall(r'^#include "(.*)"', text, re.MULTILINE)
-    return dict(sorted(files.items()))
+    """Name and content of every file of the control core: all of ``core/drive``."""
+    return {path.name: path.read_bytes() for path in sorted(CORE.glob("*.[ch]"))}
 
 
 def field_docs() -> dict[tuple[str, str], str]:

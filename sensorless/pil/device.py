@@ -1,42 +1,52 @@
 """A program that runs the exported control core: the emulated target, or the host's own processor.
 
-``firmware/pil.h`` has the words that travel; a device is asked and answers in NumPy arrays.
+``firmware/pil_wire.h`` has the words that travel, and the compiled core knows it: operations and
+layouts come from there. A device is asked and answers in NumPy arrays.
 """
 
 import os
 import select
 import subprocess
 import time
+from enum import IntEnum
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import numpy as np
 
-from sensorless.core.api import SIGNAL_N, Array, struct_dtype
+from sensorless.core.api import SIGNAL_N, Array, lib, struct_dtype
 from sensorless.errors import UserError
 
-DRIVES = 64
+DRIVES: int = lib.PIL_DRIVES
 """Most drives, or lookups, at a time."""
 
-EXIT, INFO, TESTS, START, STEP, RAW, LOOKUP, STAGES = range(8)
 
-_AB = [("a", "f4"), ("b", "f4")]
+class Operation(IntEnum):
+    """What a device can be asked for."""
+
+    EXIT = lib.PIL_EXIT
+    INFO = lib.PIL_INFO
+    TESTS = lib.PIL_TESTS
+    START = lib.PIL_START
+    STEP = lib.PIL_STEP
+    RAW = lib.PIL_RAW
+    LOOKUP = lib.PIL_LOOKUP
+    STAGES = lib.PIL_STAGES
+
+
 DRIVE_IN = struct_dtype("drive_in_t")
-ANSWERS: dict[int, Any] = {
-    INFO: np.dtype([(n, "u4") for n in ("drive_state", "schedule_state", "drive_params",
-                                        "ticks_0", "ticks_call", "ticks_1000")]),
-    TESTS: np.dtype([(n, "u4") for n in ("lookups_f32", "lookups_q15", "periods", "flips_f32",
-                                         "flips_q15", "refusals", "signals", "inputs", "angles",
-                                         "weights")]),
-    STEP: np.dtype([("x", struct_dtype("drive_state_t")),
-                    ("schedule", struct_dtype("ks_schedule_state_t")), ("u", _AB),
-                    ("ticks", "u4", 2)]),
-    LOOKUP: np.dtype([("k_s_f32", "f4"), ("k_s_q15", "f4"), ("ticks_f32", "u4"),
-                      ("ticks_q15", "u4")]),
-    STAGES: np.dtype([(n, "u4") for n in ("hfi", "smo", "control", "signals", "decide")]),
-}  # fmt: skip
-ANSWERS[START] = ANSWERS[RAW] = ANSWERS[STEP]
+STEP_ANSWER = struct_dtype("pil_step_t")
+START_ITEM = struct_dtype("pil_start_t")
+ANSWERS = {
+    Operation.INFO: struct_dtype("pil_info_t"),
+    Operation.TESTS: struct_dtype("pil_tests_t"),
+    Operation.START: STEP_ANSWER,
+    Operation.STEP: STEP_ANSWER,
+    Operation.RAW: STEP_ANSWER,
+    Operation.LOOKUP: struct_dtype("pil_lookup_t"),
+    Operation.STAGES: struct_dtype("pil_stages_t"),
+}
 
 
 class Device:
@@ -90,7 +100,7 @@ class Device:
         """End the program."""
         try:
             if kind is None:
-                self._send(EXIT, 0, b"")
+                self._send(Operation.EXIT, 0, b"")
                 self._process.wait(5.0)
         except (OSError, UserError, subprocess.TimeoutExpired):
             pass
@@ -103,17 +113,17 @@ class Device:
             for end in self._own:
                 os.close(end)
 
-    def ask(self, operation: int, items: Array | None = None) -> Array:
+    def ask(self, operation: Operation, items: Array | None = None) -> Array:
         """Send a request and wait for its answers, one a row of ``items`` or a single one."""
         self.send(operation, items)
         return self.receive(operation, 1 if items is None else len(items))
 
-    def send(self, operation: int, items: Array | None = None) -> None:
+    def send(self, operation: Operation, items: Array | None = None) -> None:
         """Send a request; the device works while the caller does something else."""
         n = 0 if items is None else len(items)
         self._send(operation, n, b"" if items is None else np.ascontiguousarray(items).tobytes())
 
-    def receive(self, operation: int, n: int) -> Array:
+    def receive(self, operation: Operation, n: int) -> Array:
         """Answers to a request that was sent, shape (n,)."""
         dtype = ANSWERS[operation]
         data = bytearray()
@@ -121,7 +131,7 @@ class Device:
             data += self._read(n * dtype.itemsize - len(data))
         return np.frombuffer(bytes(data), dtype=dtype)
 
-    def _send(self, operation: int, n: int, data: bytes) -> None:
+    def _send(self, operation: Operation, n: int, data: bytes) -> None:
         data = np.array([operation, n], dtype=np.uint32).tobytes() + data
         while data:
             data = data[os.write(self._to, data) :]
@@ -148,11 +158,13 @@ class Device:
 
 
 def start_items(theta: Array, omega: Array, k_s: Array, seek: Array) -> Array:
-    """Where drives start: angle [rad], electrical speed [rad/s], weight; (n, 4) floats.
+    """Where drives start: angle [rad], electrical speed [rad/s], weight; START_ITEM, (n,).
 
     ``seek``: with the start sequence.
     """
-    return np.ascontiguousarray(np.stack([theta, omega, k_s, seek], axis=-1), dtype=np.float32)
+    items = np.zeros(len(theta), dtype=START_ITEM)
+    items["theta"], items["omega"], items["k_s"], items["seek"] = theta, omega, k_s, seek
+    return items
 
 
 def lookup_items(rng: np.random.Generator, table_axes: Any, names: tuple[str, ...]) -> Array:

@@ -6,8 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core.api import SIGNAL_N, SIM, Array, lib, pointer, sim_run
-from sensorless.pil.device import DRIVE_IN, DRIVES, START, STEP, Device, start_items
+from sensorless.core.api import SIGNAL_N, SIM, Array, lib, pointer, sim_run, sim_signals
+from sensorless.pil.device import (
+    DRIVE_IN,
+    DRIVES,
+    STEP_ANSWER,
+    Device,
+    Operation,
+    start_items,
+)
 from sensorless.table.ks_table import KsTable
 
 Words = NDArray[np.uint32]
@@ -16,7 +23,7 @@ Progress = Callable[[float], None]
 _X_AT = (SIM.fields["drive"][1] + SIM["drive"].fields["x"][1]) // 4  # type: ignore[index]
 _X_N = SIM["drive"]["x"].itemsize // 4
 _U_AT = (SIM.fields["drive"][1] + SIM["drive"].fields["u"][1]) // 4  # type: ignore[index]
-WORDS = _X_N + 4 + 2
+WORDS: int = STEP_ANSWER.fields["ticks"][1] // 4  # type: ignore[index]
 """Words of a period that are compared: state of the drive, of the schedule, voltage."""
 
 
@@ -77,16 +84,19 @@ def lockstep(
     obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
     k_s = np.ones(n, dtype=np.float32)
     inputs = np.zeros(n, dtype=DRIVE_IN)
-    schedule = np.zeros((n, 4), dtype=np.uint32)
+    schedule = np.zeros(n, dtype=STEP_ANSWER["schedule"])
     out = Lockstep(
         np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), None, sims["lost"],
         np.zeros((0, 2), dtype=np.uint32), np.tile(np.array([2.0, -1.0], dtype=np.float32), (n, 1)),
     )  # fmt: skip
     ticks = []
-    sim_run(sims, 0, k_s, obs, plain=plain)
+    sim_signals(sims, obs)
     x = sims["drive"]["x"]
     begun = device.ask(
-        START, start_items(x["est"]["theta"], x["est"]["omega"], x["k_s"], x["start"]["phase"] > 0)
+        Operation.START,
+        start_items(
+            x["est"]["theta"], x["est"]["omega"], x["k_s"], x["start"]["phase"] != lib.START_DONE
+        ),
     )
     _compare(out, begun.view(np.uint32).reshape(n, -1)[:, :_X_N], raw[:, _X_AT : _X_AT + _X_N],
              np.ones(n, dtype=bool), -1)  # fmt: skip
@@ -97,19 +107,19 @@ def lockstep(
             break
         if k % periods == 0:
             k_s = table.evaluate(obs)
-        schedule[:, 0] = k_s.view(np.uint32)
-        schedule[:, 1] = periods - 1 - k % periods
+        schedule["k_s_ref"], schedule["wait"] = k_s, periods - 1 - k % periods
         lib.sim_inputs(pointer(sims, "sim_t[]"), n, pointer(inputs, "drive_in_t[]"))
-        device.send(STEP, inputs)
+        device.send(Operation.STEP, inputs)
         sim_run(sims, 1, k_s, obs, plain=plain)
-        answer = device.receive(STEP, n)
+        answer = device.receive(Operation.STEP, n)
         got = answer.view(np.uint32).reshape(n, -1)
         u = slice(_U_AT, _U_AT + 2)
-        want = np.concatenate([raw[:, _X_AT : _X_AT + _X_N], schedule, raw[:, u]], axis=1)
+        decided = schedule.view(np.uint32).reshape(n, -1)
+        want = np.concatenate([raw[:, _X_AT : _X_AT + _X_N], decided, raw[:, u]], axis=1)
         _compare(out, got[:, :WORDS], want, active, k)
         raw[active, u] = got[active, WORDS - 2 : WORDS]
         out.periods += active
-        ticks.append(got[active, WORDS:])
+        ticks.append(np.stack([answer["ticks"], answer["ticks_drive"]], axis=-1)[active])
         weight = answer["x"]["k_s"]
         out.k_s[active, 0] = np.minimum(out.k_s[active, 0], weight[active])
         out.k_s[active, 1] = np.maximum(out.k_s[active, 1], weight[active])

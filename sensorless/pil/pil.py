@@ -21,11 +21,8 @@ from sensorless.machine.motor import Motor
 from sensorless.pil.device import (
     DRIVE_IN,
     DRIVES,
-    INFO,
-    LOOKUP,
-    STAGES,
-    TESTS,
     Device,
+    Operation,
     lookup_items,
 )
 from sensorless.pil.lockstep import Lockstep, canonical, lockstep
@@ -95,11 +92,11 @@ def pil(
         image = build(place / "export", objects, "image", level)
         sims = SimFactory(motor, design).build(scenarios)
         with Device(qemu_command(image), place) as device:
-            info = device.ask(INFO)[0]
+            info = device.ask(Operation.INFO)[0]
             run = lockstep(device, sims, table, decision_periods(motor), progress=progress)
-            tests = device.ask(TESTS)[0]
+            tests = device.ask(Operation.TESTS)[0]
             lookups = _lookups(device, table, info)
-            stages = device.ask(STAGES, _running(len(scenarios), motor))
+            stages = device.ask(Operation.STAGES, _running(len(scenarios), motor))
         sizes = memory(objects)
         stack = stack_of(objects, ("drive_step", "drive_seek", "ks_schedule_step"))
         fused = fused_instructions(image)
@@ -173,7 +170,7 @@ def _lookups(device: Device, table: KsTable, info: Array) -> Report:
     """Lookups in both formats, compared with the host."""
     items = lookup_items(np.random.default_rng(1), table.axes, SIGNAL_NAMES)
     found = np.concatenate(
-        [device.ask(LOOKUP, items[j : j + DRIVES]) for j in range(0, len(items), DRIVES)]
+        [device.ask(Operation.LOOKUP, items[j : j + DRIVES]) for j in range(0, len(items), DRIVES)]
     )
     call = instructions(info["ticks_call"], info) - EMPTY
     wrong = 0

@@ -31,6 +31,7 @@ def c(tmp_path_factory: pytest.TempPathFactory) -> Call:
         str(Path(__file__).with_name("shim.c")),
         str(CORE / "sim" / "carrier.c"),
         str(CORE / "sim" / "batch.c"),
+        str(CORE / "sim" / "simd.c"),
     ]
     compiler = os.environ.get("CC", "cc").split()
     subprocess.run(

@@ -1,13 +1,16 @@
 /* The inline stages of the core as functions a test can call; every argument a pointer or a number. */
 #include "sim/batch.h"
+#include "sim/block_avx2.h"
+#include "sim/block_avx512.h"
 #include "sim/sim_period.h"
+#include "sim/simd.h"
 
 /* Only which drives would run as a block is of interest here. */
-void batch_avx2(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
+void block_avx2(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
     (void)sims, (void)count, (void)periods, (void)k_s_ref;
 }
 
-void batch_avx512(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
+void block_avx512(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
     (void)sims, (void)count, (void)periods, (void)k_s_ref;
 }
 

@@ -10,7 +10,8 @@ from sensorless.design.drive import DriveDesign, control_record
 from sensorless.machine.motor import Motor
 
 STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")
-CURRENT, U_DC, COMMAND, POLE = 1, 2, 4, 8
+CURRENT, U_DC = lib.FAULT_CURRENT, lib.FAULT_U_DC
+COMMAND, POLE = lib.FAULT_COMMAND, lib.FAULT_POLE
 GOOD = {"i_a": 0.5, "i_b": -0.2, "u_dc": 540.0, "omega_ref": 60.0, "k_s_ref": 0.5}
 DENORMAL = 1e-42
 WILD = [math.nan, math.inf, -math.inf, 3e38, -3e38, DENORMAL, -DENORMAL, 1e30, 0.0, -0.0]

@@ -17,6 +17,17 @@ Bytes = Callable[[Array], bytes]
 Call = Callable[..., None]
 
 IN_BLOCKS = ("smo", "flux")
+ODD = {
+    ("sensored",): 1,
+    ("with_twin",): 0,
+    ("plant", "n_sub"): 2,
+    ("plant", "bridge"): 1,
+    ("inv_stick",): 0.5,
+    ("sensor", "carrier"): 1,
+    ("control", "hfi", "scheme"): lib.HFI_STATIONARY,
+    ("drive", "x", "start", "phase"): lib.START_CATCH,
+}
+"""Fields of ``sim_t`` and the value that needs a path that blocks do not have."""
 SIZES = (1, 3, 4, 15, 16, 17, 100)
 PERIODS = 3000
 
@@ -104,3 +115,19 @@ def test_which_drives_run_as_blocks(c: Call, estimator: str) -> None:
         sims["control"]["estimator"][7] = ESTIMATORS[other]
         c("batch_fits", sims, 16, found)
         assert found[0] == lib.SIMD_NONE
+
+
+@pytest.mark.parametrize("path", ODD)
+def test_what_vector_code_leaves_out_is_not_in_a_block(c: Call, path: tuple[str, ...]) -> None:
+    """One drive with a path of its own keeps all of them out."""
+    found = np.empty(1, np.int32)
+    sims = drives(16, True, "smo").copy()
+    record = sims
+    for name in path[:-1]:
+        record = record[name]
+    record[path[-1]][9] = ODD[path]
+    c("batch_fits", sims, 16, found)
+    assert found[0] == lib.SIMD_NONE
+    record[path[-1]][9] = record[path[-1]][8]
+    c("batch_fits", sims, 16, found)
+    assert found[0] == lib.sim_simd()

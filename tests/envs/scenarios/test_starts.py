@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from sensorless.core.api import SIGNAL_N, Array, sim_run
+from sensorless.core.api import SIGNAL_N, Array, lib, sim_run
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import Floats, combine
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
@@ -19,7 +19,7 @@ from sensorless.policies.registry import make_policy
 from sensorless.units import RPM_TO_RAD_S
 
 MOTOR = Motor.load("paper")
-DONE, FLY, SETTLE, FAULT_POLE = 0, 2, 6, 8
+DONE, FLY, SETTLE = lib.START_DONE, lib.START_FLY, lib.START_SETTLE
 
 
 @cache
@@ -199,7 +199,7 @@ def test_an_unsure_pole_is_a_fault() -> None:
     sim_run(sims, round(0.06 / MOTOR.T_s), k_s, obs)
     x = sims["drive"]["x"]
     assert (x["start"]["phase"][0], x["start"]["tries"][0]) == (DONE, 3)
-    assert x["fault"][0] == FAULT_POLE
+    assert x["fault"][0] == lib.FAULT_POLE
 
 
 def test_machines_without_saturation_are_refused() -> None:

@@ -1,11 +1,12 @@
-/* Blocks with AVX-512: one vector of sixteen floats, two of eight doubles. */
-#define CORE_VECTOR /* before the first header: lookups by comparison, see curve.h */
-#include "batch.h"
+/* block.h for AVX-512. */
+#define CORE_VECTOR /* before the first header, see drive/vector.h */
+#include "block_avx512.h"
+#include "simd.h"
 
-#ifdef BATCH_BLOCKS
+#ifdef SIMD_BLOCKS
 #pragma GCC target("avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512")
 #pragma GCC optimize("schedule-insns", "sched-pressure") /* a tenth faster with its 32 registers */
-#define BLOCK_RUN batch_avx512
+#define BLOCK_RUN block_avx512
 #include "block.h"
 #endif
 

@@ -1,27 +1,33 @@
-/* Words that travel between host and target; every number is 32 bits wide, low byte first. */
-#ifndef SENSORLESS_PIL_H
-#define SENSORLESS_PIL_H
+/* Words that travel between host and target; every number is 32 bits wide, low byte first.
+ *
+ * Both sides read this file: the target's compiler, and core/binding.py for the host.
+ */
+#ifndef SENSORLESS_PIL_WIRE_H
+#define SENSORLESS_PIL_WIRE_H
 
-#include "params.h"
+#include <stdint.h>
+
+#include "drive.h"
+#include "ks_schedule.h"
 
 enum { PIL_DRIVES = 64 }; /* drives at a time */
 
-/* What the host asks for: one request_t, then `n` items. */
+/* What the host asks for: one pil_request_t, then `n` items. */
 enum {
     PIL_EXIT = 0,
-    PIL_INFO,   /* no item -> info_t */
-    PIL_TESTS,  /* no item -> tests_t */
-    PIL_START,  /* n of start_item_t -> n of step_t: all drives anew */
-    PIL_STEP,   /* n of drive_in_t -> n of step_t: schedule and drive_step; k_s_ref is not read */
-    PIL_RAW,    /* n of drive_in_t -> n of step_t: drive_step alone, with k_s_ref */
-    PIL_LOOKUP, /* n of lookup_in_t -> n of lookup_t */
-    PIL_STAGES  /* n of drive_in_t -> n of stages_t: parts on copies of the states */
+    PIL_INFO,   /* no item -> pil_info_t */
+    PIL_TESTS,  /* no item -> pil_tests_t */
+    PIL_START,  /* n of pil_start_t -> n of pil_step_t: all drives anew */
+    PIL_STEP,   /* n of drive_in_t -> n of pil_step_t: schedule, drive_step; k_s_ref is not read */
+    PIL_RAW,    /* n of drive_in_t -> n of pil_step_t: drive_step alone, with k_s_ref */
+    PIL_LOOKUP, /* n of pil_lookup_in_t -> n of pil_lookup_t */
+    PIL_STAGES  /* n of drive_in_t -> n of pil_stages_t: parts on copies of the states */
 };
 
 typedef struct {
     uint32_t operation;
     uint32_t n;
-} request_t;
+} pil_request_t;
 
 typedef struct {
     uint32_t drive_state; /* sizes in bytes */
@@ -30,7 +36,7 @@ typedef struct {
     uint32_t ticks_0;    /* of nothing */
     uint32_t ticks_call; /* of a call like that of a lookup, with two instructions in it */
     uint32_t ticks_1000; /* of a thousand instructions and a call */
-} info_t;
+} pil_info_t;
 
 /* Each the number of what went wrong. */
 typedef struct {
@@ -44,14 +50,14 @@ typedef struct {
     uint32_t inputs;
     uint32_t angles;
     uint32_t weights;
-} tests_t;
+} pil_tests_t;
 
 typedef struct {
     float theta;
     float omega;
     float k_s;
     float seek; /* above 0: with the start sequence */
-} start_item_t;
+} pil_start_t;
 
 typedef struct {
     drive_state_t x;
@@ -59,18 +65,18 @@ typedef struct {
     ab_t u;
     uint32_t ticks;       /* of schedule and drive_step */
     uint32_t ticks_drive; /* of drive_step alone */
-} step_t;
+} pil_step_t;
 
 typedef struct {
     float y[SIGNAL_N];
-} lookup_in_t;
+} pil_lookup_in_t;
 
 typedef struct {
     float k_s_f32;
     float k_s_q15;
     uint32_t ticks_f32;
     uint32_t ticks_q15;
-} lookup_t;
+} pil_lookup_t;
 
 typedef struct {
     uint32_t hfi;
@@ -78,10 +84,6 @@ typedef struct {
     uint32_t control;
     uint32_t signals;
     uint32_t decide; /* the schedule in a period that decides */
-} stages_t;
-
-uint32_t pil_since(uint32_t start);
-stages_t pil_stages(const drive_state_t *x, const ks_schedule_state_t *schedule,
-                    const drive_in_t *in);
+} pil_stages_t;
 
 #endif

@@ -1,0 +1,20 @@
+/* What differs from compiler to compiler. */
+#ifndef SENSORLESS_COMPILER_H
+#define SENSORLESS_COMPILER_H
+
+/* Compilers other than gcc and clang: define CORE_SQRTF to their square root of a float. */
+#if defined(__GNUC__)
+#define CORE_INLINE static inline __attribute__((always_inline))
+#define CORE_APART static __attribute__((noinline))
+#define CORE_LIKELY(x) __builtin_expect(x, 1)
+#define CORE_SQRTF __builtin_sqrtf
+#else
+#define CORE_INLINE static inline
+#define CORE_APART static
+#define CORE_LIKELY(x) (x)
+#ifndef CORE_SQRTF
+#error "define CORE_SQRTF: the square root of a float, correctly rounded"
+#endif
+#endif
+
+#endif

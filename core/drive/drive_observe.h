@@ -1,0 +1,60 @@
+/* A sample taken in: both observers, their blend, and what a schedule sees of them. */
+#ifndef SENSORLESS_DRIVE_OBSERVE_H
+#define SENSORLESS_DRIVE_OBSERVE_H
+
+#include "drive_types.h"
+
+/* Both observers and their blend; x->est is the result for instant k. */
+CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
+                               float k_s_ref) {
+    curve_pos_t pos = curve_locate(x->control.i.q, p->control.curve_inv_step);
+    float cross = sign_f(x->control.i.q) * curve_at(&p->theta_cross, pos);
+    float L_q = curve_at(&p->L_q, pos);
+
+    x->k_s = ks_slew(x->k_s, k_s_ref, p->k_s_step);
+    if (p->estimator == ESTIMATE_ERRORS) {
+        x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);
+        x->hfi.pll.omega = x->emf.pll.omega;
+    }
+    estimate_t hfi = {wrap_pi(x->hfi.pll.theta + cross), x->hfi.pll.omega};
+    estimate_t smo = {x->emf.pll.theta, x->emf.pll.omega};
+    x->theta_hfi = hfi.theta;
+    x->theta_smo = smo.theta;
+    x->est = p->estimator == ESTIMATE_UNWRAPPED ? ks_blend_unwrapped(hfi, smo, x->k_s)
+                                                : ks_blend(hfi, smo, x->k_s);
+
+    hfi_observe(&p->hfi, &x->hfi, i_ab, wrap_pi(x->est.theta - cross), x->est.omega, p->T_s);
+    if (p->estimator == ESTIMATE_FLUX) {
+        flux_observe(&p->flux, &x->flux, &x->emf, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
+                     p->T_s);
+    } else {
+        smo_observe(&p->smo, &x->smo, &x->emf, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
+                    p->T_s);
+    }
+    if (p->estimator == ESTIMATE_ERRORS) {
+        estimate_t by_hfi = {wrap_pi(x->hfi.pll.theta + cross), x->hfi.pll.omega};
+        estimate_t by_smo = {x->emf.pll.theta, x->emf.pll.omega};
+        estimate_t next = ks_blend(by_hfi, by_smo, x->k_s);
+        x->emf.pll.theta = next.theta;
+        x->emf.pll.omega = next.omega;
+    }
+}
+
+/* Low-passes what a schedule may see. */
+CORE_INLINE void drive_signals(const signal_params_t *p, drive_state_t *x, float omega_ref) {
+    signal_state_t *y = &x->signal;
+    float a = p->alpha;
+    y->omega += a * (x->est.omega - y->omega);
+    y->omega_2 += a * (y->omega - y->omega_2);
+    y->omega_ref = omega_ref;
+    y->i_q += a * (x->control.i.q - y->i_q);
+    y->disagree += a * (wrap_pi(x->theta_hfi - x->theta_smo) - y->disagree);
+    y->emf += a * (norm_ab(x->emf.e) - y->emf);
+    y->hf += a * (x->hfi.valid * x->hfi.amplitude - y->hf);
+    y->hfi_var += a * (x->hfi.err * x->hfi.err - y->hfi_var);
+    y->smo_var += a * (x->emf.err * x->emf.err - y->smo_var);
+    y->voltage += a * (x->control.u_abs / x->control.u_max - y->voltage);
+    y->k_s = x->k_s;
+}
+
+#endif

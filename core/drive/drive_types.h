@@ -1,0 +1,65 @@
+/* What a drive is made of: its numbers, its memory, its inputs, its faults.
+ *
+ * All memory is in drive_state_t, all numbers are in drive_params_t; there are no globals and no
+ * allocation.
+ */
+#ifndef SENSORLESS_DRIVE_TYPES_H
+#define SENSORLESS_DRIVE_TYPES_H
+
+#include "blend.h"
+#include "control.h"
+#include "curve.h"
+#include "flux_observer.h"
+#include "hf_injection.h"
+#include "signals.h"
+#include "sliding_mode.h"
+#include "start_sequence.h"
+
+/* Bits of drive_state_t.fault. */
+enum {
+    FAULT_CURRENT = 1, /* a current sample was not finite or beyond any plausible value */
+    FAULT_U_DC = 2,    /* the DC-link voltage was not finite, negative or implausible */
+    FAULT_COMMAND = 4, /* speed reference or k_s command not finite or out of range */
+    FAULT_POLE = 8     /* the start sequence was not sure of the polarity */
+};
+
+typedef struct {
+    float T_s;      /* PWM period [s] */
+    float k_s_step; /* largest change of k_s a period */
+    int estimator;  /* ESTIMATE_* of blend.h */
+    hfi_params_t hfi;
+    smo_params_t smo;
+    flux_params_t flux;
+    control_params_t control;
+    signal_params_t signal;
+    curve_t L_q;         /* apparent q inductance of the observer over |i_q| [H] */
+    curve_t theta_cross; /* half the cross-coupling angle at positive i_q over |i_q| [rad] */
+    start_params_t start;
+} drive_params_t;
+
+typedef struct {
+    hfi_state_t hfi;
+    emf_estimate_t emf; /* of the sliding-mode observer, or of the flux observer in its place */
+    smo_state_t smo;
+    flux_state_t flux;
+    control_state_t control;
+    signal_state_t signal;
+    start_state_t start;
+    estimate_t est;  /* blended estimate at k */
+    ab_t u_1;        /* voltage that acts over [k, k+1], stator frame [V] */
+    ab_t u_2;        /* voltage that acted over [k-1, k] [V] */
+    float theta_hfi; /* compensated angle of the injection estimator at k [rad] */
+    float theta_smo; /* angle of the sliding-mode estimator at k [rad] */
+    float k_s;       /* weight in force */
+    int fault;       /* FAULT_* bits, kept until the caller clears them */
+} drive_state_t;
+
+typedef struct {
+    float i_a; /* phase currents at k [A] */
+    float i_b;
+    float u_dc;      /* DC-link voltage [V] */
+    float omega_ref; /* speed reference, electrical [rad/s] */
+    float k_s_ref;   /* weight wanted, 0 ... 1 */
+} drive_in_t;
+
+#endif

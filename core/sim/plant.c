@@ -1,0 +1,35 @@
+/* The machine without a drive. */
+#include "plant.h"
+
+/* cos and sin of any angle in [-pi, pi] by halving into the range of the series. */
+static void angle_vector(double theta, double *c, double *s) {
+    small_angle(theta * 0.125, c, s);
+    for (int j = 0; j < 3; j++) {
+        double c2 = *c * *c - *s * *s;
+        *s = 2.0 * *c * *s;
+        *c = c2;
+    }
+}
+
+void plant_start(const plant_params_t *p, plant_state_t *x) {
+    angle_vector(x->theta_e, &x->cos_e, &x->sin_e);
+    x->turns = 0;
+    plant_output(p, x, p->bridge);
+}
+
+void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, double *out, int32_t n) {
+    for (int32_t j = 0;; j++) {
+        double *row = &out[7L * j];
+        row[0] = x->i_d;
+        row[1] = x->i_q;
+        row[2] = x->psi_d;
+        row[3] = x->psi_q;
+        row[4] = x->tau;
+        row[5] = x->omega_m;
+        row[6] = x->theta_e + (double)x->turns * (2.0 * PI_D);
+        if (j == n) {
+            return;
+        }
+        plant_step(p, x, u[3 * j], u[3 * j + 1], u[3 * j + 2], p->h, p->n_sub, p->bridge);
+    }
+}

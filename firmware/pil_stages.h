@@ -1,0 +1,10 @@
+/* Where the instructions go: each part of the control step alone, on copies of the states. */
+#ifndef SENSORLESS_PIL_STAGES_H
+#define SENSORLESS_PIL_STAGES_H
+
+#include "pil_wire.h"
+
+pil_stages_t pil_stages(const drive_state_t *x, const ks_schedule_state_t *schedule,
+                        const drive_in_t *in);
+
+#endif
