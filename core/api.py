@@ -223,7 +223,10 @@ def sim_start(sims: Array) -> None:
 
 
 def sim_trace(sim: Array, periods: int, k_s: float) -> Array:
-    """Advance one drive, shape (1,), and return one row of ``TRACE_NAMES`` a period."""
+    """Advance one drive, shape (1,), and return one row of ``TRACE_NAMES`` a period.
+
+    ``sim["sums"]`` holds the sums over this call, as after `sim_run`.
+    """
     out = np.zeros((periods, len(TRACE_NAMES)))
     n = lib.sim_trace(pointer(sim, "sim_t[]"), periods, k_s, pointer(out, "double[]"))
     return out[:n]

@@ -136,6 +136,7 @@ static void trace_row(const sim_t *s, double t, double *row) {
 int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
     int32_t j = 0;
     sums_t none = {0};
+    s->sums = none;
     for (; j < periods && s->lost == 0 && s->k < s->k_end; j++) {
         double *row = &out[(long)j * TRACE_N];
         plant_state_t y = s->drive.y; /* the instant k: what the samples of this period see */
@@ -152,7 +153,7 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
         row[TRACE_U_A_HAT] = (double)s->drive.x.u_1.a;
         row[TRACE_U_B_HAT] = (double)s->drive.x.u_1.b;
         row[TRACE_INJ] = (double)s->drive.x.hfi.sign_1;
-        s->sums = none;
+        float starting = s->sums.starting;
         drive_in_t in =
             sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub, s->plant.bridge);
         const drive_state_t *x = &s->drive.x;
@@ -161,7 +162,7 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
         row[TRACE_THETA_E_ERR] = (double)wrap_pi((float)y.theta_e - x->est.theta);
         row[TRACE_THETA_E_ERR_HFI] = (double)wrap_pi((float)y.theta_e - x->theta_hfi);
         row[TRACE_THETA_E_ERR_SMO] = (double)wrap_pi((float)y.theta_e - x->theta_smo);
-        row[TRACE_STARTING] = (double)s->sums.starting;
+        row[TRACE_STARTING] = (double)(s->sums.starting - starting);
         trace_row(s, t, row);
     }
     return j;

@@ -50,7 +50,8 @@ void sim_signals(const sim_t *s, int32_t n, float *obs);
 /* What the controllers of n drives are about to be given in the coming period; k_s_ref is 0. */
 void sim_inputs(const sim_t *s, int32_t n, drive_in_t *in);
 
-/* One drive, one row of TRACE_N numbers a period into out; returns the periods advanced. */
+/* One drive, one row of TRACE_N numbers a period into out; returns the periods advanced. Sums are
+ * those of this call, as after sim_run. */
 int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out);
 
 #endif

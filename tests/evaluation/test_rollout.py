@@ -11,6 +11,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.evaluation.rollout import CAUSES, Rollout, rollout, rollouts
+from sensorless.evaluation.trace import trace
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Signals, decision_periods
@@ -156,3 +157,14 @@ def test_every_cause_of_the_core_has_a_name() -> None:
     assert {f"LOST_{name.upper()}" for name in CAUSES} == {
         name for name in dir(lib) if name.startswith("LOST_")
     }
+
+
+def test_a_trace_is_the_rollout_period_by_period() -> None:
+    """Also for a rule that looks at the sums of the last decision."""
+    scenarios = short(1, 0.4)
+    table = trace(make_policy("oracle", MOTOR), scenarios, MOTOR, DriveDesign())
+    r = run("oracle", scenarios)
+    periods = decision_periods(MOTOR)
+    k_s = table["k_s"].reshape(-1, periods).mean(axis=1)
+    assert np.ptp(k_s) > 0.2
+    np.testing.assert_allclose(k_s, r.sums["k_s"][:, 0] / r.sums["n"][:, 0], rtol=1e-6, atol=1e-6)
