@@ -49,6 +49,14 @@ def test_no_circle_of_includes() -> None:
     assert found.index("drive") < found.index("sim") < found.index("simulate")
 
 
+def test_what_ships_includes_nothing_else() -> None:
+    drive = FOLDERS[0]
+    shipped = {path.name for path in drive.iterdir()}
+    for path in drive.glob("*.[ch]"):
+        assert set(re.findall(r'#include [<"](.+)[>"]', code(path))) <= shipped | {"stdint.h"}
+    assert "drive" in includes()["sim"], "what simulates does include what ships"
+
+
 def test_a_circle_is_seen() -> None:
     graph = includes()
     graph["drive_start"].add("drive")
