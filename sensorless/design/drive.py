@@ -10,9 +10,11 @@ import numpy as np
 from sensorless.core.api import CONTROL, PLANT, SENSOR, Array, lib
 from sensorless.design.control import design_control, design_curves, operating_line
 from sensorless.design.cross_coupling import KINDS, is_known
+from sensorless.design.sound import require_finite
 from sensorless.errors import UserError
 from sensorless.machine.magnetics import flux_map_record
 from sensorless.machine.motor import Motor
+from sensorless.machine.saliency import require_saliency
 from sensorless.observers.flux_design import design_flux
 from sensorless.observers.hfi_design import SCHEMES, design_hfi, hf_current
 from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
@@ -119,7 +121,14 @@ class DriveDesign:
 
 
 def control_record(motor: Motor, design: DriveDesign) -> Array:
-    """``drive_params_t`` of a motor under a design, shape ()."""
+    """``drive_params_t`` of a motor under a design, shape ().
+
+    Raises
+    ------
+    UserError
+        The machine has no saliency, or its numbers leave those of the drive.
+    """
+    require_saliency(motor)
     omega_max = min(design.speed_bound * motor.omega_rated, float(np.finfo(np.float32).max))
     one_loop = design.error_pll_hz if design.estimator == "errors" else None
     record = np.zeros((), dtype=CONTROL)
@@ -191,6 +200,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
             "start": design_start(motor, hfi, smo),
         },
     )
+    require_finite(record, motor)
     return record
 
 
@@ -234,9 +244,19 @@ def sensor_record(motor: Motor, noise_rms: float = 0.005) -> Array:
 
 
 def fill(record: Array, values: dict[str, Any]) -> None:
-    """Write nested values into a structured record; an unknown name raises."""
+    """Write nested values into a structured record; an unknown name raises.
+
+    Raises
+    ------
+    UserError
+        A whole number leaves 32 bits.
+    """
     for name, value in values.items():
         if isinstance(value, dict):
             fill(record[name], value)
-        else:
-            record[name] = value
+            continue
+        try:
+            with np.errstate(over="ignore"):  # infinity: ``require_finite`` tells
+                record[name] = value
+        except OverflowError:
+            raise UserError(f"{name}: {value:g}; allowed: a 32-bit number") from None

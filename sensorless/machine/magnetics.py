@@ -1,5 +1,6 @@
 """Design quantities of a machine's flux map: inverse map, inductances, cross-coupling, MTPA."""
 
+from contextlib import suppress
 from functools import lru_cache
 
 import numpy as np
@@ -65,12 +66,14 @@ def flux(s: Saturation, i: Floats) -> Floats:
     psi = np.stack(
         [(target[:, 0] + s.i_f) / (s.a_d0 + s.a_dd), target[:, 1] / (s.a_q0 + s.a_qq)], axis=-1
     )
-    for _ in range(100):
-        error = currents(s, psi) - target
-        if np.max(np.abs(error)) < 1e-11:
-            return psi
-        move = np.linalg.solve(inverse_inductance(s, psi), error[..., None])[..., 0]
-        psi = psi - np.clip(move, -0.3, 0.3)
+    error = np.full_like(psi, np.inf)
+    with suppress(np.linalg.LinAlgError), np.errstate(all="ignore"):
+        for _ in range(100):
+            error = currents(s, psi) - target
+            if np.max(np.abs(error)) < 1e-11:
+                return psi
+            move = np.linalg.solve(inverse_inductance(s, psi), error[..., None])[..., 0]
+            psi = psi - np.clip(move, -0.3, 0.3)
     if np.max(np.abs(error)) < 1e-8:
         return psi
     raise UserError("saturation: the flux map cannot be inverted at all currents in use")

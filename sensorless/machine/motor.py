@@ -19,8 +19,11 @@ from sensorless.errors import UserError
 MOTORS = Path(__file__).parent / "motors"
 
 
-def _number(doc: str, low: float = 0.0, *, open_low: bool = True, high: float = math.inf) -> Any:
-    """Dataclass field of a number in (low, high], or [low, high] when ``open_low`` is false."""
+def _number(doc: str, low: float = 1e-12, *, open_low: bool = True, high: float = 1e12) -> Any:
+    """Dataclass field of a number in (low, high], or [low, high] when ``open_low`` is false.
+
+    The default bounds are wider than any machine, and no product of a few leaves float32.
+    """
     return field(metadata={"doc": doc, "low": low, "open": open_low, "high": high})
 
 
@@ -66,16 +69,16 @@ class Motor:
     L_q: float = _number("q inductance at zero current [H]")
     psi_f: float = _number("magnet flux linkage [Vs]")
     J: float = _number("inertia [kg m^2]")
-    B: float = _number("viscous friction [N m s/rad]", open_low=False)
+    B: float = _number("viscous friction [N m s/rad]", 0.0, open_low=False)
     tau_rated: float = _number("rated torque [N m]")
     i_rated: float = _number("rated current, peak [A]")
     n_rated_rpm: float = _number("rated speed [r/min]")
     u_dc: float = _number("DC-link voltage [V]")
-    T_s: float = _number("PWM period [s]", high=0.01)
+    T_s: float = _number("PWM period [s]", 1e-6, open_low=False, high=1e-3)
     u_inj: float = _number("injected voltage [V]")
     i_max: float = _number("current limit of the control, peak [A]")
     i_trip: float = _number("over-current trip, peak [A]")
-    dead_time: float = _number("dead time of a leg [s]", open_low=False)
+    dead_time: float = _number("dead time of a leg [s]", 0.0, open_low=False)
     adc_range: float = _number("largest measurable current [A]")
     adc_bits: int = _number("resolution of the current measurement", 4, open_low=False, high=32)
     saturation: Saturation = field(kw_only=True)
@@ -113,7 +116,7 @@ class Motor:
             raise UserError(f"motor {str(name)!r}: no such file; shipped motors: {known}")
         try:
             data = tomllib.loads(path.read_text(encoding="utf-8"))
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        except (ValueError, RecursionError, OSError) as error:  # TOMLDecodeError is a ValueError
             raise UserError(f"{path}: not a valid TOML file: {error}") from None
         return _from_tables(data, str(path))
 

@@ -17,7 +17,7 @@ from sensorless.design.drive import (
     sensor_record,
 )
 from sensorless.errors import UserError
-from sensorless.machine.motor import Motor
+from sensorless.machine.motor import Motor, Saturation
 from sensorless.observers.hfi_design import error_slope, hf_current
 from sensorless.observers.pll_design import pll_gains
 from sensorless.observers.smo_design import deadbeat_gain, low_pass
@@ -165,3 +165,22 @@ def test_compensation_curve(motor: Motor, cross: str) -> None:
         _, _, wide = design_curves(motor, full, L_q_table=False, cross=cross)
         assert np.rad2deg(wide[-1]) == pytest.approx(want, abs=0.06)
         assert at == np.rad2deg(angle[-1])
+
+
+DESIGNED = ("R_s", "L_d", "L_q", "psi_f", "J", "i_rated", "tau_rated", "n_rated_rpm", "u_dc", "T_s")
+
+
+@pytest.mark.parametrize("field", DESIGNED)
+@pytest.mark.parametrize("value", [1.1e-12, 1e-6, 1e-3, 1e6, 9e11])
+def test_absurd_numbers_end_in_a_design_or_in_one_line(field: str, value: float) -> None:
+    """Whatever a file may hold: 32-bit numbers all of them, or one error, and no warning."""
+    value = min(max(value, 1e-6), 1e-3) if field == "T_s" else value
+    motor = replace(Motor.load("ipmsm_2200w"), **{field: value})
+    flux_map = Saturation.linear(motor.L_d, motor.L_q, motor.psi_f)
+    try:
+        record = control_record(replace(motor, saturation=flux_map), DriveDesign())
+    except UserError as error:
+        assert "\n" not in str(error)
+        return
+    floats = np.frombuffer(record.tobytes(), dtype=np.float32)
+    assert not np.any(np.isinf(floats))

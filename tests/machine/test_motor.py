@@ -101,7 +101,16 @@ def test_bad_value(field: str, value: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("n_p", "2.5"), ("n_p", "0"), ("adc_bits", "3"), ("T_s", "0.5"), ("R_s", "0.0"), ("L_d", "0")],
+    [
+        ("L_d", "1e-300"),
+        ("T_s", "1e-300"),
+        ("n_p", "2.5"),
+        ("n_p", "0"),
+        ("adc_bits", "3"),
+        ("T_s", "0.5"),
+        ("R_s", "0.0"),
+        ("L_d", "0"),
+    ],
 )
 def test_out_of_range(field: str, value: str, tmp_path: Path) -> None:
     """Whole numbers are whole, and a machine has resistance and inductance."""
@@ -141,7 +150,15 @@ def test_trip_has_to_lie_above_the_limit(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.parametrize("content", [b"n_p = = 2", b"\xff\xfe\x00", b"[machine", b"name = 3"])
+NESTED = b"x = " + b"[" * 100_000
+DIGITS = b"n_p = 1" + b"0" * 5000
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"n_p = = 2", b"\xff\xfe\x00", b"[machine", b"name = 3", NESTED, DIGITS],
+    ids=["syntax", "text", "cut off", "type", "nested", "digits"],
+)
 def test_not_a_motor_file(content: bytes, tmp_path: Path) -> None:
     """Broken TOML and broken text are one line as well."""
     path = tmp_path / "mine.toml"

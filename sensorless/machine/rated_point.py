@@ -1,0 +1,102 @@
+"""What a machine reaches of its name plate within its current and its voltage."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sensorless.machine.magnetics import Floats, flux
+from sensorless.machine.motor import Motor
+from sensorless.units import RPM_TO_RAD_S
+
+USABLE = 0.97
+"""Share of u_dc / sqrt(3) that field weakening lets the control use, ``fw_margin``."""
+ROUNDING = 0.02
+"""A name plate is met within 2 %: its numbers are rounded."""
+
+
+@dataclass(frozen=True)
+class RatedPoint:
+    """What rated current and the DC link allow, beside what the file asks for."""
+
+    torque: float
+    """largest torque at rated current, low speed [N m]"""
+    current: float
+    """least current of rated torque at low speed [A], infinite if i_max does not give it"""
+    torque_at_speed: float
+    """largest torque at rated speed within rated current and voltage [N m]"""
+    speed: float
+    """largest speed of rated torque within rated current and voltage, at most rated [r/min]"""
+    base_speed: float
+    """speed up to which the least current of rated torque needs no field weakening [r/min]"""
+    top_speed: float
+    """largest speed without load and without field weakening [r/min]"""
+
+    def objection(self, motor: Motor) -> str | None:
+        """Why the rated point is out of reach, with what is reached; nothing if it is not."""
+        least = (1.0 - ROUNDING) * motor.tau_rated
+        if self.torque < least:
+            return (
+                f"rated torque {motor.tau_rated:g} N m needs "
+                + (f"{self.current:.3g} A" if math.isfinite(self.current) else "more than i_max")
+                + f", i_rated is {motor.i_rated:g} A, which gives {self.torque:.3g} N m"
+            )
+        if self.torque_at_speed < least:
+            return (
+                f"{motor.tau_rated:g} N m at {motor.n_rated_rpm:g} r/min is beyond "
+                f"{motor.u_dc:g} V: rated torque is reached up to {self.speed:.0f} r/min, rated "
+                f"speed with {self.torque_at_speed:.3g} N m"
+            )
+        return None
+
+
+def rated_point(motor: Motor) -> RatedPoint:
+    """Search all currents within the limits on a grid of amplitudes and angles."""
+    i = polar(motor)
+    psi = flux(motor.saturation, i)
+    tau = 1.5 * motor.n_p * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0])
+    size = np.hypot(*i.T)
+    rated = size <= (1.0 + 1e-9) * motor.i_rated
+    enough = tau >= (1.0 - ROUNDING) * motor.tau_rated
+    top = top_speeds(motor, i, psi)
+    reaches = rated & (top >= motor.omega_rated)
+    strong = np.where(enough, size, np.inf)
+    best = int(np.argmin(strong))
+    possible = bool(np.isfinite(strong[best]))
+    to_rpm = 1.0 / (motor.n_p * RPM_TO_RAD_S)
+    within = top[rated & enough]
+    return RatedPoint(
+        torque=float(tau[rated].max(initial=0.0)),
+        current=float(strong[best]),
+        torque_at_speed=float(tau[reaches].max(initial=0.0)),
+        speed=min(float(within.max(initial=0.0)) * to_rpm, motor.n_rated_rpm),
+        base_speed=float(top[best]) * to_rpm if possible else 0.0,
+        top_speed=float(top[0]) * to_rpm,
+    )
+
+
+def polar(motor: Motor, angles: int = 91) -> Floats:
+    """Currents (n, 2) [A] of a quarter plane, motoring with i_d <= 0; the first is zero.
+
+    Rated current is one of the amplitudes.
+    """
+    size = np.linspace(0.0, motor.i_rated, 61)
+    if motor.i_max > motor.i_rated:
+        size = np.append(size, np.linspace(motor.i_rated, motor.i_max, 13)[1:])
+    angle = np.linspace(0.0, 0.5 * np.pi, angles)
+    i_d, i_q = -np.outer(size, np.sin(angle)), np.outer(size, np.cos(angle))
+    return np.stack([i_d, i_q], axis=-1).reshape(-1, 2)
+
+
+def top_speeds(motor: Motor, i: Floats, psi: Floats) -> Floats:
+    """Largest electrical speed [rad/s] of each current within the voltage; zero if there is none.
+
+    |R_s i + j w psi| = u: a quadratic equation in w.
+    """
+    u = USABLE * motor.u_dc / math.sqrt(3.0)
+    a = np.sum(psi**2, axis=1)
+    b = motor.R_s * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0])
+    c = motor.R_s**2 * np.sum(i**2, axis=1) - u**2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        w = (-b + np.sqrt(b**2 - a * c)) / a
+    return np.where(c < 0.0, w, 0.0)

@@ -1,0 +1,65 @@
+"""What a machine reaches within its current and voltage, against closed forms and the paper."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sensorless.machine.magnetics import flux
+from sensorless.machine.motor import Motor, Saturation
+from sensorless.machine.rated_point import polar, rated_point, top_speeds
+
+PAPER = Motor.load("paper")
+
+
+def test_linear_machine_against_closed_forms() -> None:
+    """MTPA of constant inductances, i_d = c - sqrt(c^2 + i_q^2), and the no-load speed."""
+    motor = Motor.load("ipmsm_2200w")
+    p = rated_point(motor)
+    d = motor.L_q - motor.L_d
+    i_d = motor.psi_f / (4 * d) - math.sqrt((motor.psi_f / (4 * d)) ** 2 + motor.i_rated**2 / 2)
+    i_q = math.sqrt(motor.i_rated**2 - i_d**2)
+    tau = 1.5 * motor.n_p * (motor.psi_f - d * i_d) * i_q
+    assert p.torque == pytest.approx(tau, rel=1e-3)
+    top = 0.97 * motor.u_dc / math.sqrt(3.0) / motor.psi_f / motor.n_p * 30.0 / math.pi
+    assert p.top_speed == pytest.approx(top, rel=1e-9)
+
+
+def test_the_papers_machine() -> None:
+    """Text on Table 1: the rated point needs field weakening from 540 V, and is then reached."""
+    p = rated_point(PAPER)
+    assert p.objection(PAPER) is None
+    linear = replace(PAPER, saturation=Saturation.linear(0.063, 0.286, 0.993))
+    assert rated_point(linear).base_speed == pytest.approx(1112 * 0.97, rel=0.02)
+
+
+def test_beyond_the_voltage_is_named_with_what_is_reached() -> None:
+    motor = replace(PAPER, u_dc=300.0)
+    p = rated_point(motor)
+    said = p.objection(motor)
+    assert said is not None
+    assert "14 N m at 1500 r/min is beyond 300 V" in said
+    assert f"up to {p.speed:.0f} r/min" in said
+    assert 300.0 < p.speed < 1000.0
+    slower = replace(motor, n_rated_rpm=p.speed)
+    assert rated_point(slower).objection(slower) is None
+
+
+def test_beyond_the_current_is_named_with_what_is_needed() -> None:
+    motor = replace(PAPER, i_rated=3.0)
+    p = rated_point(motor)
+    said = p.objection(motor) or ""
+    assert f"needs {p.current:.3g} A" in said
+    assert p.current == pytest.approx(4.2, abs=0.1)
+    weak = replace(PAPER, i_rated=3.0, i_max=3.1)
+    assert "more than i_max" in (rated_point(weak).objection(weak) or "")
+
+
+def test_voltage_at_the_reported_speed_is_the_usable_one() -> None:
+    """Back into the voltage equation, for the base speed."""
+    i = polar(PAPER)
+    psi = flux(PAPER.saturation, i)
+    w = top_speeds(PAPER, i, psi)
+    u = np.hypot(PAPER.R_s * i[:, 0] - w * psi[:, 1], PAPER.R_s * i[:, 1] + w * psi[:, 0])
+    assert u == pytest.approx(np.full(len(u), 0.97 * 540.0 / math.sqrt(3.0)), rel=1e-9)
