@@ -1,5 +1,5 @@
 """``python -m sensorless``."""
 
-from sensorless.cli.app import main
+from sensorless.cli.main import main
 
 main()

@@ -8,35 +8,66 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
+from sensorless.cli.options import SeedOption, console, describe, errors
 from sensorless.errors import UserError
-
-console = Console()
-errors = Console(stderr=True)
 
 
 def distill_command(
-    run: Annotated[Path, typer.Argument(help="Folder of a run with --policy-kind mlp.")],
-    name: Annotated[str, typer.Option(help="Run folder below runs/ for the table.")],
+    run: Annotated[
+        Path,
+        typer.Argument(
+            metavar="RUN",
+            help="Take the network of this training run, made with --policy-kind mlp.",
+        ),
+    ],
+    name: Annotated[str, typer.Option(help="Write the table to this new folder below runs/.")],
     axes: Annotated[
-        str, typer.Option(help="SIGNAL:LOW:HIGH:NODES,... of the table; start: those of the start.")
+        str,
+        typer.Option(
+            metavar="AXES",
+            help="Give the table these axes, SIGNAL:LOW:HIGH:NODES,..., for example speed:0:1:16; "
+            "`start` takes the axes of "
+            "the table that the network's training started from.",
+        ),
     ] = "start",
-    rounds: Annotated[int, typer.Option(min=1, help="Fits, each on more states.")] = 4,
-    size: Annotated[int, typer.Option(min=1, help="Scenarios of a round.")] = 256,
-    seed: Annotated[int, typer.Option(min=0, help="Draws the scenarios.")] = 1,
+    rounds: Annotated[
+        int,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Fit this many times, each time on more states; the best table is kept.",
+        ),
+    ] = 4,
+    size: Annotated[
+        int, typer.Option(metavar="N", min=1, help="Visit this many stress scenarios per round.")
+    ] = 256,
+    seed: SeedOption = 1,
     smoothness: Annotated[
-        float, typer.Option(min=0.0, help="Weight of the table's second differences.")
+        float,
+        typer.Option(
+            metavar="<float>",
+            min=0.0,
+            help="Smooth the table: weight of its squared second differences against the squared "
+            "error of the fit.",
+        ),
     ] = 1e-3,
-    validate_size: Annotated[int, typer.Option(min=16, help="Scenarios of a validation.")] = 512,
+    validate_size: Annotated[
+        int,
+        typer.Option(
+            metavar="N", min=16, help="Judge each table on this many other stress scenarios."
+        ),
+    ] = 512,
 ) -> None:
-    """Turn a trained network into a schedule table that can be exported.
+    """Turn a trained network into a schedule table, which can be exported.
 
-    Fitted on states that the table itself visits. The new folder has the table and what it lost
-    against the network; the same words give the same table.
+    The table is fitted to the network's decisions in the states that the table itself visits. The
+    new folder holds the table and how far it falls short of the network. The same command gives
+    the same table.
+
+    For example:
 
         sensorless train --policy-kind mlp --name net
-
         sensorless distill runs/net --name net-table
     """
     from sensorless.agents.distill import distill
@@ -53,13 +84,15 @@ def distill_command(
     design, motor = design_and_motor(run)
     teacher = load_run(run, motor)
     if not isinstance(teacher, MlpSchedule):
-        raise UserError(f"run: {str(run)!r} has a table; allowed: a run with --policy-kind mlp")
+        raise UserError(
+            f"run: {str(run)!r} already is a table; distill a run made with --policy-kind mlp"
+        )
     folder, shape = RUNS / name, teacher.start.axes if axes == "start" else grid(axes)
     fresh(folder)
 
     def report(number: int, rms: float, cost: Cost) -> None:
         errors.print(
-            f"round {number} of {rounds}: k_s differs by {rms:.4f} RMS, {words(cost)}",
+            f"round {number} of {rounds}: k_s differs by {rms:.4f} RMS, {describe(vars(cost))}",
             highlight=False,
         )
 
@@ -88,16 +121,8 @@ def distill_command(
     }
     write_atomic(folder / CONFIG, json.dumps(facts, indent=1) + "\n")
     found.table.save(folder / TABLE, {**facts, **found.facts()})
-    console.print(f"network: {words(found.network)}\ntable:   {words(found.cost)}", highlight=False)
-    console.print(f"k_s differs by {found.rms:.4f} RMS\nwrote {folder / TABLE}", highlight=False)
-
-
-def words(cost: object) -> str:
-    """One line about a ``Cost``."""
-    from sensorless.evaluation.objective import Cost
-
-    assert isinstance(cost, Cost)
-    return (
-        f"lost {100 * cost.lost_rate:.1f} %, torque deviation {100 * cost.torque_dev:.2f} %, "
-        f"ripple {100 * cost.torque_ripple:.2f} %"
+    console.print(
+        f"network: {describe(vars(found.network))}\ntable:   {describe(vars(found.cost))}",
+        highlight=False,
     )
+    console.print(f"k_s differs by {found.rms:.4f} RMS\nwrote {folder / TABLE}", highlight=False)

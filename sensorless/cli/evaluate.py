@@ -6,9 +6,11 @@ from typing import Annotated
 import typer
 
 from sensorless.cli.options import (
+    POLICIES,
     EngineOption,
     MotorOption,
     RayAddressOption,
+    SeedOption,
     SetOption,
     console,
     policy_progress,
@@ -17,7 +19,7 @@ from sensorless.errors import UserError
 
 
 def list_policies(wanted: bool) -> None:
-    """Print every policy with one line about it, and end."""
+    """Print every policy with one line about it, and exit."""
     if not wanted:
         return
     from sensorless.policies.registry import known
@@ -30,51 +32,96 @@ def list_policies(wanted: bool) -> None:
 
 
 ListOption = Annotated[
-    bool, typer.Option("--list", help="Name all policies.", is_eager=True, callback=list_policies)
+    bool,
+    typer.Option(
+        "--list",
+        help="List every policy with one line about it, and exit.",
+        is_eager=True,
+        callback=list_policies,
+    ),
 ]
-PolicyOption = Annotated[
+PoliciesOption = Annotated[
     list[str],
     typer.Option(
         "--policy",
-        help="Rule by name (see evaluate --list), file of sensorless tune, or folder of a training "
-        "run; repeatable.",
+        metavar="POLICY",
+        help=f"Judge this policy: {POLICIES}. Repeat the option to judge several; all are compared "
+        "with the first.",
+    ),
+]
+SuiteOption = Annotated[
+    str,
+    typer.Option(
+        metavar="SUITE",
+        help="Judge on this suite of scenarios: stress (everything at random), handoff (crossings "
+        "between the estimators), starts (unknown rotor angle), envelope (a grid of speed and "
+        "load), nominal (stress without errors of parameters and sensors), paper (figures of the "
+        "source paper) or motors (handoff and stress by turns).",
     ),
 ]
 
 
 def evaluate_command(
-    policy: PolicyOption,
+    policy: PoliciesOption,
     motor: MotorOption = "paper",
-    suite: Annotated[
-        str, typer.Option(help="paper, nominal, handoff, stress, envelope, motors or starts.")
-    ] = "stress",
-    seed: Annotated[int, typer.Option(min=0, help="Draws the scenarios.")] = 1,
-    size: Annotated[int, typer.Option(min=1, help="Number of scenarios.")] = 200,
+    suite: SuiteOption = "stress",
+    seed: SeedOption = 1,
+    size: Annotated[
+        int,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Draw this many scenarios; the suite envelope takes a square number.",
+        ),
+    ] = 200,
     settings: SetOption = None,
-    out: Annotated[Path | None, typer.Option(help="Results as JSON.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.json", help="Write the results as JSON. Default: no file."),
+    ] = None,
     every: Annotated[
-        bool, typer.Option("--scenarios/--no-scenarios", help="Every single scenario in the JSON.")
+        bool,
+        typer.Option(
+            "--scenarios/--no-scenarios",
+            help="Put the figures of every single scenario into the JSON, or only the summary.",
+        ),
     ] = True,
     details: Annotated[
         bool,
         typer.Option(
-            "--details", help="Also print hand-over, pairs, quadrants, speeds, ten worst cases."
+            "--details",
+            help="Print more tables: the hand-over, the differences to the first policy, losses by "
+            "quadrant and by speed, and ten worst cases instead of three. Default: the summary.",
         ),
     ] = False,
     plot: Annotated[
-        Path | None, typer.Option(help="PNG of what holds lock; with --suite envelope.")
+        Path | None,
+        typer.Option(
+            metavar="FILE.png",
+            help="Draw where each policy keeps lock over speed and load as a PNG picture; only "
+            "with --suite envelope. Default: no picture.",
+        ),
     ] = None,
     engine: EngineOption = "local",
     ray_address: RayAddressOption = None,
     listed: ListOption = False,
 ) -> None:
-    """Judge policies on a suite: lost rates, torque, speed and angle, with 95 % intervals.
+    """Judge policies on a suite: how often they lose lock, torque, speed and angle errors.
 
-    The same suite, seed and size give the same file to the bit, on any engine. Training and tuning
-    never see these scenarios. Every policy is compared with the first one, pair by pair. The
-    worst cases of each are listed with a word that `sensorless simulate --scenario` replays.
-    A schedule runs on the estimator it was trained or tuned on, whatever `--set estimator` says
-    (here and in every command that takes one); other rules run on the design's.
+    A policy loses a scenario when the angle error stays above 60 electrical degrees for more than
+    10 ms or the drive trips. Torque and speed errors count against the twin: the same drive in the
+    same scenario with a position sensor. All figures come with 95 % intervals, and every policy is
+    compared with the first one scenario by scenario. Training and tuning never see these
+    scenarios. The same suite, seed and size give the same file to the bit, on any engine.
+
+    A schedule runs on the estimator it was trained or tuned on, whatever `--set estimator` says;
+    other rules run on that of the design.
+
+    For example:
+
+        sensorless evaluate --list
+        sensorless evaluate --policy eq25 --policy runs/first --out results.json
+        sensorless evaluate --policy eq25 --suite envelope --size 441 --plot map.png
     """
     from sensorless.design.words import design_from
     from sensorless.evaluation.engines.named import engine_named
@@ -88,7 +135,9 @@ def evaluate_command(
 
     check_writable(plot, "plot")
     if plot is not None and suite != "envelope":
-        raise UserError(f"plot: with suite {suite!r}; allowed: with --suite envelope")
+        raise UserError(
+            f"plot: suite {suite!r} has no picture; use --suite envelope, or leave out --plot"
+        )
     machine = Motor.load(motor)
     with engine_named(engine, ray_address) as where, policy_progress() as report:
         results = run(

@@ -4,37 +4,57 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
-app = typer.Typer(no_args_is_help=True, help="Find out by a test run what the drive has to know.")
-console = Console()
+from sensorless.cli.options import MotorOption, SetOption, console
+from sensorless.cli.plain import Command, Group
+
+app = typer.Typer(cls=Group, no_args_is_help=True, rich_markup_mode="markdown")
 
 
 @app.callback()
 def identify() -> None:
-    """Find out by a test run what the drive has to know about its machine."""
+    """Measure in a test run what the drive has to know about its machine.
+
+    The drive runs its test on the simulated machine; a real drive would do the same.
+
+    For example:
+
+        sensorless identify cross-coupling --out cross.json
+    """
 
 
-@app.command("cross-coupling")
+@app.command("cross-coupling", cls=Command)
 def cross_coupling(
-    motor: Annotated[
-        str, typer.Option("--motor", help="Shipped motor by name, or a TOML file.")
-    ] = "paper",
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="Drive design, e.g. mtpa=false."),
+    motor: MotorOption = "paper",
+    settings: SetOption = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.json",
+            help="Write sweep and fits as JSON; `--set cross=FILE.json` makes a drive use them. "
+            "Default: no file.",
+        ),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Sweep and fits as JSON.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Picture as PNG.")] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.png", help="Draw sweep and fits as a PNG picture. Default: no picture."
+        ),
+    ] = None,
 ) -> None:
-    """Angle between rotor and injection estimate over the torque current (Fig. 4).
+    """Measure the angle between the rotor and the injection estimate over the torque current.
 
-    A load sweep in both torque directions at 10 % of rated speed, on the injection estimator alone,
-    compensation off and an encoder watching; then a line and a table are fitted, and the table is
-    tried in the drive. The line is fitted up to cross_line_torque of the design and judged in both
-    torque directions. The drive runs on the file that this writes with --set cross=FILE.json.
-    Angles are truth minus estimate.
+    Cross-coupling, saturation of one axis by the current of the other, turns the injection
+    estimate off the rotor (Fig. 4 of the source paper). The drive sweeps the load in both torque
+    directions at 10 % of rated speed on the injection estimator alone, without compensation, while
+    an encoder watches. A line and a table are fitted to the angle, truth minus estimate, and the
+    table is tried in the drive. The line is fitted up to the torque `cross_line_torque`.
+
+    For example:
+
+        sensorless identify cross-coupling --out cross.json
+        sensorless simulate --set cross=cross.json --speed 0:150 --load 0:6
     """
     from sensorless.design.words import design_from
     from sensorless.files import check_writable

@@ -1,6 +1,6 @@
-"""Options and progress bars that several commands share."""
+"""Options, consoles and progress bars that several commands share."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Annotated
 
@@ -11,28 +11,75 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 console = Console()
 errors = Console(stderr=True)
 
-MotorOption = Annotated[str, typer.Option("--motor", help="Shipped motor by name, or a TOML file.")]
+EXAMPLE = "--set smo_pll_hz=30"
+POLICIES = (
+    "a rule by name, with its numbers if it takes any (eq25, linear:150,450, fuzzy, ...: "
+    "`sensorless evaluate --list` names them all), a file that `sensorless tune` wrote, or the "
+    "folder of a training run"
+)
+
+MotorOption = Annotated[
+    str,
+    typer.Option(
+        "--motor",
+        metavar="MOTOR",
+        help="Use this motor: the name of a shipped one (paper, ipmsm_2200w, pmsyrm_5600w), or "
+        "your own TOML file, laid out as docs/bring-a-motor.md shows.",
+    ),
+]
 SetOption = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30; repeatable."
+        "--set",
+        metavar="NAME=VALUE",
+        help=f"Change one setting of the drive design, for example {EXAMPLE} [Hz]; repeat the "
+        "option to change several. Default: the design that follows from the motor.",
+    ),
+]
+PolicyOption = Annotated[
+    str,
+    typer.Option(
+        "--policy", metavar="POLICY", help=f"Let this policy choose the weight k_s: {POLICIES}."
+    ),
+]
+SeedOption = Annotated[
+    int,
+    typer.Option(
+        metavar="N",
+        min=0,
+        help="Draw the scenarios from this seed; the same seed gives the same scenarios.",
     ),
 ]
 
 EngineOption = Annotated[
-    str, typer.Option(help="local: this process; ray: a cluster, see --ray-address.")
+    str,
+    typer.Option(
+        metavar="ENGINE",
+        help="Run the scenarios in this process (local) or on a Ray cluster (ray); the result is "
+        "the same to the bit.",
+    ),
 ]
 RayAddressOption = Annotated[
     str | None,
     typer.Option(
-        help="HOST:PORT of a running Ray cluster; default: one of this machine's processors."
+        metavar="ADDRESS",
+        help="Join the Ray cluster that runs at HOST:PORT; only with --engine ray. Default: "
+        "start one on the processors of this machine.",
     ),
 ]
 
 
+def describe(scores: Mapping[str, float]) -> str:
+    """Say the scores of a ``Cost`` in words."""
+    return (
+        f"lost {100 * scores['lost_rate']:.1f} %, torque deviation "
+        f"{100 * scores['torque_dev']:.2f} %, torque ripple {100 * scores['torque_ripple']:.2f} %"
+    )
+
+
 @contextmanager
 def policy_progress() -> Iterator[Callable[[str, float], None]]:
-    """Progress of several policies: bars on a terminal, else a line when one is done."""
+    """Progress of several policies: bars on a terminal, otherwise a line when one is done."""
     bar = Progress(
         TextColumn("{task.description}"),
         BarColumn(),

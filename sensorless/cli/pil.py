@@ -4,34 +4,31 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from sensorless.cli.export import ScheduleArgument
+from sensorless.cli.options import MotorOption, SetOption, console, errors
 from sensorless.errors import UserError
-
-console = Console()
-errors = Console(stderr=True)
 
 
 def pil_command(
-    run: Annotated[
-        str,
-        typer.Argument(
-            help="Folder of a training run, or a rule with a table: eq25, linear:LO,HI, constant:K."
-        ),
-    ],
-    out: Annotated[Path | None, typer.Option(help="Report as JSON.")] = None,
-    motor: Annotated[str, typer.Option(help="Shipped motor by name, or a TOML file.")] = "paper",
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="Drive design; repeatable."),
+    run: ScheduleArgument,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.json", help="Write the report as JSON. Default: no file."),
     ] = None,
+    motor: MotorOption = "paper",
+    settings: SetOption = None,
 ) -> None:
-    """Run the exported control core on an emulated Cortex-M4F, in the loop with the machine.
+    """Run the exported C code on an emulated Cortex-M4F, in a closed loop with the machine.
 
-    Every word of every period is compared with the host; status 2 if one differs. Reports the
-    instructions of a control period and of a lookup, flash and RAM. Needs arm-none-eabi-gcc and
-    qemu-system-arm.
+    Processor in the loop: every word of every PWM period is compared with this computer, and one
+    difference is an error (exit status 2). Reports the instructions of a control period and of a
+    table lookup, and the flash and RAM they take. Needs arm-none-eabi-gcc and qemu-system-arm.
+
+    For example:
+
+        sensorless pil eq25 --out pil.json
     """
     from sensorless.design.words import design_from
     from sensorless.export.export import table_of
@@ -61,4 +58,4 @@ def pil_command(
         write_report(report, out)
         console.print(f"wrote {out}")
     if not passed(report):
-        raise UserError("pil: host and target differ; allowed: no difference")
+        raise UserError("pil: the target computes other bits than the host; see the table")

@@ -5,41 +5,61 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
-console = Console()
+from sensorless.cli.options import MotorOption, PolicyOption, SetOption, console
 
 
 def replay_command(
     log: Annotated[
         Path,
         typer.Argument(
-            help="CSV file with one row a PWM period (docs/replay.md), or the word sample for the "
-            "log that comes with the package."
+            metavar="LOG.csv",
+            help="Read this log: CSV, one row per PWM period, with the columns of docs/replay.md. "
+            "The word `sample` reads the log that comes with the package.",
         ),
     ],
-    motor: Annotated[
-        str, typer.Option("--motor", help="Shipped motor by name, or a TOML file.")
-    ] = "paper",
-    policy: Annotated[str, typer.Option(help="Rule or table for k_s, as in evaluate.")] = "eq25",
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30."),
-    ] = None,
-    angle: Annotated[float, typer.Option(help="First angle, electrical [deg].")] = 0.0,
-    speed: Annotated[float, typer.Option(help="First speed [r/min].")] = 0.0,
+    motor: MotorOption = "paper",
+    policy: PolicyOption = "eq25",
+    settings: SetOption = None,
+    angle: Annotated[
+        float, typer.Option(help="Start the estimators at this angle [electrical degrees].")
+    ] = 0.0,
+    speed: Annotated[
+        float, typer.Option(help="Start the estimators at this speed of the shaft [r/min].")
+    ] = 0.0,
     delay: Annotated[
         int,
-        typer.Option(help="Rows from a voltage to where it acts: 0 acts at once, 1 a command."),
+        typer.Option(
+            help="Shift the logged voltages by this many rows: 0 if a row holds the voltage that "
+            "acts in its period, 1 if it holds the command for the next."
+        ),
     ] = 0,
-    after: Annotated[float, typer.Option(min=0.0, help="Errors count from here on [s].")] = 0.0,
-    out: Annotated[Path | None, typer.Option(help="Estimates as CSV.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Picture as PNG.")] = None,
+    after: Annotated[
+        float,
+        typer.Option(
+            metavar="<float>", min=0.0, help="Count errors only from this time of the log on [s]."
+        ),
+    ] = 0.0,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.csv", help="Write the estimates as CSV. Default: no file."),
+    ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.png", help="Draw the estimates as a PNG picture. Default: no picture."
+        ),
+    ] = None,
 ) -> None:
-    """Run the observers, their blend and a Kalman filter over a recorded log.
+    """Run the drive's estimators and a Kalman filter over the log of a real drive.
 
-    The log has time, two or three phase currents and the applied voltages or duty cycles; with an
-    encoder angle the errors are known. No estimator sees the encoder.
+    The log has time, two or three phase currents, and the applied voltages or duty cycles. If it
+    also has the angle of an encoder, the errors are printed; no estimator sees the encoder.
+
+    For example:
+
+        sensorless replay sample --after 0.05 --plot replay.png
+        sensorless replay drive.csv --motor my.toml --out estimates.csv
     """
     from sensorless.design.words import design_from
     from sensorless.files import check_writable

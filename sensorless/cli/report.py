@@ -7,43 +7,72 @@ from typing import Annotated
 
 import typer
 
-from sensorless.cli.options import MotorOption, SetOption, console, policy_progress
+from sensorless.cli.options import (
+    POLICIES,
+    MotorOption,
+    SeedOption,
+    SetOption,
+    console,
+    policy_progress,
+)
 from sensorless.errors import UserError
 
 
 def report_command(
     run: Annotated[
         str,
-        typer.Argument(help="Folder of a training run, or any other policy of evaluate --list."),
+        typer.Argument(metavar="POLICY", help=f"Report on this policy: {POLICIES}."),
     ],
     out: Annotated[
-        Path | None, typer.Option(help="Folder to write; default: report in the run's folder.")
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Write to this folder. Default: the folder `report` inside the training run.",
+        ),
     ] = None,
     suite: Annotated[
         list[str] | None,
-        typer.Option("--suite", help="Suite to judge on; repeatable. Default: stress, handoff."),
+        typer.Option(
+            "--suite",
+            metavar="SUITE",
+            help="Judge on this suite of scenarios (`sensorless evaluate --help` explains them); "
+            "repeat the option for several. Default: stress and handoff.",
+        ),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Draws the scenarios.")] = 7,
-    size: Annotated[int, typer.Option(min=2, help="Scenarios of a suite.")] = 400,
+    seed: SeedOption = 7,
+    size: Annotated[
+        int, typer.Option(metavar="N", min=2, help="Draw this many scenarios per suite.")
+    ] = 400,
     grid: Annotated[
-        int, typer.Option(min=2, max=201, help="Points of the envelope maps along an axis.")
+        int,
+        typer.Option(
+            metavar="N",
+            min=2,
+            max=201,
+            help="Map where lock holds on this many speeds and as many loads.",
+        ),
     ] = 21,
     policy: Annotated[
         list[str] | None,
         typer.Option(
             "--policy",
-            help="Compare with this one; repeatable. Default: eq25, every tuned rule that is "
-            "shipped, oracle, sensored.",
+            metavar="POLICY",
+            help="Compare with this policy; repeat the option for several. Default: eq25, every "
+            "shipped tuned rule, oracle and sensored.",
         ),
     ] = None,
     motor: MotorOption = "paper",
     settings: SetOption = None,
 ) -> None:
-    """Judge a schedule and write one HTML page about it, with its figures as PNG beside it.
+    """Judge a policy and write one HTML page about it, with its figures as PNG beside it.
 
-    The page needs no other file: results with intervals, losses by quadrant and speed, worst
-    cases, what holds lock over speed and load, the schedule beside Eq. 25, waveforms of hand-overs,
-    learning curves, and the commands that make each of them again.
+    The page stands alone. It shows results with intervals, losses by quadrant and by speed, worst
+    cases, where lock holds over speed and load, the schedule beside Eq. 25 (the linear rule of the
+    source paper), waveforms of hand-overs, learning curves, and the command behind each of them.
+
+    For example:
+
+        sensorless report runs/first --policy eq25 --policy hysteresis --size 200
     """
     from sensorless.design.words import design_from
     from sensorless.machine.motor import Motor
@@ -51,9 +80,11 @@ def report_command(
     from sensorless.report.report import SUITES, Report
 
     machine = Motor.load(motor)
-    make_policy(run, machine)  # a word that means nothing is told before anything else
+    make_policy(run, machine)  # reject an unknown policy before doing any work
     if out is None and not Path(run).is_dir():
-        raise UserError(f"out: {run!r} is no folder to write into; allowed: with --out FOLDER")
+        raise UserError(
+            f"out: {run!r} is not a training run's folder; say where to write with --out FOLDER"
+        )
     folder = Path(run) / "report" if out is None else out
     options = [] if motor == "paper" else ["--motor", motor]
     options += [word for setting in settings or [] for word in ("--set", setting)]

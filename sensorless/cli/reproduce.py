@@ -4,28 +4,33 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-console = Console()
+from sensorless.cli.options import console, errors
 
 
-def reproduce(
-    out: Annotated[Path, typer.Option(help="Folder for page, data and pictures.")] = Path(
-        "results"
-    ),
+def reproduce_command(
+    out: Annotated[
+        Path,
+        typer.Option(metavar="FOLDER", help="Write page, data and pictures to this folder."),
+    ] = Path("results"),
 ) -> None:
-    """Run the source paper's figures and claims: the paper, ours as published, ours corrected.
+    """Rerun the experiments of the source paper and set our figures beside the printed ones.
 
-    Figs. 4, 9, 11, 12, 13/14 and the abstract's numbers, on one page (paper.md) with pictures, and
-    as data (paper.json). Takes seconds.
+    One page (paper.md), with the same numbers as data (paper.json), gives for Figs. 4, 9, 11, 12,
+    13/14 and the abstract what the paper prints, what our drive does as published, and what it
+    does with the corrections. The pictures show our two drives. Takes seconds.
+
+    For example:
+
+        sensorless reproduce --out paper
     """
     from sensorless.files import ensure_writable
     from sensorless.reproduce.reproduce import reproduce as run
 
     ensure_writable(out)
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with Progress(*columns, console=errors, transient=True) as bar:
         task = bar.add_task("reproduce", total=1.0)
         files = run(out, lambda done: bar.update(task, completed=done))
     for path in files:

@@ -8,14 +8,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from sensorless.agents.train.config import TrainConfig
+from sensorless.cli.options import SetOption, console, describe, errors
 from sensorless.errors import UserError
-
-console = Console()
-errors = Console(stderr=True)
 
 RUNS = Path("runs")
 
@@ -53,31 +50,46 @@ def with_options(cls: type, function: Callable[..., None]) -> Callable[..., None
 
 def _train(
     *,
-    name: Annotated[str | None, typer.Option(help="Run folder below runs/.")] = None,
-    resume: Annotated[Path | None, typer.Option(help="Go on with the run in this folder.")] = None,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30."),
+    name: Annotated[
+        str | None,
+        typer.Option(
+            help="Write the run to this new folder below runs/. Default: none; give --name or "
+            "--resume."
+        ),
     ] = None,
+    resume: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER", help="Resume the run in this folder. Default: start a new run."
+        ),
+    ] = None,
+    settings: SetOption = None,
     **fields: Any,
 ) -> None:
-    """Train a schedule with PPO; the table is the policy, and starts as a copy of Eq. 25.
+    """Train a schedule for k_s with PPO, a method of reinforcement learning.
 
-    The run folder gets config.json (settings, command, versions, seed), start.json, the best
-    schedule found in validation (table.json, or mlp.npz with --policy-kind mlp; the folder is
-    usable as --policy), checkpoints, progress.csv and TensorBoard logs below tb/. The same --seed
-    and --steps give the same schedule to the bit on the same machine; --minutes does not. Ctrl-C
-    keeps a checkpoint; go on with --resume FOLDER (--minutes and --steps then count from there; not
-    bit-identical to a run never interrupted).
+    The table itself is the policy. It starts as a copy of Eq. 25, the linear rule of the source
+    paper. The run folder, runs/NAME, holds the best schedule found in validation (table.json, or
+    mlp.npz with --policy-kind mlp), config.json (settings, command, versions, seed), start.json,
+    checkpoints, progress.csv and TensorBoard logs in tb/; every --policy option takes the folder.
 
+    The same --seed and --steps give the same schedule to the bit on the same computer; --minutes
+    does not. Ctrl-C keeps a checkpoint, and --resume FOLDER continues from it: --minutes and
+    --steps count from there, and the result is not bit-identical to an uninterrupted run.
+
+    For example:
+
+        sensorless train --name first --minutes 5
         sensorless tune linear --out linear.json
-
-        sensorless train --name better --start linear.json --axes speed:16 --steps 4000000
+        sensorless train --name better --start linear.json --axes speed:16
     """
     from sensorless.design.words import design_from
 
     if (name is None) == (resume is None):
-        raise UserError("name, resume: allowed: exactly one, --name NEW or --resume FOLDER")
+        raise UserError(
+            "name, resume: give one of the two, --name NEW to start a run or --resume FOLDER to "
+            "continue one"
+        )
     folder = resume if resume is not None else RUNS / str(name)
     run_training(TrainConfig(**fields), design_from(settings), folder, resume=resume is not None)
 
@@ -99,9 +111,8 @@ def run_training(config: TrainConfig, design: Any, folder: Path, *, resume: bool
         bar.update(task, completed=done, description=f"{steps / 1e6:.2f} M decisions")
         if found is not None:
             (errors if quiet else bar.console).print(
-                f"{100 * done:3.0f} %, {steps / 1e6:5.2f} M decisions, validation: lost "
-                f"{100 * found.lost_rate:.1f} %, torque deviation {100 * found.torque_dev:.2f} %, "
-                f"ripple {100 * found.torque_ripple:.2f} %",
+                f"{100 * done:3.0f} %, {steps / 1e6:5.2f} M decisions, validation: "
+                f"{describe(vars(found))}",
                 highlight=False,
             )
 
@@ -113,7 +124,7 @@ def run_training(config: TrainConfig, design: Any, folder: Path, *, resume: bool
                 source = table_named(config.start, Motor.load(config.motor))
                 training.train(config, design, folder, source, report=report)
     except KeyboardInterrupt:
-        errors.print(f"interrupted; go on with: sensorless train --resume {folder}")
+        errors.print(f"interrupted; resume with: sensorless train --resume {folder}")
         raise typer.Exit(130) from None
     console.print(f"best schedule: {folder}")
 

@@ -8,37 +8,64 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from sensorless.cli.options import EngineOption, RayAddressOption, console, errors
+from sensorless.cli.options import (
+    EngineOption,
+    MotorOption,
+    RayAddressOption,
+    SetOption,
+    console,
+    describe,
+    errors,
+)
 
 if TYPE_CHECKING:
     from sensorless.evaluation.objective import Cost
 
 
 def tune_command(
-    name: Annotated[str, typer.Argument(help="Rule with parameters, see evaluate --list.")],
-    out: Annotated[Path, typer.Option(help="JSON file to write.")],
-    budget: Annotated[float, typer.Option(help="Time that may be simulated [s].")] = 20000.0,
-    seed: Annotated[int, typer.Option(min=0, help="Draws scenarios and search.")] = 1,
-    motor: Annotated[str, typer.Option(help="Shipped motor by name, or a TOML file.")] = "paper",
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="RULE",
+            help="Tune this rule; `sensorless evaluate --list` names all rules, and those with "
+            "numbers after a colon can be tuned.",
+        ),
+    ],
+    out: Annotated[Path, typer.Option(metavar="FILE.json", help="Write the tuned rule here.")],
+    budget: Annotated[
+        float, typer.Option(help="Simulate at most this much time of a drive [s].")
+    ] = 20000.0,
+    seed: Annotated[
+        int,
+        typer.Option(
+            metavar="N",
+            min=0,
+            help="Draw scenarios and search from this seed; it makes the run repeatable.",
+        ),
+    ] = 1,
+    motor: MotorOption = "paper",
     machines: Annotated[
         int,
-        typer.Option(min=0, help="Tune over so many random machines of the seed instead; 0: none."),
+        typer.Option(
+            metavar="N",
+            min=0,
+            help="Tune over this many random machines, drawn from the seed, instead of the motor; "
+            "0 tunes for the motor alone.",
+        ),
     ] = 0,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="Drive design, e.g. smo_pll_hz=30."),
-    ] = None,
+    settings: SetOption = None,
     engine: EngineOption = "local",
     ray_address: RayAddressOption = None,
 ) -> None:
-    """Tune the parameters of a hand-over rule by CMA-ES.
+    """Tune the numbers of a hand-over rule with CMA-ES, an evolutionary search.
 
-    Makes 10 lost_rate + torque deviation + torque ripple least, on stress scenarios that training
-    and judging never see. The same words give the same file, on any engine. Ctrl-C keeps the best
-    found so far.
+    It minimises 10 lost_rate + torque deviation + torque ripple on stress scenarios that training
+    and judging never see. The same command gives the same file, on any engine. Ctrl-C keeps the
+    best rule found so far.
+
+    For example:
 
         sensorless tune linear --budget 20000 --out linear-tuned.json
-
         sensorless evaluate --policy eq25 --policy linear-tuned.json
     """
     from sensorless.design.words import design_from
@@ -55,7 +82,7 @@ def tune_command(
     task = bar.add_task("", total=1.0)
 
     def report(done: float, best: "Cost", start: "Cost") -> None:
-        bar.update(task, completed=done, description=f"best: {_words(best)}")
+        bar.update(task, completed=done, description=f"best: {describe(vars(best))}")
 
     with engine_named(engine, ray_address) as where, bar:
         found = tune(
@@ -72,19 +99,8 @@ def tune_command(
     found.save(out)
     known = found.provenance
     for label in ("start", "best"):
-        console.print(f"{label:5}: {_words_of(known[label])}", highlight=False)
+        console.print(f"{label:5}: {describe(known[label])}", highlight=False)
     console.print(f"policy: {known['policy']}\nwrote {out}", highlight=False, soft_wrap=True)
     if known["interrupted"]:
         errors.print(f"interrupted after {known['used_s']:g} s of {budget:g} s simulated")
         raise typer.Exit(130)
-
-
-def _words(found: "Cost") -> str:
-    return _words_of(vars(found))
-
-
-def _words_of(scores: dict[str, float]) -> str:
-    return (
-        f"lost {100 * scores['lost_rate']:.1f} %, torque deviation "
-        f"{100 * scores['torque_dev']:.2f} %, ripple {100 * scores['torque_ripple']:.2f} %"
-    )

@@ -1,0 +1,57 @@
+"""The command ``sensorless demo``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sensorless.cli.options import SeedOption, console, errors, policy_progress
+
+
+def demo_command(
+    out: Annotated[
+        Path,
+        typer.Option(
+            metavar="FOLDER",
+            help="Write everything to this folder: a new one, or that of an earlier demo, which is "
+            "replaced.",
+        ),
+    ] = Path("build/demo"),
+    minutes: Annotated[float, typer.Option(help="Train for this long [min].")] = 2.0,
+    size: Annotated[
+        int,
+        typer.Option(metavar="N", min=2, help="Judge on this many scenarios of the suite stress."),
+    ] = 400,
+    seed: SeedOption = 7,
+) -> None:
+    """Train, judge, draw and export a schedule for the paper's motor in about three minutes.
+
+    The schedule starts as Eq. 25, the linear rule of the source paper, and learns with PPO. It is
+    judged beside three rules and a drive with a position sensor on stress scenarios, which draw
+    load, machine and sensor errors at random. Figures, results and C code land in one folder.
+
+    For example:
+
+        sensorless demo --minutes 1 --out build/demo
+    """
+    from sensorless.agents.train.config import TrainConfig
+    from sensorless.cli.demo_steps import ESTIMATOR, draw, fresh_folder, hand_over, judge
+    from sensorless.cli.train import run_training
+    from sensorless.design.drive import DriveDesign
+
+    config = TrainConfig(minutes=minutes)
+    fresh_folder(out)
+    run = out / "ppo-table"
+    errors.print(f"[bold]1/4[/] training a schedule for {minutes:g} min, starting from Eq. 25")
+    run_training(config, DriveDesign(estimator=ESTIMATOR), run, resume=False)
+    errors.print(f"[bold]2/4[/] judging it on {size} stress scenarios")
+    with policy_progress() as report:
+        results = judge(out, f"./{run}" if not run.is_absolute() else str(run), size, seed, report)
+    errors.print("[bold]3/4[/] drawing figures")
+    figures = draw(out, str(run), results)
+    errors.print("[bold]4/4[/] exporting the C code and checking it")
+    folder, said = hand_over(out, str(run))
+    console.print(results.table())
+    console.print(f"figures:  {', '.join(map(str, figures))}", soft_wrap=True)
+    console.print(f"results:  {out / 'results.json'}", soft_wrap=True)
+    console.print(f"firmware: {folder} ({said})", soft_wrap=True)

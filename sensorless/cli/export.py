@@ -1,0 +1,63 @@
+"""The command ``sensorless export``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sensorless.cli.options import MotorOption, SetOption, console
+
+ScheduleArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCHEDULE",
+        help="Take this schedule: the folder of a training run, a file that `sensorless tune` "
+        "wrote, or a rule that is a table, such as eq25, linear:LO,HI, smoothstep, fuzzy or "
+        "constant:K.",
+    ),
+]
+
+
+def export_command(
+    run: ScheduleArgument,
+    out: Annotated[
+        Path,
+        typer.Option(
+            metavar="FOLDER",
+            help="Write to this folder: a new one, or an earlier export, which is replaced.",
+        ),
+    ],
+    motor: MotorOption = "paper",
+    settings: SetOption = None,
+    fit: Annotated[
+        bool,
+        typer.Option(
+            "--fit/--no-fit",
+            help="Also fit the two speed thresholds of a linear rule to the table, for firmware "
+            "that cannot look up a table.",
+        ),
+    ] = True,
+) -> None:
+    """Write a schedule and the control core around it as C99, and check the copy.
+
+    The folder holds the table in float32, in Q15 and in the layout of CMSIS-DSP, the control core,
+    params.h, golden vectors (inputs with the outputs they must give) and a Makefile. If there is a
+    C compiler, the self test is compiled and run at once: the C code must give every golden output
+    to the bit.
+
+    For example:
+
+        sensorless export runs/first --motor paper --out firmware_first
+    """
+    from sensorless.design.words import design_from
+    from sensorless.export.export import export as write
+    from sensorless.export.export import table_of
+    from sensorless.machine.motor import Motor
+    from sensorless.policies.registry import make_policy
+    from sensorless.policy import design_for
+
+    machine = Motor.load(motor)
+    policy = make_policy(run, machine)
+    table, design = table_of(policy, run), design_for(policy, design_from(settings))
+    done = write(table, machine, design, out, policy=policy.name, fit=fit)
+    console.print(f"wrote {len(done.files)} files to {done.folder}\n{done.self_test.message}")

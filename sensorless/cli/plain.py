@@ -1,0 +1,32 @@
+"""Commands whose help shows what a user types: a flag takes no value, so it shows no ``<bool>``."""
+
+from typing import Any, TypeVar
+
+from typer.core import TyperCommand, TyperGroup
+
+P = TypeVar("P")
+
+
+def without_types(params: list[P]) -> list[P]:
+    """Return the options themselves, with the type of every flag left out of their help."""
+    for param in params:
+        given: Any = param
+        if getattr(given, "is_flag", False) and given.metavar is None:
+            given.metavar = ""
+    return params
+
+
+class Command(TyperCommand):
+    """A command with plain flags."""
+
+    def get_params(self, ctx: Any) -> Any:
+        """Options and arguments, ``--help`` among them."""
+        return without_types(super().get_params(ctx))
+
+
+class Group(TyperGroup):
+    """A group of commands with plain flags."""
+
+    def get_params(self, ctx: Any) -> Any:
+        """Options, ``--help`` among them."""
+        return without_types(super().get_params(ctx))

@@ -1,0 +1,169 @@
+"""The command ``sensorless simulate``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sensorless.cli.options import MotorOption, PolicyOption, SetOption, console
+from sensorless.errors import UserError
+
+
+def simulate_command(
+    motor: MotorOption = "paper",
+    policy: PolicyOption = "eq25",
+    speed: Annotated[
+        str,
+        typer.Option(
+            metavar="PLAN",
+            help="Follow this plan of speeds, TIME:SPEED,...: from each time [s] on, the reference "
+            "is this speed [r/min].",
+        ),
+    ] = "0:200,1:350,2:600",
+    load: Annotated[
+        str,
+        typer.Option(
+            metavar="PLAN",
+            help="Follow this plan of loads, TIME:TORQUE,...: from each time [s] on, the load is "
+            "this torque [N m].",
+        ),
+    ] = "0:0",
+    ramp: Annotated[
+        float | None,
+        typer.Option(
+            help="Let the speed reference rise and fall with this slope [r/min/s]. Default: it "
+            "steps."
+        ),
+    ] = None,
+    duration: Annotated[float, typer.Option(help="Simulate this long [s].")] = 3.0,
+    scenario: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SCENARIO",
+            help="Replay one scenario of a suite instead of the plans: SUITE:SEED:INDEX, or "
+            "SUITE:SEED:INDEX:SIZE for the suite envelope. `sensorless evaluate` lists its worst "
+            "cases this way, for example stress:7:12. Default: the plans.",
+        ),
+    ] = None,
+    seed: Annotated[
+        int,
+        typer.Option(
+            metavar="N", min=0, help="Draw the noise of the current sensors from this seed."
+        ),
+    ] = 0,
+    start: Annotated[
+        bool,
+        typer.Option(
+            "--start",
+            help="Let the drive find the rotor's angle, pole and speed before it runs. Default: "
+            "it knows them.",
+        ),
+    ] = False,
+    theta_err: Annotated[
+        float,
+        typer.Option(
+            help="Turn the rotor this far ahead of the drive's first angle [electrical degrees]."
+        ),
+    ] = 0.0,
+    spin: Annotated[
+        float, typer.Option(help="Let the shaft spin at this speed when the run begins [r/min].")
+    ] = 0.0,
+    settings: SetOption = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.png", help="Draw the waveforms as a PNG picture. Default: no picture."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.csv",
+            help="Write the run as CSV, one row per PWM period; with --plant, the machine's run. "
+            "Default: no file.",
+        ),
+    ] = None,
+    log: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.csv",
+            help="Write what a real drive would record as CSV, ready for `sensorless replay`. "
+            "Default: no file.",
+        ),
+    ] = None,
+    plant: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.json",
+            help="Run only the machine of this JSON file, without a drive; needs --inputs and "
+            "--out. Default: the whole drive.",
+        ),
+    ] = None,
+    inputs: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.csv",
+            help="Feed --plant with these voltages: columns u_alpha, u_beta [V] and optionally "
+            "tau_L [N m], one row per PWM period. Default: no --plant.",
+        ),
+    ] = None,
+) -> None:
+    """Run one drive and look at it, or run the machine alone under given voltages.
+
+    Prints how the drive followed its speed reference, how far its angle was off, and whether it
+    kept lock. Without options it runs Fig. 9 of the source paper under Eq. 25: 200, 350 and
+    600 r/min without load, which crosses from injection to the observer.
+
+    For example:
+
+        sensorless simulate --plot fig9.png
+        sensorless simulate --speed 0:150,1:650 --ramp 600 --load 0:0,0.5:6
+        sensorless simulate --scenario stress:7:12 --policy hysteresis --out run.csv
+    """
+    from sensorless.files import check_writable
+
+    check_writable(plot, "plot")
+    check_writable(out)
+    check_writable(log, "log")
+    if plant is not None or inputs is not None:
+        from sensorless.plant.run import simulate_plant
+
+        if plant is None or inputs is None or out is None:
+            raise UserError(
+                "plant, inputs: a machine alone needs --plant, --inputs and --out; give all three"
+            )
+        simulate_plant(plant, inputs, out)
+        console.print(f"wrote {out}")
+        return
+    from sensorless.design.words import design_from
+    from sensorless.envs.scenarios.words import plan_from, scenario_from
+    from sensorless.evaluation.trace import trace, write_csv
+    from sensorless.evaluation.trace_summary import summary_table
+    from sensorless.machine.motor import Motor
+    from sensorless.policies.registry import make_policy
+
+    machine, design = Motor.load(motor), design_from(settings)
+    rule = make_policy(policy, machine)
+    case = (
+        scenario_from(scenario, machine)
+        if scenario is not None
+        else plan_from(
+            speed, load, ramp, duration, machine, seed, start=start, theta_err=theta_err, spin=spin
+        )
+    )
+    run = trace(rule, case, machine, design)
+    console.print(summary_table(run, rule.name))
+    if out is not None:
+        write_csv(run, out)
+        console.print(f"wrote {out}")
+    if log is not None:
+        from sensorless.replay.log import write_log
+
+        write_log(run, log)
+        console.print(f"wrote {log}")
+    if plot is not None:
+        from sensorless.plots.figure import save
+        from sensorless.plots.waveforms import waveforms
+
+        save(waveforms({f"{machine.name}, {rule.name}, {scenario or 'planned run'}": run}), plot)
+        console.print(f"wrote {plot}")

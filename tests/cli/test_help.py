@@ -1,0 +1,109 @@
+"""The help of every command, read as a user reads it."""
+
+import dataclasses
+import inspect
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import typer.main
+from typer.testing import CliRunner
+
+from sensorless.agents.train.config import TrainConfig
+from sensorless.cli.app import app
+from sensorless.envs.scenarios.suites import SUITES
+from sensorless.machine.motor import MOTORS
+
+ACTIONS = {"--help", "--install-completion", "--show-completion"}
+PLAIN = {"--smoothness"}
+"""Numbers without a unit."""
+
+
+def commands() -> Iterator[tuple[str, Any]]:
+    """Every command with its path, groups included."""
+    waiting: list[tuple[str, Any]] = [("", typer.main.get_command(app))]
+    while waiting:
+        path, command = waiting.pop()
+        yield path, command
+        below = getattr(command, "commands", {})
+        waiting += [(f"{path} {name}".strip(), part) for name, part in below.items()]
+
+
+COMMANDS = dict(commands())
+
+
+def options(path: str) -> list[Any]:
+    command = COMMANDS[path]
+    return [p for p in command.get_params(context(command)) if p.param_type_name == "option"]
+
+
+def context(command: Any) -> Any:
+    return command.make_context("sensorless", [], resilient_parsing=True)
+
+
+def test_every_command_is_here() -> None:
+    assert {"", "simulate", "export", "demo", "identify cross-coupling"} <= set(COMMANDS)
+    assert len(COMMANDS) >= 14
+
+
+@pytest.mark.parametrize("path", COMMANDS)
+def test_the_help_of_a_command_teaches_by_example(path: str) -> None:
+    text = inspect.cleandoc(COMMANDS[path].help)
+    first = text.split("\n\n", maxsplit=1)[0]
+    assert first[0].isupper() and first.endswith(".") and len(first) < 100
+    examples = re.findall(r"^    sensorless (.*)$", text, re.MULTILINE)
+    own = [line for line in examples if line.startswith(path)]
+    assert own, "an example of the command itself"
+    for line in examples:
+        assert len(line) < 70, "fits a terminal of 80 columns"
+        known = typer.main.get_command(app)
+        words = line.split()
+        group: Any = known
+        while words and getattr(group, "commands", {}).get(words[0]) is not None:
+            group = group.commands[words.pop(0)]
+        group.make_context("sensorless", words, resilient_parsing=True)  # refuses unknown options
+
+
+@pytest.mark.parametrize("path", COMMANDS)
+def test_every_option_is_a_sentence_with_unit_and_default(path: str) -> None:
+    fields = {f.name for f in dataclasses.fields(TrainConfig)} if path == "train" else set()
+    for option in options(path):
+        if option.name in fields:
+            continue  # declared with their range in agents/train/config.py
+        name, text = option.opts[0], option.help
+        assert text and text[0].isupper() and text.endswith("."), name
+        assert not re.search(r"\bas in\b|allowed", text, re.IGNORECASE), name
+        stated = option.required or option.default is not None or "Default: " in text
+        assert stated or name in ACTIONS, f"{name}: default"
+        number = option.type_descriptor.annotation is float
+        assert not number or name in PLAIN or re.search(r"\[[^\]]+\]", text), f"{name}: unit"
+
+
+@pytest.mark.parametrize("path", COMMANDS)
+def test_the_printed_help_shows_no_type_of_a_flag(path: str) -> None:
+    done = CliRunner().invoke(app, [*path.split(), "--help"], env={"COLUMNS": "80"})
+    assert done.exit_code == 0
+    for odd in ("<bool>", "<int range>", "<float range>", "<unprocessed"):
+        assert odd not in done.output
+
+
+def test_the_first_page_helps_a_newcomer() -> None:
+    text = CliRunner().invoke(app, ["--help"], env={"COLUMNS": "80"}).output
+    for word in ("HFI", "SMO", "k_s", "PPO", "--version", "--install-completion"):
+        assert word in text
+    for path in COMMANDS:
+        assert path.split(" ")[0] in text
+
+
+def test_the_help_names_every_suite_and_motor() -> None:
+    (suite,) = (o for o in options("evaluate") if o.name == "suite")
+    assert all(re.search(rf"\b{name}\b", suite.help) for name in SUITES)
+    (motor,) = (o for o in options("evaluate") if o.name == "motor")
+    assert all(path.stem in motor.help for path in MOTORS.glob("*.toml"))
+
+
+def test_version() -> None:
+    done = CliRunner().invoke(app, ["--version"])
+    assert done.exit_code == 0
+    assert re.fullmatch(r"sensorless .+, core [0-9a-f]{16}, Python 3\.\d+\.\d+\n", done.output)
