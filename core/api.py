@@ -88,18 +88,22 @@ PROFILE_N: int = lib.PROFILE_N
 CURVE_N: int = lib.CURVE_N
 
 
-def _enum_names(prefix: str) -> tuple[str, ...]:
-    """Lower-case names of an enumeration's constants, without prefix, by value."""
-    names = [n for n in dir(lib) if n.startswith(prefix) and n != f"{prefix}N"]
-    return tuple(n[len(prefix) :].lower() for n in sorted(names, key=lambda n: getattr(lib, n)))
+def enumeration(prefix: str) -> dict[str, int]:
+    """Constants of the core's enumeration ``prefix``, in ascending order.
+
+    By lower-case name without the prefix; PREFIX_N, their number, is not one of them.
+    """
+    names = (n for n in dir(lib) if n.startswith(prefix) and n != f"{prefix}N")
+    found = {n[len(prefix) :].lower(): int(getattr(lib, n)) for n in names}
+    return dict(sorted(found.items(), key=lambda item: item[1]))
 
 
-TRACE_NAMES = _enum_names("TRACE_")
-CARRIER_NAMES = _enum_names("CARRIER_")
-REPLAY_NAMES = _enum_names("REPLAY_")
+TRACE_NAMES = tuple(enumeration("TRACE_"))
+CARRIER_NAMES = tuple(enumeration("CARRIER_"))
+REPLAY_NAMES = tuple(enumeration("REPLAY_"))
 PIECES_A_PERIOD: int = lib.PIECES_A_PERIOD
-SIGNAL_NAMES = _enum_names("SIGNAL_")
-TRUTH_NAMES = _enum_names("TRUTH_")
+SIGNAL_NAMES = tuple(enumeration("SIGNAL_"))
+TRUTH_NAMES = tuple(enumeration("TRUTH_"))
 
 
 def pointer(array: Array, ctype: str) -> Any:

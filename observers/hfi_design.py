@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from sensorless.core.api import lib
+from sensorless.core.api import enumeration
 from sensorless.machine.motor import Motor
 from sensorless.observers.pll_design import pll_gains
 
-SCHEMES = {"rotating": lib.HFI_ROTATING, "stationary": lib.HFI_STATIONARY}
+SCHEMES = enumeration("HFI_")
 
 
 def hf_current(motor: Motor) -> float:

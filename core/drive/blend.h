@@ -15,7 +15,7 @@
 #include "frames.h"
 
 enum {
-    ESTIMATE_ANGLES = 0,    /* the weighted angle above */
+    ESTIMATE_SMO = 0,       /* the weighted angle above, sliding-mode observer */
     ESTIMATE_UNWRAPPED = 1, /* Eq. 26 as printed, for comparison */
     ESTIMATE_ERRORS = 2,    /* weighted error signals in one loop */
     ESTIMATE_FLUX = 3       /* the weighted angle, flux observer instead of sliding mode */

@@ -20,7 +20,7 @@ static int lane_fits(const sim_t *s, const sim_t *first) {
 }
 
 int batch_fits(const sim_t *sims, int32_t count, int most) {
-    int fits = count >= LANES_WORTH && (sims->control.estimator == ESTIMATE_ANGLES ||
+    int fits = count >= LANES_WORTH && (sims->control.estimator == ESTIMATE_SMO ||
                                         sims->control.estimator == ESTIMATE_FLUX);
     for (int l = 0; l < count; l++) {
         fits = fits && lane_fits(&sims[l], sims);

@@ -36,11 +36,11 @@ CORE_INLINE void block_period(block_t *restrict block, const float *restrict k_s
 }
 
 CORE_APART void block_period_twin(block_t *restrict block, const float *restrict k_s_ref) {
-    block_period(block, k_s_ref, 1, ESTIMATE_ANGLES);
+    block_period(block, k_s_ref, 1, ESTIMATE_SMO);
 }
 
 CORE_APART void block_period_alone(block_t *restrict block, const float *restrict k_s_ref) {
-    block_period(block, k_s_ref, 0, ESTIMATE_ANGLES);
+    block_period(block, k_s_ref, 0, ESTIMATE_SMO);
 }
 
 CORE_APART void block_period_flux_twin(block_t *restrict block, const float *restrict k_s_ref) {

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sensorless.core.api import CONTROL, PLANT, SENSOR, Array, lib
+from sensorless.core.api import CONTROL, PLANT, SENSOR, Array, enumeration
 from sensorless.design.control import design_control, design_curves, operating_line
 from sensorless.design.cross_coupling import KINDS, is_known
 from sensorless.design.sound import require_finite
@@ -23,12 +23,7 @@ from sensorless.observers.start_design import design_start
 SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
 
-ESTIMATORS = {
-    "smo": lib.ESTIMATE_ANGLES,
-    "unwrapped": lib.ESTIMATE_UNWRAPPED,
-    "errors": lib.ESTIMATE_ERRORS,
-    "flux": lib.ESTIMATE_FLUX,
-}
+ESTIMATORS = enumeration("ESTIMATE_")
 """By the name of what estimates beside the injection."""
 
 RENAMED = {"angles": "smo"}

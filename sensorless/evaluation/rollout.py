@@ -7,7 +7,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core.api import SIGNAL_N, SIM, Array, lib, sim_run, sim_signals, sums_matrix
+from sensorless.core.api import (
+    SIGNAL_N,
+    SIM,
+    Array,
+    enumeration,
+    sim_run,
+    sim_signals,
+    sums_matrix,
+)
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, decide, decision_periods, estimator_of
@@ -17,13 +25,8 @@ CHUNK = 256
 
 Floats = NDArray[np.float64]
 
-CAUSES: dict[str, int] = {
-    "angle": lib.LOST_ANGLE,
-    "current": lib.LOST_CURRENT,
-    "nonfinite": lib.LOST_NONFINITE,
-    "twin": lib.LOST_TWIN,
-}
-"""Bits of ``Rollout.lost``, LOST_* of ``core/sim/sim.h``: why a drive stopped before its end."""
+CAUSES = enumeration("LOST_")
+"""Bits of ``Rollout.lost``, see ``core/sim/sim.h``: why a drive stopped before its end."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The table as the firmware holds it: a header ``ks_table_t`` and stored node values.
 
-Checksums, check and lookup are those of ``core/ks_table.c``.
+Checksums, check and lookup are those of ``core/drive/ks_table.c``.
 """
 
 import numpy as np
