@@ -1,9 +1,10 @@
-"""What pyproject.toml cannot hold: the C core, built by cffi, and a check of the links."""
+"""What pyproject.toml cannot hold: the C core, the wheel's tag, and a check of the links."""
 
 import sys
 from pathlib import Path
 
 from setuptools import setup
+from setuptools.command.bdist_wheel import bdist_wheel
 
 LINKS = ("agents", "baselines", "core", "envs", "firmware", "observers", "reference")
 
@@ -14,4 +15,18 @@ for name in LINKS:
             "links. Clone again with: git clone -c core.symlinks=true"
         )
 
-setup(cffi_modules=["core/binding.py:ffibuilder"])
+OLDEST = "cp310"
+"""As in requires-python."""
+
+
+class Wheel(bdist_wheel):  # type: ignore[misc]
+    """Tagged abi3 where cffi builds the core for every later Python, which it does on CPython."""
+
+    def finalize_options(self) -> None:
+        """Read what cffi decided."""
+        if all(extension.py_limited_api for extension in self.distribution.ext_modules):
+            self.py_limited_api = OLDEST
+        super().finalize_options()
+
+
+setup(cffi_modules=["core/binding.py:ffibuilder"], cmdclass={"bdist_wheel": Wheel})
