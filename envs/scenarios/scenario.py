@@ -18,6 +18,8 @@ Bools = NDArray[np.bool_]
 NEVER: int = lib.NEVER
 LOST_ANGLE_DEG = 60.0
 LOST_TIME = 0.01
+U_DC_TIME = 0.01
+"""Time in which the DC link would move by its nominal voltage between its targets [s]."""
 
 
 @dataclass
@@ -201,4 +203,4 @@ def _fill_profile(profile: Array, s: Scenarios, motor: Motor) -> None:
     profile["tau"] = s.tau
     profile["tau_step"] = np.minimum(s.tau_rate * T_s, top)
     profile["u_dc"] = motor.u_dc * s.u_dc
-    profile["u_dc_step"] = motor.u_dc * T_s / 0.01
+    profile["u_dc_step"] = motor.u_dc * T_s / U_DC_TIME

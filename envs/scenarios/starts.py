@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.envs.counter_random import Draws, Seeds
+from sensorless.envs.scenarios.ranges import DEAD_TIME, PSI_F, R_S, any_inertia
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.machine.motor import Motor
 
@@ -44,10 +45,10 @@ def starts_scenarios(
     way = np.where(d.chance(0.5), 1.0, -1.0)
     s.omega[:, 1:] = (way * d.uniform(0.1, 0.4) * omega_rated)[:, None]
 
-    s.R_s = d.uniform(0.75, 1.40)
-    s.psi_f = d.uniform(0.94, 1.06)
-    s.J = np.exp(d.uniform(np.log(0.5), np.log(3.0)))
-    s.dead_time = d.uniform(0.25, 1.5) * motor.dead_time
+    s.R_s = d.uniform(*R_S)
+    s.psi_f = d.uniform(*PSI_F)
+    s.J = any_inertia(d)
+    s.dead_time = d.uniform(*DEAD_TIME) * motor.dead_time
     s.noise = d.uniform(0.002, 0.012) * (motor.i_rated / 5.63)
     s.gain = 1.0 + np.stack([d.uniform(-0.02, 0.02), d.uniform(-0.02, 0.02)], axis=-1)
     s.offset = 0.005 * motor.i_rated * np.stack([d.uniform(-1, 1), d.uniform(-1, 1)], axis=-1)

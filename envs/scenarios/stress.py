@@ -3,6 +3,7 @@
 import numpy as np
 
 from sensorless.envs.counter_random import Draws, Floats, Seeds
+from sensorless.envs.scenarios.ranges import DEAD_TIME, PSI_F, R_S, any_inertia
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.machine.motor import Motor
 
@@ -23,12 +24,12 @@ def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     s = Scenarios.nominal(motor, seeds, DURATION)
     omega_rated = motor.omega_rated / motor.n_p
 
-    s.R_s = d.uniform(0.75, 1.40)
+    s.R_s = d.uniform(*R_S)
     s.L_q_hat = d.uniform(0.75, 1.10)
-    s.psi_f = d.uniform(0.94, 1.06)
-    s.J = np.exp(d.uniform(np.log(0.5), np.log(3.0)))
+    s.psi_f = d.uniform(*PSI_F)
+    s.J = any_inertia(d)
     s.cross_hat = d.uniform(0.6, 1.4)
-    s.dead_time = d.uniform(0.25, 1.5) * motor.dead_time
+    s.dead_time = d.uniform(*DEAD_TIME) * motor.dead_time
     s.noise = d.uniform(0.002, 0.012) * (motor.i_rated / 5.63)
     s.gain = 1.0 + np.stack([d.uniform(-0.02, 0.02), d.uniform(-0.02, 0.02)], axis=-1)
     s.offset = 0.005 * motor.i_rated * np.stack([d.uniform(-1, 1), d.uniform(-1, 1)], axis=-1)
@@ -66,3 +67,23 @@ def _lay_out(s: Scenarios, events: tuple[tuple[str, Floats, Floats], ...]) -> No
         for j, (what, _, target) in enumerate(events):
             hit = which == j
             getattr(s, what)[hit, column + 1 :] = target[hit, None]
+
+
+def nominal_scenarios(motor: Motor, seeds: Seeds, *_: object) -> Scenarios:
+    """The profiles of ``stress`` on a drive that knows its machine and has good sensors."""
+    s = stress_scenarios(motor, seeds)
+    exact = Scenarios.nominal(motor, seeds, 1.0)
+    for name in (
+        "R_s",
+        "L_q_hat",
+        "psi_f",
+        "J",
+        "cross_hat",
+        "dead_time",
+        "noise",
+        "gain",
+        "offset",
+    ):
+        setattr(s, name, getattr(exact, name))
+    s.u_dc[:] = 1.0
+    return s

@@ -5,18 +5,25 @@ A scenario is a function of these and of its own index, so any part of a set can
 
 import dataclasses
 from collections.abc import Callable
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.envs.counter_random import Floats, Seeds, combine
+from sensorless.envs.counter_random import Seeds, combine
+from sensorless.envs.scenarios.envelope import envelope_scenarios
+from sensorless.envs.scenarios.handoff import handoff_scenarios
+from sensorless.envs.scenarios.load_steps import (
+    impact_scenarios,
+    stop_scenarios,
+    unload_scenarios,
+)
+from sensorless.envs.scenarios.low_speed import crawl_scenarios, hold_scenarios
+from sensorless.envs.scenarios.published import paper_scenarios
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.starts import starts_scenarios
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import nominal_scenarios, stress_scenarios
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
-from sensorless.units import RPM_TO_RAD_S
 
 ROLES = {"train": 1, "tune": 2, "test": 3}
 """Seeds of training, tuning and judging never meet."""
@@ -91,174 +98,6 @@ class SuiteRows:
         return SUITES[self.name](self.motor, self.seed, np.asarray(self._range), self.size)
 
 
-def nominal_scenarios(motor: Motor, seeds: Seeds, *_: object) -> Scenarios:
-    """The profiles of ``stress`` on a drive that knows its machine and has good sensors."""
-    s = stress_scenarios(motor, seeds)
-    exact = Scenarios.nominal(motor, seeds, 1.0)
-    for name in (
-        "R_s",
-        "L_q_hat",
-        "psi_f",
-        "J",
-        "cross_hat",
-        "dead_time",
-        "noise",
-        "gain",
-        "offset",
-    ):
-        setattr(s, name, getattr(exact, name))
-    s.u_dc[:] = 1.0
-    return s
-
-
-def paper_scenarios(motor: Motor, seeds: Seeds, indices: Indices, _: int) -> Scenarios:
-    """Figs. 9, 13/14 and 11 of doi 10.12177/emca.2025.011 in turn, speeds relative to 1500 r/min.
-
-    Fig. 9: 200, 350, 600 r/min in steps without load. Figs. 13/14: 150, 350, 650 and back on ramps
-    of 600 r/min/s. Fig. 11: 150 r/min, 6 N m (43 % of rated torque).
-    """
-    s = Scenarios.nominal(motor, seeds, 4.0)
-    base = motor.n_rated_rpm / 1500.0 * RPM_TO_RAD_S
-    kind = indices % 3
-    steps = kind == 0
-    _plan(s, steps, [(0.0, 200), (1.0, 350), (2.0, 600)], base)
-    _plan(s, kind == 1, [(0.0, 150), (0.8, 350), (1.6, 650), (2.4, 350), (3.2, 150)], base)
-    _plan(s, kind == 2, [(0.0, 150)], base)
-    s.omega_rate[~steps] = 600.0 * base
-    s.duration[steps] = 3.0
-    s.tau[kind == 2, 1:] = 6.0 / 14.0 * motor.tau_rated
-    s.t[kind == 2, 1] = 1.0
-    s.tau_rate[:] = motor.tau_rated / 0.1
-    return s
-
-
-def _plan(s: Scenarios, rows: Floats, plan: list[tuple[float, float]], base: float) -> None:
-    """Speed targets (start [s], r/min of a 1500 r/min machine) for the given rows."""
-    for j, (start, rpm) in enumerate(plan):
-        s.t[rows, j] = start
-        s.omega[rows, j:] = rpm * base
-
-
-def handoff_scenarios(motor: Motor, seeds: Seeds, indices: Indices, _: int) -> Scenarios:
-    """Crossings of the hand-over band, one family after the other; noise differs by seed.
-
-    Up, dwell at the band's centre with a load step, and down again at three ramps, motoring and
-    regenerating 0 to 100 %; reversals through zero; load steps at standstill; fast decelerations.
-    """
-    s = Scenarios.nominal(motor, seeds, 3.0)
-    base = motor.n_rated_rpm * RPM_TO_RAD_S
-    crossings = list(product((200.0, 600.0, 1200.0), (-1.0, -0.5, 0.0, 0.5, 1.0), (1.0, -1.0)))
-    reversals = list(product((300.0, 900.0), (-0.5, 0.0, 0.5), (1.0, -1.0)))
-    holds = list(product((0.5, 1.0), (1.0, -1.0)))
-    stops = list(product((-0.5, 0.0, 0.5), (1.0, -1.0)))
-    n_kinds = len(crossings) + len(reversals) + len(holds) + len(stops)
-    for i, index in enumerate(indices.tolist()):
-        j = index % n_kinds
-        if j < len(crossings):
-            ramp, load, way = crossings[j]
-            _cross(
-                s,
-                i,
-                ramp * RPM_TO_RAD_S * motor.n_rated_rpm / 1500.0,
-                load * motor.tau_rated,
-                way * base,
-            )
-            continue
-        j -= len(crossings)
-        if j < len(reversals):
-            ramp, load, way = reversals[j]
-            _segments(
-                s,
-                i,
-                [(0.0, 0.4 * way, 0.0), (0.6, 0.4 * way, load), (1.0, -0.4 * way, load)],
-                base,
-                motor.tau_rated,
-                ramp * RPM_TO_RAD_S * motor.n_rated_rpm / 1500.0,
-            )
-            s.omega_0[i] = 0.4 * way * base
-            continue
-        j -= len(reversals)
-        if j < len(holds):
-            load, way = holds[j]
-            _segments(
-                s,
-                i,
-                [(0.0, 0.0, 0.0), (0.3, 0.0, way * load), (1.5, 0.0, -way * load)],
-                base,
-                motor.tau_rated,
-                base,
-            )
-            continue
-        load, way = stops[j - len(holds)]
-        _segments(
-            s,
-            i,
-            [(0.0, 0.5 * way, 0.0), (0.3, 0.5 * way, load), (1.0, 0.0, load)],
-            base,
-            motor.tau_rated,
-            2.0 * base,
-        )
-        s.omega_0[i] = 0.5 * way * base
-    s.tau_rate[:] = motor.tau_rated / 0.05
-    return s
-
-
-def _segments(
-    s: Scenarios,
-    i: int,
-    plan: list[tuple[float, float, float]],
-    base: float,
-    tau: float,
-    rate: float,
-) -> None:
-    """Segments (start [s], speed / base, load / tau) for row i."""
-    for j, (start, speed, load) in enumerate(plan):
-        s.t[i, j] = start
-        s.omega[i, j:] = speed * base
-        s.tau[i, j:] = load * tau
-    s.omega_rate[i] = rate
-
-
-def _cross(s: Scenarios, i: int, ramp: float, load: float, base: float) -> None:
-    """From 10 % of rated speed to the band's centre, a dwell and a load step, 40 %, and back."""
-    low, centre, high = 0.1 * base, 7.0 / 30.0 * base, 0.4 * base
-    signed = load * np.sign(base)
-    up, down = abs(centre - low) / ramp, abs(high - low) / ramp
-    plan = [
-        (0.0, low, 0.0),
-        (0.2, low, signed),
-        (0.4, centre, signed),
-        (0.4 + up + 0.15, centre, 0.5 * signed),
-        (0.4 + up + 0.30, high, signed),
-        (0.4 + 2.0 * up + 0.6, low, signed),
-    ]
-    for j, (start, speed, tau) in enumerate(plan):
-        s.t[i, j] = start
-        s.omega[i, j:] = speed
-        s.tau[i, j:] = tau
-    s.omega_0[i] = low
-    s.omega_rate[i] = ramp
-    s.duration[i] = 0.4 + 2.0 * up + 0.6 + down + 0.3
-
-
-def envelope_scenarios(motor: Motor, seeds: Seeds, indices: Indices, size: int) -> Scenarios:
-    """A square grid of speed (rows) and load (columns) from -100 to 100 %, in row-major order.
-
-    The drive starts at its speed, then the load rises within 0.2 s and stays for 0.6 s.
-    """
-    side = int(np.sqrt(size))
-    grid = np.linspace(-1.0, 1.0, side)
-    speed, load = grid[indices // side], grid[indices % side]
-    s = Scenarios.nominal(motor, seeds, 1.0)
-    omega = speed * motor.omega_rated / motor.n_p
-    s.omega_0[:] = omega
-    s.omega[:] = omega[:, None]
-    s.t[:, 1] = 0.2
-    s.tau[:, 1:] = load[:, None] * motor.tau_rated
-    s.tau_rate[:] = motor.tau_rated / 0.2
-    return s
-
-
 def motors_scenarios(motor: Motor, seeds: Seeds, indices: Indices, size: int) -> Scenarios:
     """``handoff`` (even rows) and ``stress`` (odd rows), for machines that training never saw.
 
@@ -280,6 +119,12 @@ SUITES: dict[str, Callable[[Motor, Seeds, Indices, int], Scenarios]] = {
     "nominal": nominal_scenarios,
     "handoff": handoff_scenarios,
     "stress": lambda motor, seeds, *_: stress_scenarios(motor, seeds),
+    "stress-1": lambda motor, seeds, *_: stress_scenarios(motor, seeds),
+    "hold": hold_scenarios,
+    "crawl": crawl_scenarios,
+    "impact": impact_scenarios,
+    "stop": stop_scenarios,
+    "unload": unload_scenarios,
     "envelope": envelope_scenarios,
     "motors": motors_scenarios,
     "starts": starts_scenarios,

@@ -21,7 +21,7 @@ def scenario_from(word: str, motor: Motor) -> Scenarios:
     UserError
         Not of that form, no such suite, or a size where none is needed or none where it is.
     """
-    match = re.fullmatch(r"([a-z]+):(\d+):(\d+)(?::(\d+))?", word)
+    match = re.fullmatch(r"([a-z][a-z0-9-]*):(\d+):(\d+)(?::(\d+))?", word)
     if match is None:
         raise UserError(f"scenario: {word!r}; allowed: SUITE:SEED:INDEX[:SIZE], e.g. stress:7:12")
     name, seed, index = match[1], int(match[2]), int(match[3])

@@ -53,10 +53,12 @@ SuiteOption = Annotated[
     str,
     typer.Option(
         metavar="SUITE",
-        help="Judge on this suite of scenarios: stress (everything at random), handoff (crossings "
-        "between the estimators), starts (unknown rotor angle), envelope (a grid of speed and "
-        "load), nominal (stress without errors of parameters and sensors), paper (figures of the "
-        "source paper) or motors (handoff and stress by turns).",
+        help="Judge on this suite of scenarios: stress and stress-1 (everything at random), hold "
+        "and crawl (loads at and near standstill), impact (rated load steps at all speeds), stop "
+        "(rated speed to zero under load), unload (loads taken off), handoff (crossings between "
+        "the estimators), starts (unknown rotor angle), envelope (a grid of speed and load), "
+        "nominal (stress-1 without errors of parameters and sensors), paper (figures of the "
+        "source paper) or motors (handoff and stress-1 by turns). docs/suites.md has them all.",
     ),
 ]
 

@@ -1,13 +1,17 @@
 """Suites: any part of one is what it is in the whole."""
 
 from dataclasses import fields
+from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from sensorless.cli.app import app
 from sensorless.envs.scenarios.suites import SUITES, SuiteRows, suite
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
+from sensorless.units import RPM_TO_RAD_S
 
 MOTOR = Motor.load("paper")
 
@@ -43,3 +47,67 @@ def test_a_part_of_a_part() -> None:
 def test_what_is_no_suite(name: str, seed: int, size: int, role: str, said: str) -> None:
     with pytest.raises(UserError, match=said):
         SuiteRows(name, MOTOR, seed, size, role)
+
+
+def test_help_names_every_suite() -> None:
+    said = CliRunner().invoke(app, ["evaluate", "--help"], env={"COLUMNS": "200"}).stdout
+    assert all(name in said for name in SUITES)
+    document = (Path(__file__).parents[3] / "docs" / "suites.md").read_text(encoding="utf-8")
+    assert all(f"`{name}`" in document for name in SUITES)
+
+
+@pytest.mark.parametrize("name", ["hold", "crawl", "impact", "stop", "unload"])
+@pytest.mark.parametrize("motor", ["paper", "ipmsm_2200w"])
+def test_inertia_is_drawn_and_speeds_scale(name: str, motor: str) -> None:
+    machine = Motor.load(motor)
+    s, paper = suite(name, machine, 5, 440), suite(name, MOTOR, 5, 440)
+    assert s.J.min() < 0.55 and s.J.max() > 2.7
+    ratio = machine.n_rated_rpm / MOTOR.n_rated_rpm
+    np.testing.assert_allclose(s.omega_0, ratio * paper.omega_0, rtol=1e-12)
+    np.testing.assert_allclose(s.omega, ratio * paper.omega, rtol=1e-12)
+    np.testing.assert_allclose(s.tau / machine.tau_rated, paper.tau / MOTOR.tau_rated, rtol=1e-12)
+
+
+def test_hold_has_every_speed_with_both_signs_for_ten_seconds() -> None:
+    s = suite("hold", MOTOR, 5, 10)
+    cases = {(round(x / RPM_TO_RAD_S), tau) for x, tau in zip(s.omega_0, s.tau[:, -1], strict=True)}
+    assert cases == {(rpm, tau) for rpm in (0, 5, -5, 20, -20) for tau in (14.0, -14.0)}
+    np.testing.assert_allclose(s.duration - s.t[:, 1] - MOTOR.tau_rated / s.tau_rate[:, 1], 10.0)
+
+
+def test_impact_comes_and_goes_within_two_milliseconds_at_any_speed() -> None:
+    s = suite("impact", MOTOR, 5, 44)
+    cases = {(round(x / RPM_TO_RAD_S), tau) for x, tau in zip(s.omega_0, s.tau[:, 1], strict=True)}
+    assert len(cases) == 42, "standstill has one direction"
+    assert {abs(rpm) for rpm, _ in cases} == set(range(0, 1501, 150))
+    np.testing.assert_allclose(np.abs(s.tau[:, 1]) / s.tau_rate[:, 1], 0.002)
+    assert not s.tau[:, 2:].any()
+
+
+def test_stops_end_at_rest_under_their_load_and_have_time() -> None:
+    s = suite("stop", MOTOR, 5, 200)
+    ends = s.t[:, 2] + np.abs(s.omega_0) / s.omega_rate[:, 2]
+    np.testing.assert_allclose(s.duration - ends, 1.5)
+    assert not s.omega[:, 2:].any() and (np.abs(s.tau[:, -1]) >= 0.25 * MOTOR.tau_rated).all()
+    signs = {*zip(np.sign(s.omega_0), np.sign(s.tau[:, -1]), strict=True)}
+    assert len(signs) == 4
+
+
+def test_crawls_reverse_three_times() -> None:
+    s = suite("crawl", MOTOR, 5, 200)
+    top = np.abs(s.omega_0) / RPM_TO_RAD_S
+    assert 15.0 <= top.min() < 17.0 and 58.0 < top.max() <= 60.0
+    targets = np.sign(s.omega[:, :5] / s.omega_0[:, None])
+    assert (targets == [1, 1, -1, 1, -1]).all()
+    took = 2.0 * np.abs(s.omega_0) / s.omega_rate[:, 0]
+    assert 0.4 <= took.min() and took.max() <= 1.2
+    assert (s.t[:, 3] - s.t[:, 2] > took + 0.5).all()
+
+
+def test_unload_draws_speeds_and_errors() -> None:
+    s = suite("unload", MOTOR, 5, 400)
+    rpm = np.abs(s.omega_0) / RPM_TO_RAD_S
+    assert 40.0 <= rpm.min() < 43.0 and 247.0 < rpm.max() <= 250.0
+    assert s.psi_f.min() < 0.95 and s.psi_f.max() > 1.05 and s.R_s.max() > 1.35
+    assert s.dead_time.max() > 1.4 * MOTOR.dead_time and s.dead_time.min() < 0.35 * MOTOR.dead_time
+    assert not s.tau[:, 2:].any() and (s.tau[:, 1] != 0.0).all()
