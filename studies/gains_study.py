@@ -27,8 +27,8 @@ from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
+from sensorless.evaluation.metrics.profile import reference
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
-from sensorless.evaluation.metrics.step import reference
 from sensorless.evaluation.objective import OBJECTIVE, Cost
 from sensorless.evaluation.rollout import rollouts
 from sensorless.files import write_atomic

@@ -41,8 +41,8 @@ OVER = {
     "dip_excess_pct_s": "dip_pct_s",
 }
 """What is about zero, being left over beside the twin, and what its change is put over instead."""
-SHARES = ("overshoot_clean_above",)
-"""Shares of scenarios near zero: their change is what it is, in percentage points."""
+SHARES = ("overshoot_clean_above", "not_held", "swing_pct")
+"""Shares near zero, of scenarios or of rated speed: their change is what it is, in points."""
 
 
 class Q15Policy(TablePolicy):

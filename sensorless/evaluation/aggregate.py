@@ -61,7 +61,7 @@ def mean_of(values: Mapping[str, Floats], rows: Bools, seed: int) -> dict[str, A
 
 
 def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -> dict[str, Any]:
-    """Lost rates over all scenarios, means of ``metrics`` over those survived.
+    """Lost and not-held rates over all scenarios, means of ``metrics`` over those survived.
 
     A scenario that ended early for whatever reason counts as lost. That includes those whose twin,
     with the true angle, gave up (``twin_lost_rate``): they are beyond the machine, hence lost for
@@ -73,14 +73,24 @@ def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -
     """
     survived = lost == 0
     twin = lost & CAUSES["twin"] != 0
-    return {
+    out = {
         "lost_rate": float(np.mean(~survived)),
         "lost_ci": rate_interval(~survived),
         "twin_lost_rate": float(np.mean(twin)),
         "lost_by_cause": {name: int(np.sum(lost & bit != 0)) for name, bit in CAUSES.items()},
-        "survived": int(survived.sum()),
-        **mean_of(metrics, survived, seed),
     }
+    if "not_held" in metrics:
+        loose = _not_held(lost, metrics)
+        out |= {
+            "not_held_rate": float(np.mean(loose)),
+            "not_held_rate_ci": rate_interval(loose > 0.0),
+        }
+    return {**out, "survived": int(survived.sum()), **mean_of(metrics, survived, seed)}
+
+
+def _not_held(lost: NDArray[np.int32], metrics: Mapping[str, Floats]) -> Floats:
+    """(n,) 1 where the drive was not lost, yet did not hold its speed; lost ones count as lost."""
+    return np.asarray(np.where(lost == 0, metrics["not_held"], 0.0))
 
 
 def paired(
@@ -92,23 +102,25 @@ def paired(
 ) -> dict[str, Any]:
     """Differences to a reference, scenario by scenario: negative where this one has less.
 
-    Lost rates over all scenarios, ``metrics`` over those that both survived; ``there`` has the
-    means of the reference over the same scenarios.
+    Lost and not-held rates over all scenarios, ``metrics`` over those that both survived;
+    ``there`` has the means of the reference over the same scenarios.
     """
     here, there = lost != 0, reference_lost != 0
     both = ~(here | there)
-    difference = here.astype(np.float64) - there.astype(np.float64)
+    rates = {"lost_rate": (here.astype(np.float64), there.astype(np.float64))}
+    if "not_held" in metrics:
+        rates["not_held_rate"] = _not_held(lost, metrics), _not_held(reference_lost, reference)
     apart = {name: x - reference[name] for name, x in metrics.items()}
     base = {name: reference[name][both & np.isfinite(x)] for name, x in apart.items()}
     return {
         "survived_both": int(both.sum()),
         "lost_only_here": int(np.sum(here & ~there)),
         "lost_only_there": int(np.sum(there & ~here)),
-        "lost_rate": float(np.mean(difference)),
-        "lost_rate_ci": mean_interval(difference, seed),
+        **{name: float(np.mean(x - y)) for name, (x, y) in rates.items()},
+        **{f"{name}_ci": mean_interval(x - y, seed) for name, (x, y) in rates.items()},
         **mean_of(apart, both, seed),
         "there": {
-            "lost_rate": float(np.mean(there)),
+            **{name: float(np.mean(y)) for name, (_, y) in rates.items()},
             **{name: float(np.mean(x)) if len(x) else math.nan for name, x in base.items()},
         },
     }
@@ -155,19 +167,23 @@ def _columns(*arrays: Bools) -> Iterator[tuple[Bools, ...]]:
     return zip(*(x.T for x in arrays), strict=True)
 
 
-def worst(lost: NDArray[np.int32], time: Floats, deviation: Floats, count: int) -> list[int]:
+def worst(
+    lost: NDArray[np.int32], time: Floats, not_held: Floats, deviation: Floats, count: int
+) -> list[int]:
     """Indices of the ``count`` worst scenarios, worst first.
 
     First those lost, the earliest first, but those in which the twin gave up, which no policy can
-    hold, behind the others; then the survivors by ``deviation``, largest first.
+    hold, behind the others; then those not held, then the other survivors, each by ``deviation``,
+    largest first.
 
     Parameters
     ----------
     lost : (n,) bits of ``CAUSES``
     time : (n,) time lived [s]
+    not_held : (n,) 1 or 0
     deviation : (n,)
     """
     twin = lost & CAUSES["twin"] != 0
-    group = np.where(lost == 0, 2, np.where(twin, 1, 0))
+    group = np.where(lost == 0, np.where(not_held > 0.0, 2, 3), np.where(twin, 1, 0))
     within = np.where(lost == 0, -np.nan_to_num(deviation), time)
     return [int(i) for i in np.lexsort((within, group))[:count]]

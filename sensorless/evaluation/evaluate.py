@@ -20,10 +20,10 @@ from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.evaluation.metrics.place import QUADRANTS, SPEED_EDGES
 from sensorless.evaluation.metrics.place import by_place as sums_by_place
 from sensorless.evaluation.results import Results
-from sensorless.evaluation.rollout import CAUSES, CHUNK, Floats, rollout
+from sensorless.evaluation.rollout import CAUSES, CHUNK, Floats, Rollout, rollouts
 from sensorless.files import check_writable
 from sensorless.machine.motor import Motor
-from sensorless.policy import Policy, PrivilegedPolicy, design_for
+from sensorless.policy import Policy, PrivilegedPolicy, decision_periods, design_for
 from sensorless.versions import versions
 
 Progress = Callable[[float], None]
@@ -36,6 +36,8 @@ PolicyProgress = Callable[[str, float], None]
 WORST = 10
 """Scenarios of each policy that are listed as its worst."""
 WORST_METRICS = ("torque_dev_rms", "angle_err_max_deg")
+MOST = 2_000_000
+"""Decisions of all drives together that are kept at a time, 84 bytes each."""
 
 
 @dataclass(frozen=True)
@@ -130,20 +132,31 @@ def score(
         parts.append(part)
         if progress is not None:
             progress(min(len(parts) * chunk / total, 1.0))
+    return _joined(parts)
+
+
+def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRows) -> Scores:
+    """All metrics of a policy on some scenarios; long ones fewer at a time, for their memory."""
+    scenarios = rows.draw() if isinstance(rows, SuiteRows) else rows
+    decision_time = decision_periods(factory.motor) * factory.motor.T_s
+    decisions = max(1.0, float(scenarios.duration.max()) / decision_time)
+    at_once = max(16, int(MOST / decisions))
+    return _joined([_scores(r) for r in rollouts(policy, scenarios, factory, at_once)])
+
+
+def _scores(r: Rollout) -> Scores:
+    metrics = {name: metric(r) for name, metric in METRICS.items()}
+    time = np.asarray(r.periods * r.motor.T_s, dtype=np.float64)
+    return Scores(r.lost, time, metrics, sums_by_place(r))
+
+
+def _joined(parts: list[Scores]) -> Scores:
     return Scores(
         np.concatenate([p.lost for p in parts]),
         np.concatenate([p.time for p in parts]),
         {name: np.concatenate([p.metrics[name] for p in parts]) for name in METRICS},
         {name: np.concatenate([p.places[name] for p in parts]) for name in parts[0].places},
     )
-
-
-def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRows) -> Scores:
-    """All metrics of a policy on some scenarios."""
-    r = rollout(policy, rows.draw() if isinstance(rows, SuiteRows) else rows, factory)
-    metrics = {name: metric(r) for name, metric in METRICS.items()}
-    time = np.asarray(r.periods * r.motor.T_s, dtype=np.float64)
-    return Scores(r.lost, time, metrics, sums_by_place(r))
 
 
 def _is_bound(policy: Policy) -> bool:
@@ -185,11 +198,12 @@ def _worst(s: Scores, suite: str, seed: int) -> list[dict[str, Any]]:
         {
             "scenario": scenario_word(suite, seed, i, len(s.lost)),
             "lost_cause": _cause(int(s.lost[i])),
+            "not_held": bool(s.lost[i] == 0 and s.metrics["not_held"][i] > 0.0),
             "time_s": float(s.time[i]),
             "quadrant": next((q for q, x in zip(QUADRANTS, there, strict=True) if x), None),
             **{name: float(s.metrics[name][i]) for name in WORST_METRICS},
         }
-        for i in worst(s.lost, s.time, s.metrics["torque_dev_rms"], WORST)
+        for i in worst(s.lost, s.time, s.metrics["not_held"], s.metrics["torque_dev_rms"], WORST)
         for there in [s.places["quadrant"]["lost"][i]]
     ]
 

@@ -15,10 +15,13 @@ from sensorless.files import write_atomic
 DIGITS = 9
 """Significant digits of a number in the file."""
 
+RATES = {"lost_rate": "lost_ci", "not_held_rate": "not_held_rate_ci"}
+"""Of all scenarios, and the name of the Wilson interval of each."""
+
 Columns = tuple[tuple[str, str, float, int], ...]
 
 COLUMNS: Columns = (
-    ("lost_rate", "lost\n[%]", 100.0, 1),
+    ("lost_rate", "lost [%]\nnot held [%]", 100.0, 1),
     ("torque_dev_rms", "torque\ndev. [%]", 100.0, 2),
     ("torque_ripple_rms", "torque\nripple [%]", 100.0, 2),
     ("overshoot_pct", "overshoot\n[%]", 1.0, 1),
@@ -31,9 +34,10 @@ HANDOVER_COLUMNS: Columns = (
     ("torque_p2p_window", "window: peak\nto peak [%]", 100.0, 1),
     ("overshoot_clean_pct", "twin has none:\novershoot [%]", 1.0, 2),
     ("overshoot_clean_above", "twin has none:\n> 2 % in [%]", 100.0, 1),
+    ("not_held_rate", "not held\n[%]", 100.0, 1),
 )
-"""Of the table on the hand-over: torque in the window ``ripple_metrics.HANDOVER``, and overshoot in
-the steps in which the twin has none."""
+"""Of the second table: torque in the window ``ripple_metrics.HANDOVER``, overshoot in the steps in
+which the twin has none, and drives not held."""
 
 
 @dataclass(frozen=True)
@@ -84,9 +88,9 @@ class Results:
         return "" if own == self.design["estimator"] else f"({own})"
 
     def table(self, columns: Columns = COLUMNS) -> Table:
-        """Lost rate over all scenarios, means over those survived, each with its 95 % interval."""
+        """Rates over all scenarios, means over those survived, each with its 95 % interval."""
         title = f"{self.suite}, seed {self.seed}, {self.size} scenarios, motor {self.motor}"
-        caption = "lost: rate (95 % interval); others: mean over survivors ± half the interval"
+        caption = "rates (95 % interval) of all; others: mean over survivors ± half the interval"
         table = Table(title=escape(title), caption=caption)
         table.add_column("policy", overflow="fold")
         for _, heading, _, _ in columns:
@@ -99,15 +103,21 @@ class Results:
 
 
 def _cell(policy: dict[str, Any], key: str, _: str, factor: float, decimals: int) -> str:
+    """Number and interval; the lost rate has the one of those not held below it."""
+    if key in RATES:
+        keys = RATES if key == "lost_rate" else (key,)
+        return "\n".join(_rate(policy, name, factor, decimals) for name in keys)
     value = factor * policy[key]
-    if key == "lost_rate":
-        low, high = (factor * x for x in policy["lost_ci"])
-        return f"{value:.{decimals}f} ({low:.0f}–{high:.0f})"
     if not math.isfinite(value):
         return "–"
     low, high = policy[f"{key}_ci"]
     half = 0.5 * factor * (high - low)
     return f"{value:.{decimals}f}" + (f" ±{half:.{decimals}f}" if math.isfinite(half) else "")
+
+
+def _rate(policy: dict[str, Any], key: str, factor: float, decimals: int) -> str:
+    low, high = (factor * x for x in policy[RATES[key]])
+    return f"{factor * policy[key]:.{decimals}f} ({low:.0f}–{high:.0f})"
 
 
 def _text(x: Any, indent: str = "") -> str:

@@ -34,7 +34,7 @@ def worst_table(results: Results, count: int) -> Table:
             table.add_row(
                 escape(name) if j == 0 else "",
                 case["scenario"],
-                f"{case['lost_cause']}{where}" if case["lost_cause"] else "–",
+                f"{case['lost_cause']}{where}" if case["lost_cause"] else kept(case),
                 f"{case['time_s']:.3f}",
                 number(100.0 * case["torque_dev_rms"], 2),
                 number(case["angle_err_max_deg"], 1),
@@ -43,11 +43,16 @@ def worst_table(results: Results, count: int) -> Table:
     return table
 
 
+def kept(case: dict[str, Any]) -> str:
+    """What to say of a scenario that was not lost."""
+    return "not held" if case["not_held"] else "–"
+
+
 def paired_table(results: Results, columns: Columns = COLUMNS) -> Table:
     """Differences to the first policy, scenario by scenario, with 95 % intervals."""
     first = next(iter(results.policies))
     caption = (
-        "lost over all scenarios, others over those that both survive; mean difference "
+        "rates over all scenarios, others over those that both survive; mean difference "
         "(95 % interval), negative: less than the first; below, in percent of the first's mean"
     )
     table = Table(title=f"difference to {escape(first)}", caption=caption)

@@ -11,12 +11,22 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from sensorless.evaluation.metrics.catalogue import METRICS
-from sensorless.evaluation.results import Results
-from sensorless.evaluation.results_tables import PLACE_COLUMNS, number, rate, share, speed_labels
+from sensorless.evaluation.results import RATES, Results
+from sensorless.evaluation.results_tables import (
+    PLACE_COLUMNS,
+    kept,
+    number,
+    rate,
+    share,
+    speed_labels,
+)
 
 TEMPLATE = "page.html.j2"
 
-LOST = ("lost_rate", "lost [%]", 100.0, 1)
+RATE_COLUMNS = (
+    ("lost_rate", "lost [%]", 100.0, 1),
+    ("not_held_rate", "not held [%]", 100.0, 1),
+)
 COLUMNS = (
     ("torque_dev_rms", "torque deviation [%]", 100.0, 2),
     ("torque_ripple_rms", "torque ripple [%]", 100.0, 2),
@@ -96,6 +106,8 @@ def render(
         about=about,
         sections=[_section(s) for s in sections],
         figures=figures,
+        rates=[heading for _, heading, _, _ in RATE_COLUMNS],
+        not_held=_formula("not_held"),
         columns=[heading for _, heading, _, _ in COLUMNS],
         formulas=[(heading, _formula(key)) for key, heading, _, _ in COLUMNS],
         place_columns=PLACE_HEADINGS,
@@ -135,10 +147,10 @@ def _row(name: str, policy: Mapping[str, Any]) -> dict[str, Any]:
         "cells": [
             _cell(
                 factor * policy[key],
-                [factor * x for x in policy["lost_ci" if key == "lost_rate" else f"{key}_ci"]],
+                [factor * x for x in policy[RATES.get(key, f"{key}_ci")]],
                 decimals,
             )
-            for key, _, factor, decimals in (LOST, *COLUMNS)
+            for key, _, factor, decimals in (*RATE_COLUMNS, *COLUMNS)
         ],
     }
 
@@ -154,7 +166,7 @@ def _cell(value: float, interval: Sequence[float], decimals: int) -> tuple[str, 
 def _pair(name: str, bound: bool, pair: Mapping[str, Any]) -> dict[str, Any]:
     """Differences of the report's policy to this one: the other way round than in the results."""
     cells = []
-    for key, _, factor, decimals in (LOST, *COLUMNS):
+    for key, _, factor, decimals in (*RATE_COLUMNS, *COLUMNS):
         low, high = (-factor * x for x in reversed(pair[f"{key}_ci"]))
         text = _cell(-factor * pair[key], (low, high), decimals)
         percent = share(-pair[key], pair["there"][key] + pair[key])
@@ -185,7 +197,7 @@ def _case(case: Mapping[str, Any]) -> dict[str, str]:
     where = f", {case['quadrant']}" if case["quadrant"] else ""
     return {
         "scenario": case["scenario"],
-        "lost": f"{case['lost_cause']}{where}" if case["lost_cause"] else "–",
+        "lost": f"{case['lost_cause']}{where}" if case["lost_cause"] else kept(dict(case)),
         "time": number(case["time_s"], 3),
         "deviation": number(100.0 * case["torque_dev_rms"], 2),
         "angle": number(case["angle_err_max_deg"], 1),

@@ -131,9 +131,22 @@ def test_a_place_where_nobody_came_has_no_rate() -> None:
     assert math.isnan(out["lost_rate"][0]) and math.isnan(out["angle_err_rms_deg"][0])
 
 
-def test_worst_first_the_lost_then_the_hopeless_then_the_rough() -> None:
+def test_not_held_counts_survivors_over_all_scenarios() -> None:
+    lost = np.array([0, 0, 0, 1, 0], dtype=np.int32)
+    loose = {"not_held": np.array([1.0, 0.0, 0.0, 1.0, 1.0])}
+    out = summary(lost, loose, 0)
+    assert (out["not_held_rate"], out["lost_rate"]) == (0.4, 0.2)
+    assert out["not_held_rate_ci"] == pytest.approx(wilson(2, 5), abs=1e-6)
+    other = {"not_held": np.array([0.0, 0.0, 1.0, 1.0, 0.0])}
+    pair = paired(lost, loose, np.zeros(5, dtype=np.int32), other, 0)
+    assert pair["not_held_rate"] == 0.0 and pair["there"]["not_held_rate"] == 0.4
+    assert "not_held_rate" not in summary(lost, {}, 0), "nobody looked"
+
+
+def test_worst_first_the_lost_then_the_hopeless_then_the_loose_then_the_rough() -> None:
     lost = np.array([0, 1, 0, 8, 2, 0], dtype=np.int32)
     time = np.array([2.0, 1.5, 2.0, 0.1, 0.5, 2.0])
+    loose = np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
     deviation = np.array([0.1, 9.0, 0.3, 9.0, 9.0, np.nan])
-    assert worst(lost, time, deviation, 10) == [4, 1, 3, 2, 0, 5]
-    assert worst(lost, time, deviation, 2) == [4, 1]
+    assert worst(lost, time, loose, deviation, 10) == [4, 1, 3, 0, 2, 5]
+    assert worst(lost, time, loose, deviation, 2) == [4, 1]

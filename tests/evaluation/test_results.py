@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from sensorless.evaluation.results import COLUMNS, Results
+from sensorless.evaluation.results import COLUMNS, RATES, Results
 
-ROW = {key: 0.123456789012 for key, *_ in COLUMNS}
-INTERVALS = {("lost_ci" if key == "lost_rate" else f"{key}_ci"): (0.1, 0.2) for key in ROW}
+ROW = dict.fromkeys([*RATES, *(key for key, *_ in COLUMNS)], 0.123456789012)
+INTERVALS = {RATES.get(key, f"{key}_ci"): (0.1, 0.2) for key in ROW}
 RESULTS = Results(
     suite="stress",
     seed=7,

@@ -52,8 +52,8 @@ def test_the_list_is_in_order_and_names_scenarios_of_the_suite() -> None:
     lost = [rows["lost"][i] for i in index]
     assert lost == sorted(lost, reverse=True) and sum(lost) == sum(rows["lost"]) > 0
     assert [rows["lost_cause"][i] for i in index] == [case["lost_cause"] for case in listed]
-    kept = [case["torque_dev_rms"] for case in listed if not case["lost_cause"]]
-    assert kept == sorted(kept, reverse=True)
+    kept = [(case["not_held"], case["torque_dev_rms"]) for case in listed if not case["lost_cause"]]
+    assert kept == sorted(kept, reverse=True) and kept[0][0] and not kept[-1][0]
 
 
 @pytest.mark.parametrize("name", list(SUITES))

@@ -21,7 +21,7 @@ from sensorless.evaluation.results_tables import number
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies
 from sensorless.report.cases import CROSSED, cases
-from sensorless.report.page import COLUMNS
+from sensorless.report.page import COLUMNS, RATE_COLUMNS
 from sensorless.report.report import Report
 from sensorless.table.ks_table import Axis, KsTable
 
@@ -117,13 +117,13 @@ def test_the_page_stands_alone(run: Path, page: Page) -> None:
 def test_the_page_says_what_the_evaluation_says(run: Path, page: Page) -> None:
     design = DriveDesign(smo_pll_hz=21.0)
     results = evaluate(MOTOR, design, "stress", 7, SIZE, make_policies([str(run), *OTHERS], MOTOR))
-    rows = {row[0]: row for row in page.rows if len(row) == 2 + len(COLUMNS)}
+    rows = {row[0]: row for row in page.rows if len(row) == 1 + len(RATE_COLUMNS) + len(COLUMNS)}
     names = ["mine & yours", "eq25", "flux_observer (flux)", "sensored (bound)"]
     assert set(rows) >= set(names)
     table = page.rows[: len(results.policies) + 1]
     assert [row[0] for row in table] == ["policy", *names]
     for row, policy in zip(table[1:], results.policies.values(), strict=True):
-        for cell, (key, _, factor, digits) in zip(row[2:], COLUMNS, strict=True):
+        for cell, (key, _, factor, digits) in zip(row[1:], (*RATE_COLUMNS, *COLUMNS), strict=True):
             assert cell.startswith(number(factor * policy[key], digits))
     written = json.loads((run / "report" / "results-stress.json").read_text(encoding="utf-8"))
     rate = results.policies["eq25"]["lost_rate"]
@@ -134,15 +134,19 @@ def test_the_page_says_what_the_evaluation_says(run: Path, page: Page) -> None:
 def test_pairs_are_ours_minus_theirs(run: Path, page: Page) -> None:
     design = DriveDesign(smo_pll_hz=21.0)
     results = evaluate(MOTOR, design, "stress", 7, SIZE, make_policies([str(run), "eq25"], MOTOR))
-    row = next(row for row in page.rows if row[0] == "eq25" and len(row) == 3 + len(COLUMNS))
+    row = next(
+        row
+        for row in page.rows
+        if row[0] == "eq25" and len(row) == 2 + len(RATE_COLUMNS) + len(COLUMNS)
+    )
     deviation = results.paired["eq25"]["torque_dev_rms"]
     assert row[1] == str(results.paired["eq25"]["survived_both"])
-    assert row[3].startswith(number(-100.0 * deviation, 2))
+    assert row[4].startswith(number(-100.0 * deviation, 2))
     rows = [results.policies[name]["scenarios"] for name in results.policies]
     both = ~np.array(rows[0]["lost"]) & ~np.array(rows[1]["lost"])
     ours, theirs = (np.mean(np.array(x["torque_dev_rms"])[both]) for x in rows)
     share = number(100.0 * (ours / theirs - 1.0), 0)
-    assert row[3].endswith(f"{share} %")
+    assert row[4].endswith(f"{share} %")
 
 
 def test_commands_and_versions_are_there(run: Path, page: Page) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from sensorless.evaluation.metrics.held import away_s, not_held, swing_pct
 from sensorless.evaluation.metrics.ripple import (
     torque_p2p_handover,
     torque_p2p_window,
@@ -111,6 +112,9 @@ METRICS: dict[str, Callable[[Rollout], Floats]] = {
         dip_pct_s,
         dip_excess_pct_s,
         speed_dev_rms,
+        away_s,
+        swing_pct,
+        not_held,
         angle_err_mean_deg,
         angle_err_rms_deg,
         angle_err_p999_deg,

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sensorless.evaluation.metrics.profile import reference, reference_at_starts
 from sensorless.evaluation.rollout import Floats, Rollout
 
 MIN_STEP = 0.05
@@ -105,40 +106,6 @@ def dip_excess_pct_s(r: Rollout) -> Floats:
     return _worst(drive - twin)
 
 
-def reference(r: Rollout) -> Floats:
-    """(d, n) speed reference at the middle of each decision [rad/s], mechanical."""
-    if "omega_m_ref" in r.kept:
-        return r.kept["omega_m_ref"]
-    s = r.scenarios
-    t = (np.arange(len(r.sums))[:, None] + 0.5) * r.decision_time
-    at_start = _reference_at_starts(r)
-    out = np.zeros((len(t), len(s)))
-    for j in range(s.t.shape[1]):
-        moved = _moved(at_start[:, j], s.omega[:, j], s.omega_rate[:, j], t - s.t[:, j])
-        out = np.where(t >= s.t[:, j], moved, out)
-    r.kept["omega_m_ref"] = out
-    return out
-
-
-def _moved(x: Floats, target: Floats, rate: Floats, time: Floats) -> Floats:
-    """The value ``time`` after x began to run to its target."""
-    with np.errstate(invalid="ignore"):
-        reach = np.where(time > 0.0, rate * time, 0.0)
-    return np.asarray(x + np.clip(target - x, -reach, reach))
-
-
-def _reference_at_starts(r: Rollout) -> Floats:
-    """(n, PROFILE_N) speed reference when each segment begins [rad/s]."""
-    s = r.scenarios
-    out = np.empty(s.t.shape)
-    out[:, 0] = s.omega_0
-    start = np.minimum(s.t, s.duration[:, None])
-    for j in range(1, s.t.shape[1]):
-        time = start[:, j] - start[:, j - 1]
-        out[:, j] = _moved(out[:, j - 1], s.omega[:, j - 1], s.omega_rate[:, j - 1], time)
-    return out
-
-
 def _changes(target: Floats, first: Floats, t: Floats) -> NDArray[np.bool_]:
     """(n, PROFILE_N): a segment begins there and its target is a new one."""
     before = np.concatenate([first[:, None], target[:, :-1]], axis=1)
@@ -165,7 +132,7 @@ def _steps(
 def _speed_steps(r: Rollout) -> Steps:
     s = r.scenarios
     changes = _changes(s.omega, s.omega_0, s.t)
-    height = s.omega - _reference_at_starts(r)
+    height = s.omega - reference_at_starts(r)
     large = np.abs(height) >= MIN_STEP * r.motor.omega_rated / r.motor.n_p
     return _steps(r, changes & large, changes, height, s.omega)
 

@@ -8,6 +8,7 @@ from sensorless.core.api import SIM, sim_run
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.evaluation.metrics.profile import reference
 from sensorless.evaluation.metrics.step import (
     dip_excess_pct_s,
     dip_pct_s,
@@ -15,7 +16,6 @@ from sensorless.evaluation.metrics.step import (
     overshoot_clean_pct,
     overshoot_excess_pct,
     overshoot_pct,
-    reference,
     settling_s,
 )
 from sensorless.evaluation.rollout import Rollout, rollout
