@@ -16,7 +16,7 @@ from sensorless.policies.registry import make_policy
 
 MOTOR = Motor.load("paper")
 RATED = MOTOR.omega_rated / MOTOR.n_p
-SMO = DriveDesign(estimator="angles")
+SMO = DriveDesign(estimator="smo")
 TIME = (np.arange(3000) + 0.5) * 1e-3
 """Middle of each decision [s]."""
 NONE = np.zeros(3000)
