@@ -1,25 +1,13 @@
 """The command line as a user meets it."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from tests.helpers.command import process, run
+
 GOLDEN = Path(__file__).parents[1] / "data" / "golden"
-
-
-def run(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """``sensorless`` with these words, in a folder of its own."""
-    return subprocess.run(
-        [sys.executable, "-m", "sensorless", *words],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
 
 
 @pytest.mark.parametrize(
@@ -71,10 +59,18 @@ def test_a_mistake_is_one_line(words: list[str], said: str, tmp_path: Path) -> N
     assert not list(tmp_path.iterdir()), "nothing half-written"
 
 
+def test_a_mistake_ends_the_process_with_status_2(tmp_path: Path) -> None:
+    done = process("evaluate", "--policy", "nobody", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
+    assert done.stderr == run("evaluate", "--policy", "nobody", cwd=tmp_path).stderr
+
+
 def test_evaluation_is_the_same_file_to_the_bit(tmp_path: Path) -> None:
-    for name, seed in (("a", 7), ("b", 7), ("c", 8)):
-        words = ["evaluate", "--policy", "eq25", "--policy", "hysteresis", "--suite", "stress"]
-        done = run(*words, "--seed", str(seed), "--size", "12", "--out", name, cwd=tmp_path)
+    """Also from another process."""
+    words = ["evaluate", "--policy", "eq25", "--policy", "hysteresis", "--suite", "stress"]
+    for name, seed, start in (("a", "7", run), ("b", "7", process), ("c", "8", run)):
+        done = start(*words, "--seed", seed, "--size", "12", "--out", name, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
     a, b, c = ((tmp_path / name).read_bytes() for name in "abc")
     assert a == b != c

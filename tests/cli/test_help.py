@@ -71,7 +71,7 @@ def test_every_option_is_a_sentence_with_unit_and_default(path: str) -> None:
     for option in options(path):
         if option.name in fields:
             continue  # declared with their range in agents/train/config.py
-        name, text = option.opts[0], option.help
+        name, text = option.opts[-1], option.help
         assert text and text[0].isupper() and text.endswith("."), name
         assert not re.search(r"\bas in\b|allowed", text, re.IGNORECASE), name
         stated = option.required or option.default is not None or "Default: " in text

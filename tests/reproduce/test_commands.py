@@ -1,22 +1,11 @@
 """``sensorless identify cross-coupling`` and ``reproduce`` on the command line."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-
-def run(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "sensorless", *words],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+from tests.helpers.command import run
 
 
 def test_identify_writes_data_and_picture(tmp_path: Path) -> None:

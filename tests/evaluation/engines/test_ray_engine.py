@@ -1,8 +1,6 @@
 """Two nodes on loopback: the same bits as one process, also when a node dies at work."""
 
 import os
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,6 +20,7 @@ from sensorless.evaluation.evaluate import evaluate
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies
 from sensorless.tuning import tune as tuning
+from tests.helpers.command import process, run
 
 MOTOR = Motor.load("paper")
 DESIGN = DriveDesign()
@@ -160,15 +159,9 @@ def test_no_cluster_there(cluster: Any, address: str) -> None:
 
 
 def test_the_command_starts_a_cluster_of_its_own(cluster: Any, tmp_path: Path) -> None:
-    for engine in ("local", "ray"):
+    for engine, start in (("local", run), ("ray", process)):
         words = f"evaluate --policy eq25 --suite paper --size 6 --engine {engine} --out {engine}"
-        done = subprocess.run(
-            [sys.executable, "-m", "sensorless", *words.split()],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        done = start(*words.split(), cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert done.stderr == "evaluated eq25\n"
     assert (tmp_path / "local").read_bytes() == (tmp_path / "ray").read_bytes()
