@@ -1,6 +1,61 @@
-"""Settings that hold for all tests; they act before any library is imported."""
+"""Settings that hold for all tests, and the machine, table and tools that several folders share."""
 
 import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # two threads of torch on a busy machine are slower
 os.environ.setdefault("MPLBACKEND", "Agg")  # figures without a screen
+
+import numpy as np
+import pytest
+
+from sensorless.design.drive import DriveDesign
+from sensorless.export import selftest
+from sensorless.export.export import Exported, export
+from sensorless.machine.motor import Motor
+from sensorless.pil.tools import missing_packages
+from sensorless.table.ks_table import Axis, KsTable
+
+
+@pytest.fixture(scope="session")
+def motor() -> Motor:
+    return Motor.load("paper")
+
+
+@pytest.fixture(scope="session")
+def design() -> DriveDesign:
+    return DriveDesign()
+
+
+@pytest.fixture(scope="session")
+def table() -> KsTable:
+    """Eq. 25 with bumps over the torque current: a table that uses both of its axes."""
+    axes = (Axis("speed", 0.0, 0.5, 9), Axis("torque_current", -1.5, 1.5, 5))
+    ramp = np.clip((0.27 - axes[0].nodes[:, None]) / 0.07, 0.0, 1.0)
+    bumps = 0.1 * np.random.default_rng(5).standard_normal((9, 5))
+    values = np.clip(ramp + np.where((ramp > 0) & (ramp < 1), bumps, 0.0), 0.0, 1.0)
+    return KsTable(axes, values.astype(np.float32), provenance={"command": "train --seed 5"})
+
+
+@pytest.fixture(scope="session")
+def target() -> None:
+    """Cross compiler and emulator are there; required where the environment says CI=true."""
+    missing = missing_packages()
+    if missing and os.environ.get("CI") == "true":
+        pytest.fail(f"CI needs {', '.join(missing)}")
+    if missing:
+        pytest.skip(f"needs the Debian packages {', '.join(missing)}")
+
+
+@pytest.fixture(scope="session")
+def exported(
+    tmp_path_factory: pytest.TempPathFactory, table: KsTable, motor: Motor, design: DriveDesign
+) -> Exported:
+    """An export of ``table``, with the flags of a user's."""
+    folder = tmp_path_factory.mktemp("export") / "made" / "here"
+    return export(table, motor, design, folder, policy="trial")
+
+
+@pytest.fixture(autouse=True)
+def selftest_without_optimisation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Self tests of other exports compile in half the time; ``identity`` compares the levels."""
+    monkeypatch.setattr(selftest, "FLAGS", (*selftest.FLAGS, "-O0"))

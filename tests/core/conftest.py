@@ -62,11 +62,6 @@ def c(tmp_path_factory: pytest.TempPathFactory) -> Call:
 
 
 @pytest.fixture(scope="session")
-def motor() -> Motor:
-    return Motor.load("paper")
-
-
-@pytest.fixture(scope="session")
 def map_currents() -> Callable[[Saturation, Floats], Floats]:
     """The flux map in NumPy, from the equations in ``flux_map.h``."""
 

@@ -25,11 +25,6 @@ from sensorless.observers.smo_design import deadbeat_gain, low_pass
 NUMBERS = [f for f in fields(DriveDesign) if "low" in f.metadata]
 
 
-@pytest.fixture(scope="module")
-def motor() -> Motor:
-    return Motor.load("paper")
-
-
 @pytest.mark.parametrize(
     ("hertz", "hfi", "smo"),
     [

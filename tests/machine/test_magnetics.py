@@ -21,11 +21,6 @@ from sensorless.machine.motor import Motor, Saturation
 
 
 @pytest.fixture(scope="module")
-def motor() -> Motor:
-    return Motor.load("paper")
-
-
-@pytest.fixture(scope="module")
 def linear(motor: Motor) -> Motor:
     return replace(motor, saturation=Saturation.linear(motor.L_d, motor.L_q, motor.psi_f))
 

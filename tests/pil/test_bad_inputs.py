@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 
 from sensorless.core.api import lib
-from sensorless.design.drive import DriveDesign
-from sensorless.export.export import export
-from sensorless.machine.motor import Motor
+from sensorless.export.export import Exported
 from sensorless.pil.device import DRIVE_IN, DRIVES, Device, Operation, start_items
 from sensorless.pil.lockstep import canonical
 from sensorless.pil.tools import build, qemu_command
-from sensorless.table.ks_table import KsTable
 
 ODD = np.array(
     [np.nan, -np.nan, np.inf, -np.inf, 3.4e38, -3.4e38, 1e-45, -1e-40, -0.0, 0.0, 1.0, -1.0],
@@ -21,10 +18,9 @@ ODD = np.array(
 
 
 @pytest.mark.usefixtures("target")
-def test_target_and_host_react_alike(table: KsTable, motor: Motor, tmp_path: Path) -> None:
-    folder = export(table, motor, DriveDesign(), tmp_path / "export").folder
-    image = build(folder, tmp_path / "target", "image")
-    program = build(folder, tmp_path / "host", "host")
+def test_target_and_host_react_alike(exported: Exported, tmp_path: Path) -> None:
+    image = build(exported.folder, tmp_path / "target", "image")
+    program = build(exported.folder, tmp_path / "host", "host")
     rng = np.random.default_rng(11)
     seam = np.tile(np.array([np.pi, -np.pi, 3.1415925, 0.0], dtype=np.float32), DRIVES // 4)
     seek = np.arange(DRIVES) % 2 == 1

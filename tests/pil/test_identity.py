@@ -6,32 +6,43 @@ import pytest
 
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.motor import Motor
-from sensorless.pil.identity import ALL, LEVELS, Configuration, identity
+from sensorless.pil.identity import ALL, Configuration, Outcome, identity
+from sensorless.pil.tools import missing_packages
 from sensorless.table.ks_table import KsTable
 
 PERIODS = 6000
 
+TARGET = [c for c in ALL if c.machine == "target" and c.level != "-O2"]
+HOST = [c for c in ALL if c.machine == "host"]
+FAST = Configuration("host", "-O2 -ffast-math")
 
-@pytest.mark.parametrize("level", [level for level in LEVELS if level != "-O2"])
+Found = dict[Configuration, Outcome]
+
+
+@pytest.fixture(scope="module")
+def found(table: KsTable, motor: Motor, design: DriveDesign) -> Found:
+    """Outcome of every configuration whose tools are here, from one export."""
+    if shutil.which("make") is None:
+        pytest.skip("needs make")
+    chosen = [*HOST, FAST, *(() if missing_packages() else TARGET)]
+    return {o.configuration: o for o in identity(table, motor, design, PERIODS, chosen, drives=16)}
+
+
+@pytest.mark.parametrize("chosen", TARGET, ids=lambda c: c.level)
 @pytest.mark.usefixtures("target")
-def test_target_at_every_level(level: str, table: KsTable, motor: Motor) -> None:
-    chosen = [Configuration("target", level)]
-    (found,) = identity(table, motor, DriveDesign(), PERIODS, chosen, drives=16)
-    assert found.periods >= PERIODS and found.mismatches == 0
+def test_target_at_every_level(chosen: Configuration, found: Found) -> None:
+    assert found[chosen].periods >= PERIODS and found[chosen].mismatches == 0
 
 
-@pytest.mark.parametrize("chosen", [c for c in ALL if c.machine == "host"], ids=str)
-def test_host_at_every_level(chosen: Configuration, table: KsTable, motor: Motor) -> None:
-    if shutil.which(chosen.compiler) is None or shutil.which("make") is None:
-        pytest.skip(f"needs {chosen.compiler} and make")
-    (found,) = identity(table, motor, DriveDesign(), PERIODS, [chosen], drives=16)
-    assert found.periods >= PERIODS and found.mismatches == 0
+@pytest.mark.parametrize("chosen", HOST, ids=str)
+def test_host_at_every_level(chosen: Configuration, found: Found) -> None:
+    if shutil.which(chosen.compiler) is None:
+        pytest.skip(f"needs {chosen.compiler}")
+    assert found[chosen].periods >= PERIODS and found[chosen].mismatches == 0
 
 
-def test_the_comparison_can_fail(table: KsTable, motor: Motor) -> None:
+def test_the_comparison_can_fail(found: Found) -> None:
     """Fast arithmetic on the device, which changes last bits, is noticed."""
-    if shutil.which("gcc") is None or shutil.which("make") is None:
-        pytest.skip("needs gcc and make")
-    chosen = [Configuration("host", "-O2 -ffast-math")]
-    (found,) = identity(table, motor, DriveDesign(), PERIODS, chosen, drives=16)
-    assert found.mismatches > 0
+    if shutil.which(FAST.compiler) is None:
+        pytest.skip(f"needs {FAST.compiler}")
+    assert found[FAST].mismatches > 0
