@@ -99,6 +99,7 @@ def enumeration(prefix: str) -> dict[str, int]:
 
 
 TRACE_NAMES = tuple(enumeration("TRACE_"))
+PLANT_NAMES = tuple(enumeration("PLANT_"))
 CARRIER_NAMES = tuple(enumeration("CARRIER_"))
 REPLAY_NAMES = tuple(enumeration("REPLAY_"))
 PIECES_A_PERIOD: int = lib.PIECES_A_PERIOD

@@ -77,6 +77,13 @@ def declarations() -> str:
     return str(c_generator.CGenerator().visit(c_ast.FileAST(keep)))
 
 
+def _macros() -> str:
+    """Whole numbers too long for an enumeration on every target; the compiler has their values."""
+    text = "".join(path.read_text(encoding="utf-8") for path in sorted(CORE.glob("drive/*.h")))
+    names = re.findall(r"^#define (\w+) (?:0x\w+|\d+)UL\b", text, re.MULTILINE)
+    return "".join(f"#define {name} ...\n" for name in names)
+
+
 def _numbers(ctype: Any, path: str) -> Iterator[tuple[str, str]]:
     """Type and path of every number in a C type."""
     if ctype.kind == "struct":
@@ -121,7 +128,7 @@ def write_fields(ffi: FFI) -> None:
 def make_builder() -> FFI:
     """The cffi builder of ``sensorless._core``."""
     builder = FFI()
-    builder.cdef(declarations() + "\nextern const char core_hash[];\n")
+    builder.cdef(declarations() + _macros() + "extern const char core_hash[];\n")
     write_fields(builder)
     includes = "".join(f'#include "{name}"\n' for name in HEADERS)
     builder.set_source(

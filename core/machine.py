@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sensorless.core.api import CARRIER_NAMES, PIECES_A_PERIOD, Array, lib, pointer
+from sensorless.core.api import CARRIER_NAMES, PIECES_A_PERIOD, PLANT_NAMES, Array, lib, pointer
 
 
 def flux_map_currents(flux_map: Array, bridge: bool, psi: Array) -> Array:
@@ -31,11 +31,11 @@ def plant_run(plant: Array, state: Array, u: Array) -> Array:
 
     Returns
     -------
-    array, shape (n + 1, 7)
-        i_d, i_q [A], psi_d, psi_q [Vs], torque [N m], omega_m [rad/s], theta_e unwrapped [rad].
+    array, shape (n + 1, len(PLANT_NAMES))
+        Currents [A], flux [Vs], torque [N m], omega_m [rad/s], theta_e unwrapped [rad].
     """
     inputs = np.ascontiguousarray(u, dtype=np.float64)
-    out = np.empty((len(inputs) + 1, 7))
+    out = np.empty((len(inputs) + 1, len(PLANT_NAMES)))
     p, x = pointer(plant, "plant_params_t[]"), pointer(state, "plant_state_t[]")
     lib.plant_start(p, x)
     lib.plant_run(p, x, pointer(inputs, "double[]"), pointer(out, "double[]"), len(inputs))

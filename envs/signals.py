@@ -1,8 +1,8 @@
 """The observation: one table of its components, read by the environment, the exporter and the docs.
 
-The values come from ``core/signals.h``, which also runs on the target; each is a quantity that the
-firmware measures or estimates, divided by a fixed scale of the machine. Quantities with a sign are
-taken in the direction of motion, so that both directions of rotation look the same.
+The values come from ``core/drive/signals.h``, which also runs on the target; each is a quantity
+that the firmware measures or estimates, divided by a fixed scale of the machine. Quantities with a
+sign are taken in the direction of motion, so that both directions of rotation look the same.
 """
 
 from dataclasses import dataclass

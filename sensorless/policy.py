@@ -39,7 +39,7 @@ class Policy(Protocol):
         """Forget the past; n drives are about to start."""
 
     def act(self, obs: Signals) -> NDArray[np.float32]:
-        """Weights wanted (n,), 0 to 1, at the signals (n, SIGNAL_N) of ``core/signals.h``."""
+        """Weights wanted (n,), 0 to 1, at the signals (n, SIGNAL_N) of ``core/drive/signals.h``."""
 
 
 @runtime_checkable

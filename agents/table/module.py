@@ -14,7 +14,7 @@ MARGIN = 0.25
 
 
 class TableModule(nn.Module):
-    """Multilinear interpolation over evenly spaced, clipped axes, as ``core/ks_table.c`` does it.
+    """Multilinear interpolation over evenly spaced, clipped axes, as in ``core/drive/ks_table.c``.
 
     The same float32 operations in the same order: ``forward`` equals ``KsTable.evaluate`` of
     ``table()`` to the bit, and the start is exact.

@@ -19,14 +19,14 @@ void plant_start(const plant_params_t *p, plant_state_t *x) {
 
 void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, double *out, int32_t n) {
     for (int32_t j = 0;; j++) {
-        double *row = &out[7L * j];
-        row[0] = x->i_d;
-        row[1] = x->i_q;
-        row[2] = x->psi_d;
-        row[3] = x->psi_q;
-        row[4] = x->tau;
-        row[5] = x->omega_m;
-        row[6] = x->theta_e + (double)x->turns * (2.0 * PI_D);
+        double *row = &out[(long)j * PLANT_N];
+        row[PLANT_I_D] = x->i_d;
+        row[PLANT_I_Q] = x->i_q;
+        row[PLANT_PSI_D] = x->psi_d;
+        row[PLANT_PSI_Q] = x->psi_q;
+        row[PLANT_TAU] = x->tau;
+        row[PLANT_OMEGA_M] = x->omega_m;
+        row[PLANT_THETA_E] = x->theta_e + (double)x->turns * (2.0 * PI_D);
         if (j == n) {
             return;
         }

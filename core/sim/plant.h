@@ -140,8 +140,20 @@ CORE_INLINE void plant_step(const plant_params_t *p, plant_state_t *x, double u_
     plant_output(p, x, bridge);
 }
 
-/* The machine alone over n periods under u[3 j]: u_alpha, u_beta [V], tau_load [N m]; rows of seven
- * (i_d, i_q, psi_d, psi_q, tau, omega_m, theta_e unwrapped) at j = 0 ... n into out. */
+/* Columns of a row of plant_run. */
+enum {
+    PLANT_I_D = 0, /* [A] */
+    PLANT_I_Q,
+    PLANT_PSI_D, /* [Vs] */
+    PLANT_PSI_Q,
+    PLANT_TAU,     /* [N m] */
+    PLANT_OMEGA_M, /* [rad/s] */
+    PLANT_THETA_E, /* unwrapped [rad] */
+    PLANT_N
+};
+
+/* The machine alone over n periods under u[3 j]: u_alpha, u_beta [V], tau_load [N m]; rows of PLANT_N
+ * numbers at j = 0 ... n into out. */
 void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, double *out, int32_t n);
 
 /* cos_e, sin_e, currents and torque from theta_e, flux and speed. */

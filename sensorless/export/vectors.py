@@ -103,7 +103,7 @@ def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: in
 
 
 class Schedule:
-    """``ks_schedule_step`` of ``core/ks_schedule.h`` over a table."""
+    """``ks_schedule_step`` of ``core/drive/ks_schedule.h`` over a table."""
 
     def __init__(self, table: KsTable, periods: int) -> None:
         self._header, self._values = table.record().reshape(1), table.stored()

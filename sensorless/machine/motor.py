@@ -29,7 +29,7 @@ def _number(doc: str, low: float = 1e-12, *, open_low: bool = True, high: float 
 
 @dataclass(frozen=True)
 class Saturation:
-    """Coefficients of the flux map in ``core/flux_map.h`` (doi 10.1109/TIA.2016.2644624)."""
+    """Coefficients of the flux map in ``core/sim/flux_map.h`` (doi 10.1109/TIA.2016.2644624)."""
 
     a_d0: float = _number("[1/H]")
     a_q0: float = _number("[1/H]")

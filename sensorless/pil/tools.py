@@ -6,15 +6,12 @@ import subprocess
 from pathlib import Path
 
 from sensorless.errors import UserError
-from sensorless.export.core_files import FIRMWARE
+from sensorless.export.core_files import FIRMWARE, core_files
 
 CROSS = "arm-none-eabi-"
 QEMU = "qemu-system-arm"
 PACKAGES = {f"{CROSS}gcc": "gcc-arm-none-eabi", QEMU: "qemu-system-arm", "make": "make"}
 """Program and the Debian package it comes in."""
-
-SHIPPED = ("drive", "drive_start", "ks_schedule", "ks_table")
-"""Objects of the control core; the golden vectors' comparison is not needed on a product."""
 
 
 def missing_packages() -> list[str]:
@@ -113,6 +110,12 @@ def stack_of(folder: Path, functions: tuple[str, ...]) -> int:
     return max((int(row[1]) for row in rows if row[0].split(":")[-1] in functions), default=0)
 
 
+def shipped() -> list[str]:
+    """Objects of the control core; a product does not need the comparison with golden vectors."""
+    sources = (Path(name) for name in core_files() if name.endswith(".c"))
+    return [path.stem for path in sources if path.stem != "ks_selftest"]
+
+
 def memory(folder: Path) -> dict[str, dict[str, int]]:
     """Flash and static RAM [byte] of the parts of a product, from the objects of a build."""
     table = symbol_sizes(folder / "ks_table_data.o")
@@ -120,7 +123,7 @@ def memory(folder: Path) -> dict[str, dict[str, int]]:
     code = symbol_sizes(folder / "ks_table.o")
     check = sum(size for name, size in code.items() if not re.match(r"eval_|ks_table_eval", name))
     return {
-        **{f"{name}.o": sections(folder / f"{name}.o") for name in SHIPPED},
+        **{f"{name}.o": sections(folder / f"{name}.o") for name in shipped()},
         "table_f32": {"rodata": table["ks_table_f32"] + table["ks_values_f32"]},
         "table_q15": {"rodata": q15["ks_table_q15"] + q15["ks_values_q15"]},
         "table_check": {"text": check},

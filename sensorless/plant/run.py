@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sensorless.core.api import PLANT, PLANT_STATE, Array
+from sensorless.core.api import PLANT, PLANT_NAMES, PLANT_STATE, Array
 from sensorless.core.machine import plant_run
 from sensorless.design.drive import SUB_STEPS
 from sensorless.errors import UserError
@@ -30,6 +30,7 @@ COLUMNS = (
     "w_M",
     "theta_m",
 )
+THETA_E = PLANT_NAMES.index("theta_e")
 STEP_ERROR = 1e-8
 """Largest difference to a run with half the step that is accepted [A, rad, ...]."""
 SPLITS = 256
@@ -80,8 +81,8 @@ def integrate(case: PlantCase, inputs: Floats, split: int = 1) -> Floats:
 
     Returns
     -------
-    array, shape (n + 1, 7)
-        i_d, i_q [A], psi_d, psi_q [Vs], torque [N m], mechanical speed [rad/s], electrical angle in
+    array, shape (n + 1, len(PLANT_NAMES))
+        Currents [A], flux [Vs], torque [N m], mechanical speed [rad/s], electrical angle in
         [-pi, pi] [rad].
     """
     plant, state = plant_arrays(case, split=split)
@@ -92,7 +93,8 @@ def integrate(case: PlantCase, inputs: Floats, split: int = 1) -> Floats:
         out = plant_run(plant, state, held)[::split]
         parts.append(out if start == 0 else out[1:])
     rows = np.concatenate(parts)
-    rows[:, 6] = np.arctan2(np.sin(rows[:, 6]), np.cos(rows[:, 6]))
+    angle = rows[:, THETA_E]
+    angle[:] = np.arctan2(np.sin(angle), np.cos(angle))
     return rows
 
 
@@ -113,7 +115,7 @@ def run_case(case: PlantCase, inputs: Floats) -> PlantRun:
             split *= 2
             fine = integrate(case, inputs, split)
             gap = np.abs(fine - coarse)
-            gap[:, 6] = np.abs(np.sin(fine[:, 6] - coarse[:, 6]))
+            gap[:, THETA_E] = np.abs(np.sin(fine[:, THETA_E] - coarse[:, THETA_E]))
             allowed = STEP_ERROR + 0.01 * STEP_ERROR * np.max(np.abs(fine), axis=0)
             if np.all(gap <= allowed) or split >= SPLITS:
                 break
@@ -128,7 +130,7 @@ def run_case(case: PlantCase, inputs: Floats) -> PlantRun:
 
 
 def _columns(rows: Floats, T_s: float) -> Floats:
-    """``COLUMNS`` from the seven quantities of ``integrate``."""
+    """``COLUMNS`` from the rows of ``integrate``."""
     i_d, i_q, psi_d, psi_q, tau, omega_m, theta_e = rows.T
     c, s = np.cos(theta_e), np.sin(theta_e)
     i_alpha, i_beta = c * i_d - s * i_q, s * i_d + c * i_q

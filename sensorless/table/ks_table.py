@@ -1,6 +1,6 @@
 """The schedule table: k_s over up to four signals, as it is trained, stored, run and exported.
 
-Lookup, check and checksum are those of ``core/ks_table.c``; there is no second implementation.
+Lookup, check and checksum are those of ``core/drive/ks_table.c``; there is no second one.
 """
 
 import hashlib
@@ -109,8 +109,8 @@ class KsTable:
             32 bits that name the machine; 0 for none.
         """
         header = np.zeros(1, dtype=TABLE)
-        header["magic"], header["format"] = _word("KSTB"), 1
-        header["value_format"] = _word("F32 " if form == "f32" else "Q15 ")
+        header["magic"], header["format"] = lib.KS_TABLE_MAGIC, lib.KS_TABLE_FORMAT
+        header["value_format"] = lib.KS_VALUES_F32 if form == "f32" else lib.KS_VALUES_Q15
         header["n_axes"], header["n_nodes"] = len(self.axes), self.values.size
         header["kind"] = len(self.axes) | (lib.KS_KIND_Q15 if form == "q15" else 0)
         for row, axis in zip(header["axis"][0], self.axes, strict=False):
@@ -191,10 +191,6 @@ class KsTable:
             raise UserError(f"{where}: {error}") from None
         check_crc(table.fields(), crc, where)
         return table
-
-
-def _word(letters: str) -> int:
-    return int.from_bytes(letters.encode(), "big")
 
 
 def _checked_nodes(values: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
