@@ -21,7 +21,7 @@ RULE = Rule(
     "constant",
     "K at all times",
     _build,
-    (Parameter("k", 0.5, 0.0, 1.0, "1", "weight of injection", most=1.0),),
+    (Parameter("k", 0.5, "1", 0, 1, "weight of injection", search=(0.0, 1.0)),),
     needs_numbers=True,
 )
 HFI = Rule(

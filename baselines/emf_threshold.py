@@ -8,6 +8,8 @@ The MESC firmware compares |u_q - R_s i_q| with 5 % of u_dc, with a gap of 1 V (
 the sliding-mode observer's EMF takes the place of that difference; u_dc is the nominal one.
 """
 
+from math import inf
+
 from sensorless.baselines.hysteresis import Hysteresis
 from sensorless.baselines.rule import Parameter, Rule, Values
 from sensorless.machine.motor import Motor
@@ -29,7 +31,7 @@ RULE = Rule(
     "hard switch of the estimated back-EMF at THRESHOLD +- BAND % of the DC-link voltage",
     _build,
     (
-        Parameter("threshold", 5.0, 1.0, 60.0, "%", "EMF over DC-link voltage", least=0.01),
-        Parameter("band", 1.0, 0.1, 20.0, "%", "half the gap", least=0.001),
+        Parameter("threshold", 5.0, "%", 0.01, inf, "EMF over DC-link voltage", search=(1.0, 60.0)),
+        Parameter("band", 1.0, "%", 0.001, inf, "half the gap", search=(0.1, 20.0)),
     ),
 )

@@ -77,10 +77,10 @@ RULE = Rule(
     _build,
     (
         Parameter(
-            "floor", 5.0, 0.5, 30.0, "deg", "hidden error of the injection", least=0.01, most=180.0
+            "floor", 5.0, "deg", 0.01, 180, "hidden error of the injection", search=(0.5, 30.0)
         ),
         Parameter(
-            "bias", 2.0, 0.1, 20.0, "%", "voltage error over rated EMF", least=0.001, most=1000.0
+            "bias", 2.0, "%", 0.001, 1000, "voltage error over rated EMF", search=(0.1, 20.0)
         ),
     ),
 )

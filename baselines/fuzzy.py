@@ -14,6 +14,7 @@ from contextlib import redirect_stdout
 from functools import lru_cache
 from io import StringIO
 from itertools import product
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,12 +140,20 @@ RULE = Rule(
     "ten fuzzy rules over speed, acceleration and disagreement",
     _build,
     (
-        speed("lo", 0.1, 0.0, 0.5, "peak of the term slow"),
-        speed("hi", 0.4, 0.1, 1.5, "peak of the term fast"),
+        speed("lo", 0.1, (0.0, 0.5), "peak of the term slow"),
+        speed("hi", 0.4, (0.1, 1.5), "peak of the term fast"),
         Parameter(
-            "acceleration", 3.0, 0.3, 20.0, "1/s", "peak of speeding up over rated speed", 0.001
+            "acceleration",
+            3.0,
+            "1/s",
+            0.001,
+            inf,
+            "peak of speeding up over rated speed",
+            search=(0.3, 20.0),
         ),
-        Parameter("disagreement", 20.0, 3.0, 90.0, "deg", "peak of disagreement", 0.001),
+        Parameter(
+            "disagreement", 20.0, "deg", 0.001, inf, "peak of disagreement", search=(3.0, 90.0)
+        ),
     ),
     rising=(("lo", "hi"),),
 )

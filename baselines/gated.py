@@ -15,6 +15,8 @@ estimated is at least WARM_EMF of what the magnets induce at the speed estimated
 aligns the idle estimator with the one in use. MathWorks' and ST's libraries hand over in this way.
 """
 
+from math import inf
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -133,13 +135,15 @@ RULE = Rule(
     "state machine: both estimators warm and agreed for HOLD ms, then a ramp of RAMP ms",
     _build,
     (
-        speed("lo", EQ25_BAND[0], 0.03, 0.6, "way back to injection"),
-        speed("hi", EQ25_BAND[1], 0.05, 0.9, "way up, if both agree"),
-        speed("force", 0.5, 0.2, 1.5, "way up in any case"),
-        Parameter("gate", 15.0, 3.0, 60.0, "deg", "agreement to begin with"),
-        Parameter("release", 30.0, 5.0, 90.0, "deg", "disagreement that ends a way up"),
-        Parameter("hold", 5.0, 1.0, 100.0, "ms", "agreement in a row"),
-        Parameter("ramp", 50.0, 20.0, 300.0, "ms", "from one end to the other", least=0.1),
+        speed("lo", EQ25_BAND[0], (0.03, 0.6), "way back to injection"),
+        speed("hi", EQ25_BAND[1], (0.05, 0.9), "way up, if both agree"),
+        speed("force", 0.5, (0.2, 1.5), "way up in any case"),
+        Parameter("gate", 15.0, "deg", 0, inf, "agreement to begin with", search=(3.0, 60.0)),
+        Parameter(
+            "release", 30.0, "deg", 0, inf, "disagreement that ends a way up", search=(5.0, 90.0)
+        ),
+        Parameter("hold", 5.0, "ms", 0, inf, "agreement in a row", search=(1.0, 100.0)),
+        Parameter("ramp", 50.0, "ms", 0.1, inf, "from one end to the other", search=(20.0, 300.0)),
     ),
     rising=(("lo", "hi"), ("lo", "force")),
 )

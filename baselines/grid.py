@@ -33,7 +33,7 @@ def _build(name: str, v: Values, motor: Motor) -> TablePolicy:
 def _node(index: tuple[int, ...]) -> Parameter:
     ramp = round(1.0 - index[0] / (SHAPE[0] - 1), 6)
     at = ", ".join(f"{a.signal} {a.nodes[j]:g}" for a, j in zip(AXES, index, strict=True))
-    return Parameter(_name(index), ramp, 0.0, 1.0, "1", f"k_s at {at}", most=1.0)
+    return Parameter(_name(index), ramp, "1", 0, 1, f"k_s at {at}", search=(0.0, 1.0))
 
 
 RULE = Rule(

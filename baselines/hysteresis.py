@@ -68,8 +68,8 @@ RULE = Rule(
     "hard switch, up at HI, down at LO; centre of the paper's band +-5 % by default",
     _build,
     (
-        speed("lo", (1.0 - GAP) * _CENTRE, 0.0, 0.9, "switches down to injection"),
-        speed("hi", (1.0 + GAP) * _CENTRE, 0.02, 1.2, "switches up to the sliding-mode observer"),
+        speed("lo", (1.0 - GAP) * _CENTRE, (0.0, 0.9), "switches down to injection"),
+        speed("hi", (1.0 + GAP) * _CENTRE, (0.02, 1.2), "switches up to the sliding-mode observer"),
     ),
     rising=(("lo", "hi"),),
 )

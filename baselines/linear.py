@@ -44,8 +44,8 @@ RULE = Rule(
     "linear ramp of the speed from LO to HI; the paper's band by default",
     _build,
     (
-        speed("lo", EQ25_BAND[0], 0.0, 0.6, "below it injection alone"),
-        speed("hi", EQ25_BAND[1], 0.05, 1.5, "above it the sliding-mode observer alone"),
+        speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
+        speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it the sliding-mode observer alone"),
     ),
     rising=(("lo", "hi"),),
 )

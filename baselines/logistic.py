@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.baselines.linear import EQ25_BAND
-from sensorless.baselines.rule import SPEED_UNIT, Parameter, Rule, Values, speed
+from sensorless.baselines.rule import Parameter, Rule, Values, speed
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, KsTable
@@ -43,8 +43,8 @@ def _build(name: str, v: Values, motor: Motor) -> TablePolicy:
     return TablePolicy(name, logistic_table(v))
 
 
-def _shift(name: str, doc: str) -> Parameter:
-    return Parameter(name, 0.0, -0.6, 0.6, "1", doc, -10.0, 10.0)
+def _shift(name: str, meaning: str) -> Parameter:
+    return Parameter(name, 0.0, "1", -10, 10, meaning, search=(-0.6, 0.6))
 
 
 RULE = Rule(
@@ -52,14 +52,12 @@ RULE = Rule(
     "logistic of speed, torque current and disagreement as a table; made for tuning",
     _build,
     (
-        speed("speed", 0.5 * sum(EQ25_BAND), 0.02, 0.9, "where k_s is one half, without load"),
-        Parameter(
-            "width", EQ25_BAND[1] - EQ25_BAND[0], 0.03, 1.5, SPEED_UNIT, "of the band", 0.001, 10.0
-        ),
+        speed("speed", 0.5 * sum(EQ25_BAND), (0.02, 0.9), "where k_s is one half, without load"),
+        speed("width", EQ25_BAND[1] - EQ25_BAND[0], (0.03, 1.5), "of the band", low=0.001),
         _shift("motoring", "shift of the centre [rated speed] at rated current, motoring"),
         _shift("regenerating", "the same when regenerating"),
         _shift("lead", "shift at 30 degrees of disagreement, injection ahead"),
         _shift("lag", "the same, injection behind"),
-        Parameter("spread", 0.0, 0.0, 2.0, "1", "widening at rated current", most=10.0),
+        Parameter("spread", 0.0, "1", 0, 10, "widening at rated current", search=(0.0, 2.0)),
     ),
 )

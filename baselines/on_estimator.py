@@ -13,8 +13,8 @@ def ramp_on(name: str, estimator: str, doc: str) -> Rule:
         return TablePolicy(word, linear_table(v["lo"], v["hi"]), estimator)
 
     band = (
-        speed("lo", EQ25_BAND[0], 0.0, 0.6, "below it injection alone"),
-        speed("hi", EQ25_BAND[1], 0.05, 1.5, "above it no injection"),
+        speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
+        speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it no injection"),
     )
     return Rule(name, doc, build, band, rising=(("lo", "hi"),))
 

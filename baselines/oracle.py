@@ -13,6 +13,8 @@ for what is best now need not be best over the next half second.
 Without injection the error of its estimator is not known; WAKE_K_S starts it.
 """
 
+from math import inf
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -74,7 +76,17 @@ RULE = Rule(
     "bound: knows the true angle and takes the weight that makes its error least",
     _build,
     (
-        Parameter("inertia", 30.0, 1.0, 90.0, "deg", "distance that moves the weight", 0.001),
-        Parameter("wake", 5.0, 0.5, 45.0, "deg", "error of the observer that wakes the injection"),
+        Parameter(
+            "inertia", 30.0, "deg", 0.001, inf, "distance that moves the weight", search=(1.0, 90.0)
+        ),
+        Parameter(
+            "wake",
+            5.0,
+            "deg",
+            0,
+            inf,
+            "error of the observer that wakes the injection",
+            search=(0.5, 45.0),
+        ),
     ),
 )

@@ -6,6 +6,8 @@ share = 0.2 is the usual uncertainty of the resistance; u_dt is the mean voltage
 takes from a phase. The phobia firmware computes its threshold in this way.
 """
 
+from math import inf
+
 from sensorless.baselines.hysteresis import Hysteresis
 from sensorless.baselines.rule import Parameter, Rule, Values
 from sensorless.machine.motor import Motor
@@ -27,7 +29,15 @@ RULE = Rule(
     "hard switch at the speed (SHARE R_s i_max + dead-time voltage) / psi_f, +-GAP %",
     _build,
     (
-        Parameter("share", 0.2, 0.0, 10.0, "1", "resistance that is not known over the known"),
-        Parameter("gap", 5.0, 1.0, 50.0, "%", "half the gap", least=0.1, most=90.0),
+        Parameter(
+            "share",
+            0.2,
+            "1",
+            0,
+            inf,
+            "resistance that is not known over the known",
+            search=(0.0, 10.0),
+        ),
+        Parameter("gap", 5.0, "%", 0.1, 90, "half the gap", search=(1.0, 50.0)),
     ),
 )

@@ -6,6 +6,8 @@
 25 to 50 ms in the drives of NXP and ST. The drive's slew limit on k_s still applies.
 """
 
+from math import inf
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,9 +61,9 @@ RULE = Rule(
     "runs to its new end within RAMP ms after the speed crossed HI upwards or LO downwards",
     _build,
     (
-        speed("lo", (1.0 - GAP) * _CENTRE, 0.0, 0.9, "starts down to injection"),
-        speed("hi", (1.0 + GAP) * _CENTRE, 0.02, 1.2, "starts up to the sliding-mode observer"),
-        Parameter("ramp", 40.0, 20.0, 400.0, "ms", "from one end to the other", least=0.1),
+        speed("lo", (1.0 - GAP) * _CENTRE, (0.0, 0.9), "starts down to injection"),
+        speed("hi", (1.0 + GAP) * _CENTRE, (0.02, 1.2), "starts up to the sliding-mode observer"),
+        Parameter("ramp", 40.0, "ms", 0.1, inf, "from one end to the other", search=(20.0, 400.0)),
     ),
     rising=(("lo", "hi"),),
 )

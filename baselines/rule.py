@@ -1,44 +1,42 @@
 """What a hand-over rule tells about itself: its name, its parameters, and how to build it."""
 
-import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy
+from sensorless.settings import Setting
 
 Values = Mapping[str, float]
 """Parameters by name. They hold no property of a machine: speeds are shares of rated speed."""
 
-SPEED_UNIT = "r/min"
-"""Unit of parameters that a user gives in r/min and that rules get as a share of rated speed."""
-
 
 @dataclass(frozen=True)
-class Parameter:
-    """One number of a rule. All bounds and the default are as the rule gets them."""
+class Parameter(Setting):
+    """One number of a rule. Range and default are as the rule gets them, the unit as users do."""
 
-    name: str
-    default: float
-    low: float
-    """Lower end of the range that tuning searches."""
-    high: float
-    unit: str
-    """Of the number on the command line."""
-    doc: str
-    least: float = 0.0
-    """Lower end of what is allowed at all."""
-    most: float = math.inf
+    search: tuple[float, float] = field(kw_only=True)
+    """Range that tuning searches."""
+    is_speed: bool = field(default=False, kw_only=True)
+    """Rules get it as a share of rated speed, users give it in r/min."""
 
     def factor(self, motor: Motor) -> float:
         """Number on the command line over the number that the rule gets."""
-        return motor.n_rated_rpm if self.unit == SPEED_UNIT else 1.0
+        return motor.n_rated_rpm if self.is_speed else 1.0
+
+    def parsed_on(self, motor: Motor, text: str, where: str) -> float:
+        """Number that the rule gets, from the text on the command line; errors as `parsed`."""
+        factor = self.factor(motor)
+        told = replace(self, low=factor * self.low, high=factor * self.high)
+        return float(told.parsed(text, where)) / factor
 
 
-def speed(name: str, default: float, low: float, high: float, doc: str) -> Parameter:
-    """Speed, a share of rated speed; r/min on the command line."""
-    return Parameter(name, default, low, high, SPEED_UNIT, doc, most=10.0)
+def speed(
+    name: str, default: float, search: tuple[float, float], meaning: str, *, low: float = 0.0
+) -> Parameter:
+    """Speed, a share of rated speed from ``low`` to 10; r/min on the command line."""
+    return Parameter(name, default, "r/min", low, 10, meaning, search=search, is_speed=True)
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,7 @@ class Rule:
 
     def allows(self, values: Values) -> bool:
         """Every number is finite, in its range, and in order with the others."""
-        return all(p.least <= values[p.name] <= p.most for p in self.parameters) and all(
+        return all(p.holds(values[p.name]) for p in self.parameters) and all(
             values[low] < values[high] for low, high in self.rising
         )
 
@@ -93,8 +91,9 @@ class Rule:
         """
         if text is None and not self.needs_numbers:
             return self.defaults()
+        where = f"policy {spec!r}: "
         if not self.parameters:
-            raise UserError(f"policy: {spec!r}; allowed: {self.name} without numbers")
+            raise UserError(f"{where}{self.name} takes no numbers: write {self.name}")
         words = (text or "").split(",")
         names = [p.name for p in self.parameters]
         pairs = [w.split("=", 1) for w in words]
@@ -104,33 +103,20 @@ class Rule:
         else:
             given = dict(zip(names, words, strict=False))
             good = len(words) == len(names)
+        if not good:
+            n = len(names)
+            some = f"all {n} numbers in order, or some as NAME=VALUE" if n > 1 else "one number"
+            raise UserError(f"{where}give {some}: {self.usage}")
         values = self.defaults()
         for p in self.parameters:
             if p.name in given:
-                values[p.name] = _number(given[p.name]) / p.factor(motor)
-        if not good or not self.allows(values):
-            raise UserError(f"policy: {spec!r}; allowed: {self.usage} with {self._ranges(motor)}")
+                values[p.name] = p.parsed_on(motor, given[p.name], where)
+        for low, high in self.rising:
+            if not values[low] < values[high]:
+                raise UserError(f"{where}{low.upper()} must be below {high.upper()}: {self.usage}")
         return values
 
     def spec(self, values: Values, motor: Motor) -> str:
         """Word for the command line that gives these parameters on this machine."""
         numbers = (f"{values[p.name] * p.factor(motor):.6g}" for p in self.parameters)
         return ":".join(filter(None, (self.name, ",".join(numbers))))
-
-    def _ranges(self, motor: Motor) -> str:
-        texts = [f"{low.upper()} < {high.upper()}" for low, high in self.rising]
-        for p in self.parameters[: 8 if len(self.parameters) > 8 else None]:
-            least, most = p.least * p.factor(motor), p.most * p.factor(motor)
-            top = f" to {most:g}" if math.isfinite(most) else " or more"
-            unit = "" if p.unit == "1" else f" {p.unit}"
-            texts.append(f"{p.name.upper()} from {least:g}{top}{unit}")
-        return ", ".join(texts)
-
-
-def _number(text: str) -> float:
-    """NaN for what is no finite number: it is in no range."""
-    try:
-        x = float(text)
-    except ValueError:
-        return math.nan
-    return x if math.isfinite(x) else math.nan

@@ -65,8 +65,8 @@ def _on_a_band(name: str, doc: str, table: Callable[[float, float], KsTable]) ->
         return TablePolicy(word, table(v["lo"], v["hi"]))
 
     band = (
-        speed("lo", EQ25_BAND[0], 0.0, 0.6, "below it injection alone"),
-        speed("hi", EQ25_BAND[1], 0.05, 1.5, "above it the sliding-mode observer alone"),
+        speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
+        speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it the sliding-mode observer alone"),
     )
     return Rule(name, doc, build, band, rising=(("lo", "hi"),))
 
@@ -83,5 +83,5 @@ QUADRATIC = Rule(
     "quadratic",
     "1 - (speed / CORNER)^2",
     _quadratic,
-    (speed("corner", EQ25_BAND[1], 0.05, 1.5, "above it the sliding-mode observer alone"),),
+    (speed("corner", EQ25_BAND[1], (0.05, 1.5), "above it the sliding-mode observer alone"),),
 )

@@ -15,6 +15,7 @@ from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
+from sensorless.settings import check, number
 
 Sampler = Callable[[Motor, Seeds], Scenarios]
 
@@ -31,8 +32,9 @@ class BlendSettings:
     """Function (motor, seeds (n,)) to n scenarios, row i from seed i alone."""
     weights: RewardWeights = field(default_factory=RewardWeights)
     """Reward."""
-    decision_period: float = 1e-3
-    """Time between decisions [s], rounded to whole PWM periods."""
+    decision_period: float = number(
+        1e-3, "s", 1e-6, 1, "time between decisions, rounded to whole PWM periods"
+    )
     max_episode_steps: int | None = None
     """Decisions until truncation; None: the scenario's end."""
 
@@ -42,15 +44,12 @@ class BlendSettings:
         Raises
         ------
         UserError
-            Names the field, its value and what is allowed.
+            Names the field, its value and what it must be.
         """
-        period, steps = self.decision_period, self.max_episode_steps
-        if not 1e-6 <= period <= 1.0:
-            raise UserError(f"decision_period: {period!r} s; allowed: 1e-6 to 1")
+        check(self)
+        steps = self.max_episode_steps
         if steps is not None and (not _whole(steps) or steps < 1):
-            raise UserError(
-                f"max_episode_steps: {steps!r}; allowed: None or a whole number above 0"
-            )
+            raise UserError(f"max_episode_steps: {steps!r}: must be None or a whole number above 0")
 
 
 def checked_count(n: Any) -> int:

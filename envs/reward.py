@@ -28,10 +28,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
-from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
+from sensorless.settings import check, number
 
 Term = NDArray[np.float32]
+
+INF = math.inf
 
 HORIZON_MS = 333.0
 """Time whose worst running costs, the angle's included, the default penalty dominates [ms]."""
@@ -52,22 +54,23 @@ SCALE_ACTIVITY = 0.05
 
 @dataclass(frozen=True)
 class RewardWeights:
-    """What each cost is worth at its worst, per 1 ms; all zero or positive."""
+    """What each cost is worth at its worst."""
 
-    torque_deviation: float = 0.050
-    """Torque minus the sensored twin's, without the injection band."""
-    torque_ripple: float = 0.0045
-    """Swing of the torque within the decision, without the injection band."""
-    speed_deviation: float = 0.020
-    """Speed minus the sensored twin's: overshoot and dips that the estimate caused."""
-    angle: float = 1.0
-    """Angle error of the blend near losing lock: the warning before."""
-    activity: float = 0.001
-    """Movement of k_s."""
-    injection: float = 0.0002
-    """Share of time with injection on."""
-    lost: float = 1000.0
-    """Once, when lock is lost."""
+    torque_deviation: float = number(
+        0.050, "1/ms", 0, INF, "torque minus the sensored twin's, without the injection band"
+    )
+    torque_ripple: float = number(
+        0.0045, "1/ms", 0, INF, "swing of the torque in a decision, without the injection band"
+    )
+    speed_deviation: float = number(
+        0.020, "1/ms", 0, INF, "speed minus the twin's: overshoot and dips that the estimate caused"
+    )
+    angle: float = number(
+        1.0, "1/ms", 0, INF, "angle error of the blend near losing lock: the warning before"
+    )
+    activity: float = number(0.001, "1/ms", 0, INF, "movement of k_s")
+    injection: float = number(0.0002, "1/ms", 0, INF, "share of time with injection on")
+    lost: float = number(1000.0, "1", 0, INF, "once, when lock is lost")
 
     def __post_init__(self) -> None:
         """Check every weight.
@@ -75,14 +78,9 @@ class RewardWeights:
         Raises
         ------
         UserError
-            Names the weight, its value and what is allowed.
+            Names the weight, its value and what it must be.
         """
-        for f in dataclasses.fields(self):
-            value = getattr(self, f.name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise UserError(
-                    f"reward weight {f.name}: {value!r}; allowed: 0 or a positive number"
-                )
+        check(self, "reward weight ")
 
     @property
     def worst_running(self) -> float:

@@ -61,7 +61,7 @@ def quietest(motor: Motor, design: DriveDesign, generations: int, seed: int) -> 
     """Parameters of the logistic rule with the least ripple in the window, losing nothing."""
     scenarios = suite("handoff", motor, seed, SEARCHED, role="tune")
     factory = SimFactory(motor, design)
-    low, high = (np.array([getattr(p, end) for p in RULE.parameters]) for end in ("low", "high"))
+    low, high = np.array([p.search for p in RULE.parameters]).T
 
     def cost(x: Sequence[float]) -> float:
         r = rollout(RULE.build("x", values(x), motor), scenarios, factory)

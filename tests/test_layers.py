@@ -12,7 +12,7 @@ TOP = ("agents", "baselines", "core", "envs", "observers")
 """Folders of the package that stand at the top; ``sensorless`` links to them."""
 
 LAYERS = (
-    ("errors", "files", "units"),
+    ("errors", "files", "settings", "units"),
     ("core",),
     ("machine", "table", "versions"),
     ("observers",),
@@ -30,7 +30,7 @@ LAYERS = (
 )
 """Folders and single files of ``sensorless``, lowest first."""
 
-SIBLINGS = {("files", "errors"), ("pil", "export")}
+SIBLINGS = {("files", "errors"), ("settings", "errors"), ("pil", "export")}
 """Who may import whom inside a layer."""
 
 ABOVE_ALL = ("__init__", "__main__")

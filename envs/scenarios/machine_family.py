@@ -22,7 +22,7 @@ from sensorless.units import RPM_TO_RAD_S
 NAME = "ipmsm-1"
 """Of these ranges and checks; another draw needs another name."""
 
-MOST = 256
+MOST_MACHINES = 256
 """Machines of a family at most."""
 
 
@@ -67,12 +67,12 @@ def family(seed: int, n: int) -> tuple[Motor, ...]:
     Raises
     ------
     UserError
-        A seed below 0 or beyond 2^63, no machine, or more than ``MOST``.
+        A seed below 0 or beyond 2^63, no machine, or more than ``MOST_MACHINES``.
     """
     if not 0 <= seed < 2**63:
-        raise UserError(f"seed: {seed}; allowed: 0 to 2^63 - 1")
-    if not 1 <= n <= MOST:
-        raise UserError(f"machines: {n}; allowed: 1 to {MOST}")
+        raise UserError(f"seed: {seed}: must be between 0 and 2^63 - 1")
+    if not 1 <= n <= MOST_MACHINES:
+        raise UserError(f"machines: {n}: must be between 1 and {MOST_MACHINES}")
     return tuple(_consistent(seed, i) for i in range(n))
 
 

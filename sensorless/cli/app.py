@@ -16,6 +16,7 @@ from sensorless.cli.plain import Command, Group
 from sensorless.cli.replay import replay_command
 from sensorless.cli.report import report_command
 from sensorless.cli.reproduce import reproduce_command
+from sensorless.cli.settings import settings_command
 from sensorless.cli.simulate import simulate_command
 from sensorless.cli.train import train_command
 from sensorless.cli.tune import tune_command
@@ -29,7 +30,7 @@ PANELS: dict[str, dict[str, Callable[..., None]]] = {
     },
     "Judge it": {"evaluate": evaluate_command, "report": report_command},
     "Ship it": {"export": export_command, "pil": pil_command},
-    "Your own drive": {"replay": replay_command},
+    "Your own drive": {"settings": settings_command, "replay": replay_command},
 }
 """Functions by command and by the heading above it."""
 

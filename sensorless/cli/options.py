@@ -33,7 +33,8 @@ SetOption = Annotated[
         "--set",
         metavar="NAME=VALUE",
         help=f"Change one setting of the drive design, for example {EXAMPLE} [Hz]; repeat the "
-        "option to change several. Default: the design that follows from the motor.",
+        "option to change several; `sensorless settings` lists them all. Default: the design that "
+        "follows from the motor.",
     ),
 ]
 PolicyOption = Annotated[

@@ -1,7 +1,5 @@
 """The command ``sensorless train``: every field of ``TrainConfig`` is an option."""
 
-import ast
-import dataclasses
 import inspect
 from collections.abc import Callable
 from pathlib import Path
@@ -13,35 +11,23 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from sensorless.agents.train.config import TrainConfig
 from sensorless.cli.options import SetOption, console, describe, errors
 from sensorless.errors import UserError
+from sensorless.settings import settings_of
 
 RUNS = Path("runs")
 
 
-def field_docs(cls: type) -> dict[str, str]:
-    """Text under each field of a dataclass, as written in its source."""
-    tree = ast.parse(inspect.getsource(cls)).body[0]
-    docs, name = {}, None
-    for node in tree.body if isinstance(tree, ast.ClassDef) else []:
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            name = node.target.id
-        elif name and isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            docs[name], name = str(node.value.value), None
-    return docs
-
-
 def with_options(cls: type, function: Callable[..., None]) -> Callable[..., None]:
-    """``function`` with one keyword option for every field of a dataclass behind its own."""
-    docs = field_docs(cls)
+    """``function`` with one keyword option for every setting of a dataclass behind its own."""
     own = inspect.signature(function)
     fixed = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
     extra = [
         inspect.Parameter(
-            f.name,
+            name,
             inspect.Parameter.KEYWORD_ONLY,
-            default=f.default,
-            annotation=Annotated[f.type, typer.Option(help=docs[f.name])],
+            default=setting.default,
+            annotation=Annotated[setting.kind, typer.Option(help=setting.sentence)],
         )
-        for f in dataclasses.fields(cls)
+        for name, setting in settings_of(cls).items()
     ]
     function.__signature__ = inspect.Signature([*fixed, *extra])  # type: ignore[attr-defined]
     function.__annotations__ = {p.name: p.annotation for p in [*fixed, *extra]}

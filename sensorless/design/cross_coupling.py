@@ -12,14 +12,8 @@ from sensorless.machine.magnetics import Floats, cross_angle, torque
 from sensorless.machine.motor import Motor
 
 FORMAT = "sensorless-cross-coupling/1"
-KINDS = ("none", "line", "table")
 POINTS = 60
 """Currents that a line is fitted to."""
-
-
-def is_known(cross: str) -> bool:
-    """Whether ``cross`` is one of ``KINDS`` or the name of a JSON file."""
-    return cross in KINDS or cross.endswith(".json")
 
 
 def slope_through_zero(i_q: Floats, angle: Floats) -> float:

@@ -1,24 +1,23 @@
 """The drive as a user describes it, and the C parameters it becomes."""
 
-import dataclasses
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from sensorless.core.api import CONTROL, PLANT, SENSOR, Array, enumeration
 from sensorless.design.control import design_control, design_curves, operating_line
-from sensorless.design.cross_coupling import KINDS, is_known
 from sensorless.design.sound import require_finite
 from sensorless.errors import UserError
 from sensorless.machine.magnetics import flux_map_record
 from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import require_saliency
 from sensorless.observers.flux_design import design_flux
-from sensorless.observers.hfi_design import SCHEMES, design_hfi, hf_current
+from sensorless.observers.hfi_design import design_hfi, hf_current
 from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
 from sensorless.observers.start_design import design_start
+from sensorless.settings import check, number, switch, word
 
 SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
@@ -30,89 +29,103 @@ RENAMED = {"angles": "smo"}
 """Names that estimators no longer have, and the ones they have now."""
 
 
-def _setting(default: float, doc: str, low: float, high: float) -> Any:
-    return field(default=default, metadata={"doc": doc, "low": low, "high": high})
-
-
 @dataclass(frozen=True)
 class DriveDesign:
     """Bandwidths and choices of the control core; everything else follows from the motor."""
 
-    hfi_pll_hz: float = _setting(15.0, "natural frequency of the injection PLL [Hz]", 1, 200)
-    smo_pll_hz: float = _setting(20.0, "natural frequency of the EMF PLL [Hz]", 1, 200)
-    smo_gain: float = _setting(1.0, "SMO gain over the deadbeat gain L_d / T_s", 0.05, 1.95)
-    smo_cross_hz: float = _setting(20.0, "low-pass on the cross term's speed [Hz]", 0.5, math.inf)
-    smo_k: float = _setting(2.5, "bound on the SMO's EMF over the rated no-load EMF", 0.05, 100)
-    smo_emf_hz: float = _setting(math.inf, "low-pass on the EMF [Hz]", 1, math.inf)
-    L_q_bias: float = _setting(0.7, "observer's q inductance over the apparent one", 0.3, 1.5)
-    smo_floor_rpm: float = _setting(
-        40.0, "speed below which the EMF is not used [r/min]; 0: no warm start", 0, 1e4
+    hfi_pll_hz: float = number(15.0, "Hz", 1, 200, "natural frequency of the injection's PLL")
+    smo_pll_hz: float = number(20.0, "Hz", 1, 200, "natural frequency of the PLL on the EMF")
+    smo_gain: float = number(1.0, "1", 0.05, 1.95, "SMO gain over the deadbeat gain L_d / T_s")
+    smo_cross_hz: float = number(
+        20.0, "Hz", 0.5, math.inf, "low-pass on the speed in the SMO's cross term", endless=True
     )
-    error_pll_hz: float = _setting(25.0, "the one PLL of estimator=errors [Hz]", 1, 200)
-    flux_pll_hz: float = _setting(60.0, "speed estimation of the flux observer [Hz]", 0.5, 200)
-    flux_gain: float = _setting(0.2, "rise of the flux correction with speed", 0, 5)
-    speed_bound: float = _setting(2.5, "bound on estimated speeds over rated", 0.5, math.inf)
-    speed_hz: float = _setting(2.5, "natural frequency of the speed loop [Hz]", 0.1, 50)
-    speed_weight: float = _setting(0.0, "reference weight of the speed loop", 0, 1)
-    current_hz: float = _setting(120.0, "bandwidth of the current loop [Hz]", 10, 1000)
-    i_q_slew: float = _setting(150.0, "slope limit of the torque current [A/s]", 1, 1e6)
-    k_s_slew: float = _setting(50.0, "slope limit of the weight [1/s]", 1, 5000)
-    injection_hold: float = _setting(0.02, "injection after the weight reached zero [s]", 0, 10)
-    signal_hz: float = _setting(30.0, "low-pass of the signals a schedule sees [Hz]", 1, 1000)
-    dead_time_share: float = _setting(0.75, "share of the dead time compensated", 0, 1)
-    hfi_scheme: str = "rotating"
-    """Alternating current: second difference in the rotating frame, or as published (Eq. 9) the
-    first one in the stationary frame."""
-    hfi_delay_cure: bool = True
-    """Injected voltage turned by the 1.5 periods of its delay."""
-    hfi_normalised: bool = True
-    """Error signal over the magnitude of the current's answer (Eq. 7), not as it is (Eq. 15)."""
-    estimator: str = "smo"
-    """What estimates beside the injection, and how both become one: the sliding-mode observer
-    (smo), its angle weighed with the injection's; the same without wrap, as printed in Eq. 26
-    (unwrapped); one loop on weighed error signals (errors); a flux observer for the SMO (flux)."""
-    cross_line_torque: float = _setting(
-        0.5, "torque that the line of cross=line is fitted up to, over rated", 0.05, 2
+    smo_k: float = number(2.5, "1", 0.05, 100, "bound on the SMO's EMF over the rated no-load EMF")
+    smo_emf_hz: float = number(
+        math.inf, "Hz", 1, math.inf, "low-pass on the EMF; inf: none", endless=True
     )
-    smo_sign: bool = False
-    """Signum instead of the sigmoid."""
-    lag_cure: bool = True
-    """EMF from the exact steady-state relation."""
-    L_q_table: bool = True
-    """Observer inductance over the torque current instead of the data-sheet constant."""
-    cross: str = "table"
-    """Cross-coupling compensation: none, line, table, or a file of identify cross-coupling."""
-    mtpa: bool = True
-    """d current of maximum torque per ampere instead of zero."""
-    carrier: bool = False
-    """Inverter with the switching instants of a carrier instead of its mean voltage."""
+    L_q_bias: float = number(0.7, "1", 0.3, 1.5, "observer's q inductance over the apparent one")
+    smo_floor_rpm: float = number(
+        40.0, "r/min", 0, 1e4, "speed below which the EMF is not used; 0: no warm start"
+    )
+    error_pll_hz: float = number(
+        25.0, "Hz", 1, 200, "natural frequency of the one PLL of estimator=errors"
+    )
+    flux_pll_hz: float = number(
+        60.0, "Hz", 0.5, 200, "natural frequency of the flux observer's speed estimate"
+    )
+    flux_gain: float = number(0.2, "1", 0, 5, "how fast the flux correction rises with speed")
+    speed_bound: float = number(
+        2.5, "1", 0.5, math.inf, "bound on estimated speeds over rated speed", endless=True
+    )
+    speed_hz: float = number(2.5, "Hz", 0.1, 50, "natural frequency of the speed loop")
+    speed_weight: float = number(0.0, "1", 0, 1, "reference weight of the speed loop: 0 IP, 1 PI")
+    current_hz: float = number(120.0, "Hz", 10, 1000, "bandwidth of the current loop")
+    i_q_slew: float = number(150.0, "A/s", 1, 1e6, "slope limit of the torque current")
+    k_s_slew: float = number(50.0, "1/s", 1, 5000, "slope limit of the weight k_s")
+    injection_hold: float = number(
+        0.02, "s", 0, 10, "time the injection stays on after k_s reached zero"
+    )
+    signal_hz: float = number(30.0, "Hz", 1, 1000, "low-pass on the signals that a schedule sees")
+    dead_time_share: float = number(0.75, "1", 0, 1, "share of the dead time that is compensated")
+    hfi_scheme: str = word(
+        "rotating",
+        "how the alternating current is found",
+        {
+            "rotating": "second difference in the rotating frame",
+            "stationary": "first difference in the stationary frame, as published (Eq. 9)",
+        },
+    )
+    hfi_delay_cure: bool = switch(
+        True, "turn the injected voltage by the 1.5 periods that it acts late"
+    )
+    hfi_normalised: bool = switch(
+        True,
+        "divide the injection's error signal by the magnitude of the current's answer (Eq. 7); "
+        "false: as it is (Eq. 15)",
+    )
+    estimator: str = word(
+        "smo",
+        "what estimates beside the injection, and how both become one",
+        {
+            "smo": "sliding-mode observer, angles weighed",
+            "unwrapped": "the same without wrap, as printed (Eq. 26)",
+            "errors": "sliding-mode observer and injection in one loop, error signals weighed",
+            "flux": "flux observer, angles weighed",
+        },
+        renamed=RENAMED,
+    )
+    cross_line_torque: float = number(
+        0.5, "1", 0.05, 2, "torque over rated that the line of cross=line is fitted up to"
+    )
+    smo_sign: bool = switch(False, "signum instead of the sigmoid in the SMO")
+    lag_cure: bool = switch(True, "EMF from the exact steady-state relation")
+    L_q_table: bool = switch(
+        True, "observer's q inductance over the torque current; false: the data sheet's constant"
+    )
+    cross: str = word(
+        "table",
+        "compensation of cross-coupling",
+        {
+            "none": "no compensation",
+            "line": "a line through zero",
+            "table": "that of the flux map",
+            "FILE.json": "as sensorless identify cross-coupling measured it",
+        },
+    )
+    mtpa: bool = switch(True, "d current of maximum torque per ampere; false: zero")
+    carrier: bool = switch(
+        False, "inverter with the switching instants of a carrier; false: with its mean voltage"
+    )
 
     def __post_init__(self) -> None:
-        """Check every number against its range.
+        """Check every setting.
 
         Raises
         ------
         UserError
-            Names the field, its value and what is allowed.
+            Names the setting, its value and what it must be.
         """
-        for f in dataclasses.fields(self):
-            value = getattr(self, f.name)
-            if "low" in f.metadata and not f.metadata["low"] <= value <= f.metadata["high"]:
-                raise UserError(
-                    f"{f.name}: {value!r}; allowed: {f.metadata['low']:g} to "
-                    f"{f.metadata['high']:g}, {f.metadata['doc']}"
-                )
-        if self.estimator in RENAMED:
-            now = RENAMED[self.estimator]
-            raise UserError(f"estimator: {self.estimator!r} is now called {now!r}: write {now}")
-        for name, allowed in (
-            ("hfi_scheme", tuple(SCHEMES)),
-            ("estimator", tuple(ESTIMATORS)),
-        ):
-            if getattr(self, name) not in allowed:
-                raise UserError(f"{name}: {getattr(self, name)!r}; allowed: {', '.join(allowed)}")
-        if not is_known(self.cross):
-            raise UserError(f"cross: {self.cross!r}; allowed: {', '.join(KINDS)}, FILE.json")
+        check(self)
 
 
 def control_record(motor: Motor, design: DriveDesign) -> Array:

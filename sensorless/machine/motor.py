@@ -15,37 +15,39 @@ else:
     import tomli as tomllib
 
 from sensorless.errors import UserError
+from sensorless.settings import REQUIRED, number, read
 
 MOTORS = Path(__file__).parent / "motors"
+INF = math.inf
 
 
-def _number(doc: str, low: float = 1e-12, *, open_low: bool = True, high: float = 1e12) -> Any:
-    """Dataclass field of a number in (low, high], or [low, high] when ``open_low`` is false.
+def positive(unit: str, meaning: str) -> Any:
+    """Field of a number above zero without a default.
 
-    The default bounds are wider than any machine, and no product of a few leaves float32.
+    Its bounds are wider than any machine, and no product of a few leaves float32.
     """
-    return field(metadata={"doc": doc, "low": low, "open": open_low, "high": high})
+    return number(REQUIRED, unit, 1e-12, 1e12, meaning, above=True)
 
 
 @dataclass(frozen=True)
 class Saturation:
     """Coefficients of the flux map in ``core/sim/flux_map.h`` (doi 10.1109/TIA.2016.2644624)."""
 
-    a_d0: float = _number("[1/H]")
-    a_q0: float = _number("[1/H]")
-    i_f: float = field(default=0.0, metadata={"doc": "magnet current [A]", "low": 0.0})
-    a_dd: float = field(default=0.0, metadata={"doc": "[1/(H Vs^S)]", "low": 0.0})
-    S: int = field(default=0, metadata={"doc": "exponent", "low": 0, "high": 7})
-    a_qq: float = field(default=0.0, metadata={"doc": "[1/(H Vs^T)]", "low": 0.0})
-    T: int = field(default=0, metadata={"doc": "exponent", "low": 0, "high": 7})
-    a_dq: float = field(default=0.0, metadata={"doc": "cross term", "low": 0.0})
-    U: int = field(default=0, metadata={"doc": "exponent", "low": 0, "high": 5})
-    V: int = field(default=0, metadata={"doc": "exponent", "low": 0, "high": 5})
-    a_b: float = field(default=0.0, metadata={"doc": "bridge [1/(H Vs^W)]", "low": 0.0})
-    a_bp: float = field(default=0.0, metadata={"doc": "bridge [1/Vs^W]", "low": 0.0})
-    k_q: float = field(default=0.0, metadata={"doc": "bridge, q weight", "low": 0.0})
-    psi_n: float = field(default=0.0, metadata={"doc": "bridge flux [Vs]", "low": 0.0})
-    W: int = field(default=0, metadata={"doc": "bridge exponent", "low": 0, "high": 7})
+    a_d0: float = positive("1/H", "d axis without saturation")
+    a_q0: float = positive("1/H", "q axis without saturation")
+    i_f: float = number(0.0, "A", 0, INF, "magnet current")
+    a_dd: float = number(0.0, "1/(H Vs^S)", 0, INF, "saturation of the d axis")
+    S: int = number(0, "1", 0, 7, "exponent of the d axis")
+    a_qq: float = number(0.0, "1/(H Vs^T)", 0, INF, "saturation of the q axis")
+    T: int = number(0, "1", 0, 7, "exponent of the q axis")
+    a_dq: float = number(0.0, "A/Vs^(U+V+3)", 0, INF, "cross-saturation")
+    U: int = number(0, "1", 0, 5, "exponent of the d flux in cross-saturation")
+    V: int = number(0, "1", 0, 5, "exponent of the q flux in cross-saturation")
+    a_b: float = number(0.0, "1/(H Vs^W)", 0, INF, "bridges; 0: none")
+    a_bp: float = number(0.0, "1/Vs^W", 0, INF, "saturation of the bridges")
+    k_q: float = number(0.0, "1", 0, INF, "weight of the q flux in the bridges")
+    psi_n: float = number(0.0, "Vs", 0, INF, "d flux linkage at which the bridges carry none")
+    W: int = number(0, "1", 0, 7, "exponent of the bridges")
 
     @classmethod
     def linear(cls, L_d: float, L_q: float, psi_f: float) -> "Saturation":
@@ -63,24 +65,24 @@ class Motor:
 
     name: str
     description: str
-    n_p: int = _number("pole pairs", 1, open_low=False, high=100)
-    R_s: float = _number("stator resistance [ohm]")
-    L_d: float = _number("d inductance at zero current [H]")
-    L_q: float = _number("q inductance at zero current [H]")
-    psi_f: float = _number("magnet flux linkage [Vs]")
-    J: float = _number("inertia [kg m^2]")
-    B: float = _number("viscous friction [N m s/rad]", 0.0, open_low=False)
-    tau_rated: float = _number("rated torque [N m]")
-    i_rated: float = _number("rated current, peak [A]")
-    n_rated_rpm: float = _number("rated speed [r/min]")
-    u_dc: float = _number("DC-link voltage [V]")
-    T_s: float = _number("PWM period [s]", 1e-6, open_low=False, high=1e-3)
-    u_inj: float = _number("injected voltage [V]")
-    i_max: float = _number("current limit of the control, peak [A]")
-    i_trip: float = _number("over-current trip, peak [A]")
-    dead_time: float = _number("dead time of a leg [s]", 0.0, open_low=False)
-    adc_range: float = _number("largest measurable current [A]")
-    adc_bits: int = _number("resolution of the current measurement", 4, open_low=False, high=32)
+    n_p: int = number(REQUIRED, "1", 1, 100, "pole pairs")
+    R_s: float = positive("ohm", "stator resistance")
+    L_d: float = positive("H", "d inductance at zero current")
+    L_q: float = positive("H", "q inductance at zero current")
+    psi_f: float = positive("Vs", "magnet flux linkage")
+    J: float = positive("kg m^2", "inertia")
+    B: float = number(REQUIRED, "N m s/rad", 0, 1e12, "viscous friction")
+    tau_rated: float = positive("N m", "rated torque")
+    i_rated: float = positive("A", "rated current, peak")
+    n_rated_rpm: float = positive("r/min", "rated speed")
+    u_dc: float = positive("V", "DC-link voltage")
+    T_s: float = number(REQUIRED, "s", 1e-6, 1e-3, "PWM period")
+    u_inj: float = positive("V", "injected voltage")
+    i_max: float = positive("A", "current limit of the control, peak")
+    i_trip: float = positive("A", "over-current trip, peak")
+    dead_time: float = number(REQUIRED, "s", 0, 1e12, "dead time of a leg")
+    adc_range: float = positive("A", "largest current that is measured")
+    adc_bits: int = number(REQUIRED, "1", 4, 32, "bits of the current measurement")
     saturation: Saturation = field(kw_only=True)
 
     @property
@@ -135,54 +137,20 @@ def _from_tables(data: dict[str, Any], where: str) -> Motor:
         if not isinstance(table, dict):
             raise UserError(f"{where}: {key}: must be a table, got {table!r}")
         values.update(table)
+    texts = {}
     for text in ("name", "description"):
-        if not isinstance(values.get(text), str):
-            raise UserError(f"{where}: {text}: missing; allowed: a string")
-    numbers = _checked(Motor, values, where, skip=("name", "description", "saturation"))
+        texts[text] = values.pop(text, None)
+        if not isinstance(texts[text], str):
+            raise UserError(f"{where}: {text}: missing: give a text")
+    numbers = read(Motor, values, f"{where}: ")
     if sat is None:
         saturation = Saturation.linear(numbers["L_d"], numbers["L_q"], numbers["psi_f"])
     elif isinstance(sat, dict):
-        saturation = Saturation(**_checked(Saturation, sat, f"{where}: saturation"))
+        saturation = Saturation(**read(Saturation, sat, f"{where}: saturation: "))
     else:
         raise UserError(f"{where}: saturation: must be a table, got {sat!r}")
     if numbers["i_trip"] <= numbers["i_max"]:
         raise UserError(
-            f"{where}: i_trip: {numbers['i_trip']} A; allowed: above i_max = {numbers['i_max']} A"
+            f"{where}: i_trip: {numbers['i_trip']} A: must be above i_max = {numbers['i_max']} A"
         )
-    return Motor(
-        name=values["name"], description=values["description"], saturation=saturation, **numbers
-    )
-
-
-def _checked(
-    cls: type, values: dict[str, Any], where: str, skip: tuple[str, ...] = ()
-) -> dict[str, Any]:
-    """Numbers of ``cls`` from ``values``, each present, of its type and in its range."""
-    fields = {f.name: f for f in dataclasses.fields(cls) if f.name not in skip}
-    unknown = sorted(set(values) - set(fields) - set(skip))
-    if unknown:
-        raise UserError(f"{where}: {unknown[0]}: unknown field; allowed: {', '.join(fields)}")
-    out = {}
-    for name, f in fields.items():
-        if name not in values:
-            if f.default is dataclasses.MISSING:
-                raise UserError(f"{where}: {name}: missing; {f.metadata['doc']}")
-            continue
-        out[name] = _number_in_range(name, values[name], f, where)
-    return out
-
-
-def _number_in_range(name: str, value: Any, f: "dataclasses.Field[Any]", where: str) -> float:
-    low, high = f.metadata["low"], f.metadata.get("high", math.inf)
-    is_open = f.metadata.get("open", False)
-    bounds = f"{'above' if is_open else 'at least'} {low:g}"
-    bounds += f" and at most {high:g}" if math.isfinite(high) else ""
-    whole = f.type in (int, "int")
-    kind = "a whole number" if whole else "a finite number"
-    good = isinstance(value, int if whole else (int, float)) and not isinstance(value, bool)
-    good = good and abs(value) < 1e300 and (value > low if is_open else value >= low)
-    if not (good and value <= high):
-        raise UserError(
-            f"{where}: {name}: {value!r}; allowed: {kind}, {bounds} ({f.metadata['doc']})"
-        )
-    return int(value) if whole else float(value)
+    return Motor(**texts, saturation=saturation, **numbers)

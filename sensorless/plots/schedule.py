@@ -15,14 +15,14 @@ from sensorless.table.ks_table import Axis, KsTable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MOST = 8
+MOST_POLICIES = 8
 """Policies in a figure."""
 
 
 def lost_by_place(results: Results) -> "Figure":
     """Share lost in each quadrant and at each speed, with Wilson intervals, one colour a policy.
 
-    Of many policies ``MOST`` are shown: the first two, the bounds, and the best of the others.
+    Of many policies ``MOST_POLICIES`` are shown: the first two, the bounds, and the best others.
     """
     shown = _shown(results.policies)
     figure, axes = new_figure(figsize=(11.0, 6.4), nrows=2)
@@ -62,7 +62,7 @@ def _shown(policies: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
     kept = [*list(policies)[:2], *(name for name, policy in policies.items() if policy["bound"])]
     rest = [name for name in policies if name not in kept]
     rest.sort(key=lambda name: policies[name]["lost_rate"])
-    kept += rest[: max(0, MOST - len(kept))]
+    kept += rest[: max(0, MOST_POLICIES - len(kept))]
     return {name: policy for name, policy in policies.items() if name in kept}
 
 

@@ -34,7 +34,7 @@ CHECK = 3
 """Generations from one judgement of the centre to the next."""
 GENERATIONS = 30
 """Aimed at when the number of scenarios is chosen."""
-LEAST, MOST = 8, 256
+FEWEST_SCENARIOS, MOST_SCENARIOS = 8, 256
 """Scenarios of a candidate in a generation."""
 NONE = Cost(1.0, 1.0, 1.0)
 """Before anything is judged."""
@@ -107,12 +107,12 @@ def tune(
     es = _cma(rule, seed)
     population = es.popsize
     length = float(_scenarios(motor, seed, 0, 1).duration[0])
-    fewest = max(LEAST, len(drawn.motors))
+    fewest = max(FEWEST_SCENARIOS, len(drawn.motors))
     least = (2 + CHECK) * population * fewest * length
     if not least <= budget <= 1e9:
         raise UserError(f"budget: {budget:g} s; allowed for {name}: {least:g} to 1e9 s")
     units = 1 + GENERATIONS * (1 + 1 / CHECK)
-    batch = _shared(np.clip(budget / (units * population * length), fewest, MOST), drawn)
+    batch = _shared(np.clip(budget / (units * population * length), fewest, MOST_SCENARIOS), drawn)
     judged = population * batch
 
     factories = [SimFactory(motor, design) for motor in drawn.motors]
@@ -212,7 +212,7 @@ def _cma(rule: Rule, seed: int) -> Any:
         raise UserError(
             "tune needs the library cma; allowed: after pip install 'sensorless[tune]'"
         ) from None
-    start = [(p.default - p.low) / (p.high - p.low) for p in rule.parameters]
+    start = [(p.default - low) / (high - low) for p in rule.parameters for low, high in (p.search,)]
     rng = np.random.default_rng(seed)
     options = {
         "bounds": [0.0, 1.0],
@@ -239,10 +239,11 @@ def _ask(es: Any, rule: Rule) -> tuple[list[Floats], list[dict[str, float]]]:
 
 def _decode(rule: Rule, x: Floats) -> dict[str, float]:
     """Parameters of a point of the unit cube, as they will stand in the file."""
-    return {
-        p.name: float(f"{p.low + float(np.clip(u, 0.0, 1.0)) * (p.high - p.low):.6g}")
-        for p, u in zip(rule.parameters, x, strict=False)
-    }
+    values = {}
+    for p, u in zip(rule.parameters, x, strict=False):
+        low, high = p.search
+        values[p.name] = float(f"{low + float(np.clip(u, 0.0, 1.0)) * (high - low):.6g}")
+    return values
 
 
 def _scores(found: Cost) -> dict[str, float]:

@@ -66,7 +66,7 @@ def test_a_damaged_configuration_is_named(text: str, tmp_path: Path) -> None:
 
 def test_an_estimator_that_does_not_exist_is_named(tmp_path: Path) -> None:
     policy = load_run(write(tmp_path / "run", None, "magic"), MOTOR)
-    with pytest.raises(UserError, match="estimator: 'magic'; allowed: smo"):
+    with pytest.raises(UserError, match="estimator: 'magic': must be smo"):
         rollout(policy, suite("stress", MOTOR, 3, 2), SimFactory(MOTOR, DriveDesign()))
 
 

@@ -68,5 +68,5 @@ def test_nothing_is_learned_from_a_pair_out_of_step() -> None:
 
 
 def test_an_odd_number_of_environments_is_refused() -> None:
-    with pytest.raises(UserError, match="n_envs: 5; allowed: an even number"):
+    with pytest.raises(UserError, match="n_envs: 5: must be even"):
         TrainConfig(n_envs=5)

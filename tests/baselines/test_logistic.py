@@ -46,5 +46,5 @@ def test_every_corner_of_the_search_is_a_table() -> None:
     rng = np.random.default_rng(2)
     for _ in range(50):
         ends = rng.integers(0, 2, len(RULE.parameters))
-        values = {p.name: (p.low, p.high)[e] for p, e in zip(RULE.parameters, ends, strict=True)}
+        values = {p.name: p.search[e] for p, e in zip(RULE.parameters, ends, strict=True)}
         assert logistic_table(values).check() == 0

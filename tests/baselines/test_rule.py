@@ -2,7 +2,7 @@
 
 import pytest
 
-from sensorless.baselines.rule import SPEED_UNIT, Rule
+from sensorless.baselines.rule import Rule
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES
@@ -15,9 +15,10 @@ GATED = RULES["gated"]
 def test_defaults_lie_in_the_range_that_tuning_searches(rule: Rule) -> None:
     assert rule.allows(rule.defaults())
     for p in rule.parameters:
-        assert p.least <= p.low <= p.default <= p.high <= p.most, p.name
-        assert p.low < p.high
-        assert p.doc and p.unit in (SPEED_UNIT, "1", "deg", "ms", "%", "1/s")
+        low, high = p.search
+        assert p.low <= low <= p.default <= high <= p.high, p.name
+        assert low < high
+        assert p.meaning and p.unit in ("r/min", "1", "deg", "ms", "%", "1/s")
 
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=lambda rule: rule.name)
@@ -34,27 +35,33 @@ def test_numbers_by_name_leave_the_others_alone() -> None:
     assert values == {**GATED.defaults(), "release": 40.0, "lo": 0.1}
 
 
+COUNT = "give all 7 numbers in order, or some as NAME=VALUE: gated[:LO,HI,FORCE,"
+
+
 @pytest.mark.parametrize(
-    "text",
+    ("text", "said"),
     [
-        "150",
-        "release=nan",
-        "release=inf",
-        "release=-1",
-        "release",
-        "release=20,release=30",
-        "nothing=1",
-        "release=20,30",
-        "lo=500",
-        "",
-        "=",
+        ("150", COUNT),
+        ("release=nan", "release: nan: must be a finite number at least 0 deg"),
+        ("release=inf", "release: inf: must be a finite number at least 0 deg"),
+        ("release=-1", "release: -1.0: must be at least 0 deg (disagreement that ends a way up)"),
+        ("release=x", "release: 'x': must be a number at least 0 deg"),
+        ("force=16000", "force: 16000.0: must be between 0 and 15000 r/min"),
+        ("release", COUNT),
+        ("release=20,release=30", COUNT),
+        ("nothing=1", COUNT),
+        ("release=20,30", COUNT),
+        ("lo=500", "LO must be below HI"),
+        ("", COUNT),
+        ("=", COUNT),
     ],
 )
-def test_what_cannot_be_meant_is_refused(text: str) -> None:
-    with pytest.raises(UserError, match="LO < HI") as caught:
+def test_what_cannot_be_meant_is_refused(text: str, said: str) -> None:
+    """In the units of the command line."""
+    with pytest.raises(UserError) as caught:
         GATED.parse(f"gated:{text}", text, PAPER)
+    assert str(caught.value).startswith(f"policy 'gated:{text}': {said}")
     assert "\n" not in str(caught.value)
-    assert "RELEASE from 0 or more deg" in str(caught.value)
 
 
 def test_a_long_list_of_parameters_is_cut_short() -> None:

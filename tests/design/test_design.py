@@ -1,7 +1,7 @@
 """From bandwidths to coefficients: the numbers of the observers' and the control's design."""
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,11 +18,12 @@ from sensorless.design.drive import (
 )
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor, Saturation
-from sensorless.observers.hfi_design import error_slope, hf_current
+from sensorless.observers.hfi_design import SCHEMES, error_slope, hf_current
 from sensorless.observers.pll_design import pll_gains
 from sensorless.observers.smo_design import deadbeat_gain, low_pass
+from sensorless.settings import Setting, settings_of
 
-NUMBERS = [f for f in fields(DriveDesign) if "low" in f.metadata]
+NUMBERS = [s for s in settings_of(DriveDesign).values() if s.kind is float]
 
 
 @pytest.mark.parametrize(
@@ -99,22 +100,33 @@ def test_plant_and_sensor_records(motor: Motor) -> None:
     assert sensor["dead_time_share"] == pytest.approx(0.01)
 
 
-@pytest.mark.parametrize("field", NUMBERS, ids=lambda f: f.name)
-def test_design_ranges(field: Any) -> None:
+@pytest.mark.parametrize("setting", NUMBERS, ids=lambda s: s.name)
+def test_design_ranges(setting: Setting) -> None:
     """A number outside of its range, or NaN, is refused with name, value and range."""
-    low, high = field.metadata["low"], field.metadata["high"]
+    low, high = setting.low, setting.high
     bad = [low - 1.0 - abs(low), math.nan] + ([2.0 * high + 1.0] if math.isfinite(high) else [])
     for value in bad:
+        wrong: dict[str, Any] = {setting.name: value}
         with pytest.raises(UserError) as error:
-            DriveDesign(**{field.name: value})
-        assert str(error.value).startswith(f"{field.name}: {value!r}; allowed: ")
-    assert getattr(DriveDesign(**{field.name: low}), field.name) == low
+            DriveDesign(**wrong)
+        assert str(error.value).startswith(f"{setting.name}: {value!r}: must be ")
+    right: dict[str, Any] = {setting.name: low}
+    assert getattr(DriveDesign(**right), setting.name) == low
 
 
 def test_unknown_compensation_is_refused() -> None:
     """A word has its list of words."""
-    with pytest.raises(UserError, match=r"cross: 'spline'; allowed: none, line, table, FILE\.json"):
+    with pytest.raises(
+        UserError, match=r"cross: 'spline': must be none, line, table or FILE\.json"
+    ):
         DriveDesign(cross="spline")
+
+
+def test_every_word_has_its_code() -> None:
+    """What may be said is what the core knows."""
+    known = settings_of(DriveDesign)
+    assert set(known["estimator"].choices) == set(ESTIMATORS)
+    assert set(known["hfi_scheme"].choices) == set(SCHEMES)
 
 
 def test_an_old_name_of_an_estimator_is_refused_with_the_new_one() -> None:
@@ -170,7 +182,8 @@ DESIGNED = ("R_s", "L_d", "L_q", "psi_f", "J", "i_rated", "tau_rated", "n_rated_
 def test_absurd_numbers_end_in_a_design_or_in_one_line(field: str, value: float) -> None:
     """Whatever a file may hold: 32-bit numbers all of them, or one error, and no warning."""
     value = min(max(value, 1e-6), 1e-3) if field == "T_s" else value
-    motor = replace(Motor.load("ipmsm_2200w"), **{field: value})
+    changed: dict[str, Any] = {field: value}
+    motor = replace(Motor.load("ipmsm_2200w"), **changed)
     flux_map = Saturation.linear(motor.L_d, motor.L_q, motor.psi_f)
     try:
         record = control_record(replace(motor, saturation=flux_map), DriveDesign())

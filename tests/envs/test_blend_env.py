@@ -178,10 +178,13 @@ def test_step_before_reset_is_refused() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"decision_period": float("nan")}, "decision_period: nan s; allowed"),
-        ({"decision_period": 0.0}, "decision_period: 0.0 s; allowed"),
-        ({"max_episode_steps": 0}, "max_episode_steps: 0; allowed"),
-        ({"max_episode_steps": 1.5}, "max_episode_steps: 1.5; allowed"),
+        (
+            {"decision_period": float("nan")},
+            "decision_period: nan: must be a finite number",
+        ),
+        ({"decision_period": 0.0}, "decision_period: 0.0: must be between"),
+        ({"max_episode_steps": 0}, "max_episode_steps: 0: must be"),
+        ({"max_episode_steps": 1.5}, "max_episode_steps: 1.5: must be"),
         ({"motor": "no_such_motor"}, "no_such_motor"),
     ],
 )

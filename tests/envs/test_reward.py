@@ -95,7 +95,7 @@ def test_a_broken_state_costs_no_more_than_the_worst(value: float) -> None:
 
 @pytest.mark.parametrize("name", [f.name for f in dataclasses.fields(RewardWeights)])
 def test_bad_weight_is_named(name: str) -> None:
-    with pytest.raises(UserError, match=f"{name}: nan; allowed"):
+    with pytest.raises(UserError, match=f"{name}: nan: must be"):
         RewardWeights(**{name: float("nan")})
-    with pytest.raises(UserError, match=f"{name}: -1; allowed"):
+    with pytest.raises(UserError, match=f"{name}: -1: must be at least 0"):
         RewardWeights(**{name: -1})

@@ -92,10 +92,10 @@ def test_missing_field(field: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("field", numbers())
 @pytest.mark.parametrize("value", ["-1.5", "nan", "inf", "-inf", '"much"', "true", "[1.0]", HUGE])
 def test_bad_value(field: str, value: str, tmp_path: Path) -> None:
-    """Negative, not a number, infinite, no number at all: field, value and what is allowed."""
+    """Negative, not a number, infinite, no number at all: field, value and what it must be."""
     message = refusal(write(tmp_path, change(field, value)))
     assert f" {field}: " in message
-    assert "allowed: " in message
+    assert ": must be " in message
     assert value.strip('"-') in message or (value == "true" and "True" in message)
 
 
@@ -130,7 +130,7 @@ def test_out_of_range(field: str, value: str, tmp_path: Path) -> None:
 )
 def test_unknown_field(text: str, name: str, tmp_path: Path) -> None:
     """A field nobody reads is a mistake, not a comment."""
-    assert f" {name}: unknown field; allowed: " in refusal(write(tmp_path, text))
+    assert f" {name}: unknown: use only " in refusal(write(tmp_path, text))
 
 
 @pytest.mark.parametrize(
@@ -145,7 +145,7 @@ def test_bad_saturation(field: str, value: str, tmp_path: Path) -> None:
 
 def test_trip_has_to_lie_above_the_limit(tmp_path: Path) -> None:
     """Two fields that contradict each other."""
-    assert "i_trip: 6.5 A; allowed: above i_max = 6.8 A" in refusal(
+    assert "i_trip: 6.5 A: must be above i_max = 6.8 A" in refusal(
         write(tmp_path, change("i_trip", "6.5"))
     )
 

@@ -69,38 +69,41 @@ def test_sensored_asks_for_the_true_angle() -> None:
     assert make_policy("sensored", PAPER).sensored
 
 
+TWO = "give all 2 numbers in order, or some as NAME=VALUE: linear[:LO,HI]"
+
+
 @pytest.mark.parametrize(
-    ("spec", "allowed"),
+    ("spec", "said"),
     [
-        ("linear:", "LO < HI"),
-        ("linear:400,300", "LO < HI"),
-        ("linear:300,300", "LO < HI"),
-        ("linear:-5,300", "LO < HI"),
-        ("linear:300", "LO < HI"),
-        ("linear:100,200,300", "LO < HI"),
-        ("linear:nan,400", "LO < HI"),
-        ("linear:300,inf", "LO < HI"),
-        ("linear:a,b", "LO < HI"),
-        ("hysteresis:400,300", "LO < HI"),
-        ("hysteresis:", "LO < HI"),
-        ("constant", "from 0 to 1"),
-        ("constant:1.01", "from 0 to 1"),
-        ("constant:-0.1", "from 0 to 1"),
-        ("constant:nan", "from 0 to 1"),
-        ("constant:0.2,0.3", "from 0 to 1"),
-        ("eq25:300,400", "without numbers"),
-        ("hfi:1", "without numbers"),
-        ("smo:", "without numbers"),
-        ("sensored:1", "without numbers"),
+        ("linear:", TWO),
+        ("linear:400,300", "LO must be below HI"),
+        ("linear:300,300", "LO must be below HI"),
+        ("linear:-5,300", "lo: -5.0: must be between 0 and 15000 r/min"),
+        ("linear:300", TWO),
+        ("linear:100,200,300", TWO),
+        ("linear:nan,400", "lo: nan: must be a finite number"),
+        ("linear:300,inf", "hi: inf: must be a finite number"),
+        ("linear:a,b", "lo: 'a': must be a number"),
+        ("hysteresis:400,300", "LO must be below HI"),
+        ("hysteresis:", "give all 2 numbers"),
+        ("constant", "k: '': must be a number between 0 and 1 (weight of injection)"),
+        ("constant:1.01", "between 0 and 1"),
+        ("constant:-0.1", "between 0 and 1"),
+        ("constant:nan", "between 0 and 1"),
+        ("constant:0.2,0.3", "give one number: constant:K"),
+        ("eq25:300,400", "takes no numbers"),
+        ("hfi:1", "takes no numbers"),
+        ("smo:", "takes no numbers"),
+        ("sensored:1", "takes no numbers"),
         ("gated:1,2,3", "RELEASE"),
         ("tuned:", "tuned:FILE.json"),
     ],
 )
-def test_bad_numbers_are_refused_with_what_is_allowed(spec: str, allowed: str) -> None:
+def test_bad_numbers_are_refused_with_what_to_do(spec: str, said: str) -> None:
     with pytest.raises(UserError) as caught:
         make_policy(spec, PAPER)
     text = str(caught.value)
-    assert repr(spec) in text and allowed in text and "\n" not in text
+    assert repr(spec) in text and said in text and "\n" not in text
 
 
 def test_an_unknown_name_lists_every_known_one() -> None:

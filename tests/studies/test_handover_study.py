@@ -54,4 +54,4 @@ def test_the_search_stays_in_its_ranges_and_repeats(
     assert found[0] == found[1]
     assert found[0] != RULE.defaults()
     for p in RULE.parameters:
-        assert p.low <= found[0][p.name] <= p.high
+        assert p.search[0] <= found[0][p.name] <= p.search[1]

@@ -86,7 +86,7 @@ def test_the_same_words_give_the_same_result_on_real_drives(
         scenarios.duration[:] = 0.1
         return scenarios
 
-    monkeypatch.setattr(tuning, "LEAST", 2)
+    monkeypatch.setattr(tuning, "FEWEST_SCENARIOS", 2)
     monkeypatch.setattr(tuning, "suite", short)
     state = np.random.get_state()[1].copy()  # type: ignore[index]
     first, second = (tuning.tune("linear", PAPER, DESIGN, 8.0, 7) for _ in range(2))

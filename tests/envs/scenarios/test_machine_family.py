@@ -7,7 +7,7 @@ import pytest
 
 from sensorless.design.control import operating_line
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.scenarios.machine_family import MOST, RANGES, family, family_digest
+from sensorless.envs.scenarios.machine_family import MOST_MACHINES, RANGES, family, family_digest
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
@@ -25,9 +25,9 @@ def test_a_machine_follows_from_seed_and_index_alone() -> None:
     assert family_digest(family(1, 16)) == family_digest(SIXTEEN) != family_digest(SIXTEEN[:15])
 
 
-@pytest.mark.parametrize(("seed", "n"), [(-1, 4), (2**63, 4), (1, 0), (1, MOST + 1)])
+@pytest.mark.parametrize(("seed", "n"), [(-1, 4), (2**63, 4), (1, 0), (1, MOST_MACHINES + 1)])
 def test_out_of_range(seed: int, n: int) -> None:
-    with pytest.raises(UserError, match="allowed"):
+    with pytest.raises(UserError, match="must be between"):
         family(seed, n)
 
 

@@ -1,0 +1,78 @@
+"""The command ``sensorless settings``."""
+
+import json
+import math
+from typing import Annotated, Any
+
+import typer
+from rich.markup import escape
+from rich.table import Table
+
+from sensorless.cli.options import console
+from sensorless.settings import Setting
+
+
+def settings_command(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+) -> None:
+    """List every setting of the drive design that --set changes.
+
+    Each has a name, a default, a unit, a range or choices, and a meaning. Numbers without a unit
+    are plain; a switch is true or false.
+
+    For example:
+
+        sensorless settings
+        sensorless settings --json
+        sensorless simulate --set speed_hz=4 --set mtpa=false
+    """
+    from sensorless.design.drive import DriveDesign
+    from sensorless.settings import settings_of
+
+    known = settings_of(DriveDesign).values()
+    if as_json:
+        console.print_json(json.dumps([facts(setting) for setting in known]), indent=1)
+        return
+    table = Table(box=None)
+    for heading in ("name", "default", "unit", "range", "meaning or choices"):
+        table.add_column(heading, no_wrap=heading != "meaning or choices")
+    for s in known:
+        choices = "".join(f"\n{word}: {doc}" for word, doc in s.choices.items())
+        cells = (s.name, text_of(s.default), unit_of(s), range_of(s), s.meaning + choices)
+        table.add_row(*map(escape, cells))
+    console.print(table)
+
+
+def facts(setting: Setting) -> dict[str, Any]:
+    """Everything about a setting in JSON types; an end that a range does not have is null."""
+    out: dict[str, Any] = {"name": setting.name, "type": setting.kind.__name__}
+    out["default"] = text_of(setting.default) if setting.default == math.inf else setting.default
+    if setting.kind in (int, float):
+        out["unit"] = setting.unit
+        out["low"] = setting.low
+        out["high"] = setting.high if math.isfinite(setting.high) else None
+        out["infinite"] = setting.endless
+    elif setting.kind is str:
+        out["choices"] = dict(setting.choices)
+    return {**out, "meaning": setting.meaning}
+
+
+def text_of(default: float | bool | str) -> str:
+    """A value as --set takes it."""
+    if isinstance(default, bool):
+        return str(default).lower()
+    return default if isinstance(default, str) else f"{default:.12g}"
+
+
+def unit_of(setting: Setting) -> str:
+    """Unit of a number that has one."""
+    return "" if setting.unit == "1" else setting.unit
+
+
+def range_of(setting: Setting) -> str:
+    """Ends of a number's range; what a switch or a word may be stands elsewhere."""
+    if setting.kind not in (int, float):
+        return ""
+    if math.isfinite(setting.high) or setting.endless:
+        return f"{setting.low:.12g} to {setting.high:.12g}"
+    return f"{setting.low:.12g} or more"

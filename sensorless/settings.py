@@ -1,0 +1,203 @@
+"""Settings: name, default, unit, range or choices, and meaning, each written down once.
+
+A dataclass declares its settings as fields: ``number``, ``switch`` or ``word``. What reads, checks,
+lists or documents them asks ``settings_of``.
+"""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from numbers import Integral, Real
+from typing import Any
+
+from sensorless.errors import UserError
+
+REQUIRED: Any = dataclasses.MISSING
+"""As a default: the setting must be given."""
+SWITCH = {"true": True, "false": False}
+LARGEST = 1e300
+"""Numbers from here on count as infinite: a whole number may be too large for a double."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One setting."""
+
+    name: str
+    default: Any
+    """Or ``REQUIRED``."""
+    unit: str
+    """``"1"`` for a plain number, empty for what is no number."""
+    low: float
+    high: float
+    meaning: str
+    kind: type = float
+    """float, int, bool or str."""
+    above: bool = False
+    """``low`` itself is out of range."""
+    endless: bool = False
+    """Infinity is in range."""
+    choices: Mapping[str, str] = field(default_factory=dict, hash=False)
+    """Words it may be, each with what it stands for; ``FILE.json`` is any file with that suffix.
+    None: any word."""
+    renamed: Mapping[str, str] = field(default_factory=dict, hash=False)
+    """Words of earlier versions, and what they are called now."""
+
+    @property
+    def allowed(self) -> str:
+        """Range with unit, or choices, as a message names them."""
+        if self.kind is bool:
+            return " or ".join(SWITCH)
+        if self.kind is str:
+            words = list(self.choices)
+            return " or ".join(filter(None, (", ".join(words[:-1]), *words[-1:]))) or "text"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        if self.high == math.inf:
+            text = f"{'above' if self.above else 'at least'} {self.low:.12g}{unit}"
+            return text + (", or inf" if self.endless else "")
+        if self.above:
+            return f"above {self.low:.12g} and at most {self.high:.12g}{unit}"
+        return f"between {self.low:.12g} and {self.high:.12g}{unit}"
+
+    @property
+    def sentence(self) -> str:
+        """Meaning, choices with theirs, range and unit: the text of an option's help."""
+        text = self.meaning + "".join(f"; {word}: {doc}" for word, doc in self.choices.items())
+        told = f" ({self.allowed})" if self.kind in (int, float) else ""
+        return f"{text[0].upper()}{text[1:]}{told}."
+
+    def holds(self, value: object) -> bool:
+        """Whether a value is of the kind of the setting and in its range."""
+        if self.kind is bool:
+            return isinstance(value, bool)
+        if self.kind is str:
+            known = not self.choices or any(_is(value, choice) for choice in self.choices)
+            return isinstance(value, str) and known
+        if not _is_number(value) or (self.kind is int and not isinstance(value, Integral)):
+            return False
+        x: Any = value
+        above = x > self.low if self.above else x >= self.low
+        return bool(above and x <= self.high and (_is_finite(x) or self.endless))
+
+    def checked(self, value: object, where: str = "") -> Any:
+        """Value of the kind of the setting.
+
+        Parameters
+        ----------
+        value : object
+        where : str
+            Opens the message, for example with the name of a file.
+
+        Raises
+        ------
+        UserError
+            Names the setting, the value, what it must be, and what it means.
+        """
+        if self.holds(value):
+            return self.kind(value)
+        if isinstance(value, str) and value in self.renamed:
+            now = self.renamed[value]
+            raise UserError(f"{where}{self.name}: {value!r} is now called {now!r}: write {now}")
+        kind = ""
+        if self.kind is int:
+            kind = "a whole number "
+        elif self.kind is float and not _is_number(value):
+            kind = "a number "
+        elif self.kind is float and not _is_finite(value) and not self.endless:
+            kind = "a finite number "
+        raise UserError(
+            f"{where}{self.name}: {value!r}: must be {kind}{self.allowed} ({self.meaning})"
+        )
+
+    def parsed(self, text: str, where: str = "") -> Any:
+        """Value that a text stands for; errors as `checked`."""
+        value: object = text
+        if self.kind is bool:
+            value = SWITCH.get(text, text)
+        elif self.kind is not str:
+            try:
+                value = self.kind(text)
+            except ValueError:
+                value = text
+        return self.checked(value, where)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _is_finite(x: Any) -> bool:
+    size = abs(x) if isinstance(x, int) else abs(float(x))
+    return size < LARGEST
+
+
+def _is(value: object, choice: str) -> bool:
+    """Whether a value is this choice, or one of the files that it stands for."""
+    is_file = choice.startswith("FILE.") and isinstance(value, str) and value.endswith(choice[4:])
+    return value == choice or is_file
+
+
+def number(
+    default: Any,
+    unit: str,
+    low: float,
+    high: float,
+    meaning: str,
+    *,
+    above: bool = False,
+    endless: bool = False,
+) -> Any:
+    """Field of a number from ``low`` to ``high``; a field of type int takes whole numbers."""
+    told = Setting("", default, unit, low, high, meaning, above=above, endless=endless)
+    return field(default=default, metadata={"setting": told})
+
+
+def switch(default: bool, meaning: str) -> Any:
+    """Field that is true or false."""
+    return word(default, meaning)
+
+
+def word(
+    default: Any,
+    meaning: str,
+    choices: Mapping[str, str] | None = None,
+    *,
+    renamed: Mapping[str, str] | None = None,
+) -> Any:
+    """Field of a word: one of ``choices``, or any."""
+    told = Setting("", default, "", 0, 0, meaning, choices=choices or {}, renamed=renamed or {})
+    return field(default=default, metadata={"setting": told})
+
+
+def settings_of(cls: type) -> Mapping[str, Setting]:
+    """Settings of a dataclass by name; fields declared otherwise are none."""
+    return {
+        f.name: dataclasses.replace(f.metadata["setting"], name=f.name, kind=f.type)
+        for f in dataclasses.fields(cls)
+        if "setting" in f.metadata
+    }
+
+
+def check(owner: object, where: str = "") -> None:
+    """Check every setting of an instance; errors as `Setting.checked`."""
+    for setting in settings_of(type(owner)).values():
+        setting.checked(getattr(owner, setting.name), where)
+
+
+def read(cls: type, values: Mapping[str, object], where: str) -> dict[str, Any]:
+    """Settings of a dataclass out of a table that someone wrote.
+
+    Raises
+    ------
+    UserError
+        A name that is no setting, one that is missing, or as `Setting.checked`.
+    """
+    known = settings_of(cls)
+    unknown = sorted(set(values) - set(known))
+    if unknown:
+        raise UserError(f"{where}{unknown[0]}: unknown: use only {', '.join(known)}")
+    for name, setting in known.items():
+        if name not in values and setting.default is REQUIRED:
+            raise UserError(f"{where}{name}: missing: give {setting.meaning}, {setting.allowed}")
+    return {n: s.checked(values[n], where) for n, s in known.items() if n in values}

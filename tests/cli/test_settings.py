@@ -1,0 +1,39 @@
+"""``sensorless settings``: every name of --set, as the design declares it."""
+
+import json
+import math
+from dataclasses import asdict
+
+from typer.testing import CliRunner
+
+from sensorless.cli.app import app
+from sensorless.design.drive import DriveDesign
+from sensorless.design.words import design_from
+from sensorless.settings import settings_of
+
+RUNNER = CliRunner()
+
+
+def test_every_setting_is_listed() -> None:
+    """On a line of its own, with its meaning and its choices."""
+    done = RUNNER.invoke(app, ["settings"])
+    assert done.exit_code == 0
+    lines, said = done.output.splitlines(), done.output.split()
+    for s in settings_of(DriveDesign).values():
+        assert len([line for line in lines if line.split()[:1] == [s.name]]) == 1
+        assert set(s.meaning.split()) <= set(said)
+        assert set(s.choices) <= {word.strip(",:") for word in said}
+
+
+def test_json_tells_what_a_design_is_made_of() -> None:
+    """Defaults are those of the class, and --set takes each of them back."""
+    facts = json.loads(RUNNER.invoke(app, ["settings", "--json"]).output)
+    design = {f["name"]: f["default"] for f in facts}
+    want = asdict(DriveDesign())
+    assert design == {**want, "smo_emf_hz": "inf"}
+    assert all(f["meaning"] for f in facts)
+    (pll,) = [f for f in facts if f["name"] == "smo_pll_hz"]
+    assert (pll["type"], pll["unit"], pll["low"], pll["high"]) == ("float", "Hz", 1, 200)
+    words = [f"{name}={str(value).lower()}" for name, value in design.items() if name[0] != "L"]
+    assert design_from(words) == DriveDesign()
+    assert design_from(["smo_emf_hz=inf"]).smo_emf_hz == math.inf
