@@ -31,15 +31,15 @@ def load_run(folder: str | Path, motor: Motor) -> TablePolicy | MlpSchedule:
         policy = MlpSchedule.load(path / MLP, name)
     else:
         raise UserError(
-            f"run: {str(folder)!r}: no {TABLE} or {MLP} in it; allowed: a training run's folder"
+            f"run: {str(folder)!r} has no {TABLE} or {MLP}; give a training run's folder"
         )
     known = provenance(policy)
     made_for = str(known.get("motor_digest", motor.digest))
     if made_for != motor.digest:
         raise UserError(
             f"run: {str(folder)!r} was trained on motor {known.get('motor', '?')!r}, "
-            f"digest {made_for[:16]}; allowed: motor {motor.name!r}, digest "
-            f"{motor.digest[:16]}"
+            f"digest {made_for[:16]}; it cannot run on motor {motor.name!r}, digest "
+            f"{motor.digest[:16]}: select its motor, or train anew"
         )
     policy.estimator = trained_estimator(known) or trained_estimator(_config(path))
     return policy
@@ -51,7 +51,7 @@ def _config(folder: Path) -> dict[str, Any]:
     try:
         data = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     except (OSError, ValueError) as error:
-        raise UserError(f"{path}: {error}; allowed: as training wrote it") from None
+        raise UserError(f"{path}: {error}; restore the file, or train anew") from None
     return data if isinstance(data, dict) else {}
 
 

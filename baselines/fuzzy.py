@@ -77,8 +77,7 @@ class FuzzySystem:
             import simpful
         except ImportError:
             raise UserError(
-                "policy: 'fuzzy' needs the library simpful; allowed: after pip install "
-                "'sensorless[fuzzy]'"
+                "policy: 'fuzzy' needs the library simpful; run: pip install 'sensorless[fuzzy]'"
             ) from None
         self._system = simpful.FuzzySystem(
             operators=["AND_PRODUCT"], show_banner=False, verbose=False

@@ -80,7 +80,7 @@ def python_for(least: tuple[int, int]) -> str:
         if done.returncode == 0:
             return python
     wanted = ".".join(map(str, least))
-    raise UserError(f"python: none of {wanted} or newer found; allowed: its path in PEERS_PYTHON")
+    raise UserError(f"python: none of {wanted} or newer found; set PEERS_PYTHON to its path")
 
 
 def install(peer: str) -> str:
@@ -108,7 +108,7 @@ def install(peer: str) -> str:
             said = [line for line in done.stderr.splitlines() if line.startswith("ERROR")]
             raise UserError(
                 f"{package}: cannot be installed ({said[0] if said else 'see pip'}); "
-                "allowed: with access to the package index"
+                "check that pip reaches the package index"
             )
     stamp.touch()
     return str(python)
@@ -139,7 +139,7 @@ def parse(name: str, status: int, out: str, err: str) -> dict[str, Any]:
     lines = out.strip().splitlines()
     if status or not lines:
         reason = (err.strip().splitlines() or ["no output"])[-1]
-        raise UserError(f"{name}: stopped with status {status} ({reason}); allowed: 0")
+        raise UserError(f"{name}: stopped with status {status} ({reason})")
     told: dict[str, Any] = json.loads(lines[-1])
     return told
 

@@ -132,7 +132,7 @@ def threads_allowed() -> int:
         open_to_us = getattr(os, "sched_getaffinity", None)  # not on every system
         return len(open_to_us(0)) if open_to_us else os.cpu_count() or 1
     if not (value.isascii() and value.isdigit() and int(value) > 0):
-        raise UserError(f"{THREADS}: {value!r}; allowed: a whole number above 0")
+        raise UserError(f"{THREADS}: {value!r} is not a number of threads; set 1 or more")
     return min(int(value), 2**31 - 1)
 
 

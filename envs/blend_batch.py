@@ -126,7 +126,7 @@ class BlendBatch:
         """Prepare the next episode of some drives."""
         drawn = self.settings.scenarios(self.motor, combine(self._seeds[rows], self._episode[rows]))
         if len(drawn) != len(rows):
-            raise UserError(f"scenarios: {len(drawn)} for {len(rows)} seeds; allowed: one each")
+            raise UserError(f"scenarios: {len(drawn)} for {len(rows)} seeds; draw one per seed")
         for first in range(0, len(rows), AT_ONCE):
             some = slice(first, first + AT_ONCE)
             for room, part in zip(self._next, self._prepared(drawn[some]), strict=True):
@@ -166,13 +166,13 @@ class BlendBatch:
         n = len(self)
         action = np.asarray(actions, dtype=np.float32)
         if action.shape not in ((n, 1), (n,)):
-            raise UserError(f"action: shape {action.shape}; allowed: {(n, 1)}")
+            raise UserError(f"action: shape {action.shape}; give shape {(n, 1)}")
         action = action.reshape(n)
         good = np.abs(action) <= 1.0
         if np.count_nonzero(good) < n:
             bad = int(np.argmin(good))
             value = np.ravel(actions)[bad]
-            raise UserError(f"action[{bad}]: {value}; allowed: -1 to 1, which is k_s from 0 to 1")
+            raise UserError(f"action[{bad}]: {value}; give -1 to 1, which is k_s from 0 to 1")
         k_s = np.float32(0.5) * action + np.float32(0.5)
         sim_run(self._sims, self.periods, k_s, self._signals)
         self._sums = self._copied_sums()
@@ -214,7 +214,7 @@ class BlendBatch:
     def restore(self, state: BatchState) -> None:
         """Continue from a copy that `state` made on a batch of the same size."""
         if len(state.sims) != len(self):
-            raise UserError(f"state: {len(state.sims)} drives; allowed: {len(self)}")
+            raise UserError(f"state: {len(state.sims)} drives; restore one of {len(self)} drives")
         for f in dataclasses.fields(state):
             getattr(self, f"_{f.name}")[:] = getattr(state, f.name)
         self._ready[:] = False

@@ -61,7 +61,7 @@ def checked_count(n: Any) -> int:
         If it is not a whole number above 0.
     """
     if not _whole(n) or n < 1:
-        raise UserError(f"num_envs: {n!r}; allowed: a whole number above 0")
+        raise UserError(f"num_envs: {n!r}; give a whole number above 0")
     return int(n)
 
 
@@ -71,12 +71,12 @@ def checked_seeds(seed: Any, n: int) -> list[int | None]:
     Raises
     ------
     UserError
-        Names the seed, its value and what is allowed.
+        A seed is not a whole number in range, or a list has another length than n.
     """
     if seed is None or _whole(seed):
         return [None if seed is None else _seed(seed + i) for i in range(n)]
     if not isinstance(seed, Sequence | np.ndarray) or len(seed) != n:
-        raise UserError(f"seed: {seed!r}; allowed: None, a whole number, or a list of {n}")
+        raise UserError(f"seed: {seed!r}; give None, a whole number, or a list of {n}")
     return [None if s is None else _seed(s) for s in seed]
 
 
@@ -86,16 +86,16 @@ def checked_scenario(options: dict[str, Any] | None, n: int) -> Scenarios | None
     Raises
     ------
     UserError
-        Names the option and what is allowed.
+        An unknown option, or a scenario that is not `Scenarios` of n rows.
     """
     unknown = sorted(set(options or {}) - {"scenario"})
     if unknown:
-        raise UserError(f"options: {unknown[0]!r}; allowed: 'scenario'")
+        raise UserError(f"options: {unknown[0]!r} is unknown; the only option is 'scenario'")
     scenario = (options or {}).get("scenario")
     if scenario is None:
         return None
     if not isinstance(scenario, Scenarios) or len(scenario) != n:
-        raise UserError(f"options['scenario']: {_size(scenario)}; allowed: Scenarios with {n} rows")
+        raise UserError(f"options['scenario']: {_size(scenario)}; give Scenarios with {n} rows")
     return scenario
 
 
@@ -113,5 +113,5 @@ def _whole(value: Any) -> bool:
 
 def _seed(value: Any) -> int:
     if not _whole(value) or not 0 <= value < 2**64:
-        raise UserError(f"seed: {value!r}; allowed: a whole number from 0 to 2^64 - 1")
+        raise UserError(f"seed: {value!r}; give a whole number from 0 to 2^64 - 1")
     return int(value)

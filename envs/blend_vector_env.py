@@ -166,7 +166,7 @@ class BlendVectorEnv(VectorEnv[Observation, Any, Any]):
 def _checked_mode(mode: AutoresetMode | str) -> AutoresetMode:
     name = mode.value if isinstance(mode, AutoresetMode) else mode
     if name not in ("NextStep", "SameStep"):
-        raise UserError(f"autoreset_mode: {name!r}; allowed: 'NextStep', 'SameStep'")
+        raise UserError(f"autoreset_mode: {name!r}; choose 'NextStep' or 'SameStep'")
     return AutoresetMode(name)
 
 

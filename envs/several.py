@@ -35,7 +35,7 @@ class SeveralMachines(VectorEnv[Observation, Any, Any]):
         modes = {env.metadata["autoreset_mode"] for env in envs}
         if modes != {AutoresetMode.SAME_STEP}:
             found = ", ".join(sorted(mode.value for mode in modes)) or "no environment"
-            raise UserError(f"envs: {found}; allowed: one or more with autoreset_mode 'SameStep'")
+            raise UserError(f"envs: {found}; give one or more with autoreset_mode 'SameStep'")
         self.envs = tuple(envs)
         self.num_envs = sum(env.num_envs for env in envs)
         self.render_mode = None
@@ -61,7 +61,7 @@ class SeveralMachines(VectorEnv[Observation, Any, Any]):
             There are options: scenarios belong to one machine.
         """
         if options:
-            raise UserError(f"options: {', '.join(options)}; allowed with several machines: none")
+            raise UserError(f"options: {', '.join(options)}; several machines take no options")
         seeds = range(seed, seed + self.num_envs) if isinstance(seed, int) else seed
         parts = [
             env.reset(seed=None if seeds is None else list(seeds[rows]))

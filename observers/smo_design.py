@@ -58,7 +58,7 @@ def design_smo(
     """
     if not 0.0 < gain < 2.0 * deadbeat_gain(motor):
         raise UserError(
-            f"smo_gain: {gain:g} V/A; allowed: above 0 and below 2 L_d/T_s = "
+            f"smo_gain: {gain:g} V/A; give more than 0 and less than 2 L_d/T_s = "
             f"{2.0 * deadbeat_gain(motor):g} V/A (stability of the forward-Euler step)"
         )
     k_p, k_i = pll_gains(pll_hz, 1.0)

@@ -1,8 +1,8 @@
-"""Errors that are the user's to mend; the command line shows them as one line."""
+"""User errors, which the command line shows as one line without a traceback."""
 
 
 class UserError(ValueError):
-    """Something the user gave is wrong: the message names field, value and what is allowed."""
+    """Wrong input: the message names the field and its value, and says what to do."""
 
 
 class StaleCoreError(ImportError):

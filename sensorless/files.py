@@ -24,7 +24,7 @@ def write_atomic(path: str | Path, data: str | bytes) -> None:
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
-        raise UserError(f"output {str(path)!r}: {_reason(error)}; allowed: writable") from None
+        raise UserError(f"output {str(path)!r}: {_reason(error)}; write elsewhere") from None
 
 
 def ensure_writable(folder: str | Path) -> Path:
@@ -43,13 +43,13 @@ def ensure_writable(folder: str | Path) -> Path:
         probe.unlink()
     except OSError as error:
         raise UserError(
-            f"output folder {str(folder)!r}: {_reason(error)}; allowed: a writable folder"
+            f"output folder {str(folder)!r}: {_reason(error)}; give a folder that can be written to"
         ) from None
     return folder
 
 
 def check_writable(path: str | Path | None, name: str = "out") -> None:
-    """Find out before a long run whether a file can be written; None: there is none to write.
+    """Find out before a long run whether a file can be written; None means no file.
 
     Raises
     ------
@@ -62,15 +62,18 @@ def check_writable(path: str | Path | None, name: str = "out") -> None:
     path = Path(path)
     folder = path.parent
     if not folder.is_dir():
-        raise UserError(f"{name}: {str(path)!r}: folder {str(folder)!r} does not exist")
+        raise UserError(
+            f"{name}: {str(path)!r}: folder {str(folder)!r} does not exist; create it, or write "
+            "elsewhere"
+        )
     if path.is_dir():
-        raise UserError(f"{name}: {str(path)!r} is a folder: give the name of a file")
+        raise UserError(f"{name}: {str(path)!r} is a folder; give the name of a file")
     probe = folder / f".{path.name}.{os.getpid()}.part"
     try:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise UserError(f"{name}: {str(path)!r}: {_reason(error)}") from None
+        raise UserError(f"{name}: {str(path)!r}: {_reason(error)}; write elsewhere") from None
 
 
 def _reason(error: OSError) -> str:

@@ -140,7 +140,7 @@ def main() -> None:
     )  # fmt: skip
     known = json.loads(options.out.read_text()) if options.out.exists() else {}
     if known and known["start"] != START:
-        sys.exit(f"{options.out}: of another start; allowed: another --out")
+        sys.exit(f"{options.out} belongs to another start; give another --out")
     record: Record = {
         "command": "python studies/gains_study.py", "rule": RULE, "motor": motor.name,
         "objective": f"sum over suites of {OBJECTIVE} + {SLOW:g} max(0, speed_off - the start's)",

@@ -55,7 +55,7 @@ def study(folder: Path, rule: str, reference: str) -> dict[str, Any]:
     """
     curve = curves_of(folder).get(folder.resolve().name)
     if curve is None:
-        raise UserError(f"run: {str(folder)!r}: no learning curve; allowed: a training run")
+        raise UserError(f"run: {str(folder)!r} has no learning curve; give a training run")
     levels = levels_of(folder, [rule, reference])
     best = int(np.argmin(curve["objective"]))
     return {

@@ -31,7 +31,7 @@ from sensorless.versions import versions
 
 POLICIES = ("reference", "logistic-tuned")
 LIMIT = 0.01
-"""Change that is allowed."""
+"""Largest change of a metric that is accepted."""
 MOST_BYTES = 4096
 """Of the node values of a table, in the form that is flashed."""
 OVER = {
@@ -67,7 +67,7 @@ def table_policy(word: str, motor: Motor) -> TablePolicy:
     """
     policy = make_policy(word, motor)
     if not isinstance(policy, TablePolicy):
-        raise UserError(f"policy: {word!r}; allowed: one that is a table")
+        raise UserError(f"policy: {word!r} is not a table; give one that is")
     return policy
 
 

@@ -102,12 +102,12 @@ class MlpSchedule:
                 layers = {k: np.asarray(data[k], dtype=np.float32) for k in LAYERS}
                 start, provenance = str(data["start"]), json.loads(str(data["provenance"]))
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-            raise UserError(f"{path}: {error}; allowed: as training wrote it") from None
+            raise UserError(f"{path}: {error}; restore the file, or train anew") from None
         hidden = layers["b0"].size
         shapes = ((SIGNAL_N, hidden), (hidden,), (hidden, hidden), (hidden,), (hidden, 1), (1,))
         for key, shape in zip(LAYERS, shapes, strict=True):
             if layers[key].shape != shape or not np.isfinite(layers[key]).all():
-                raise UserError(f"{path}: {key}: allowed: finite numbers of shape {shape}")
+                raise UserError(f"{path}: {key}: not finite numbers of shape {shape}; train anew")
         return cls(name, KsTable.from_json(start, str(path)), layers, provenance)
 
 

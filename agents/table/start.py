@@ -44,7 +44,9 @@ def start_table(axes: str, start: str, source: KsTable, motor: Motor, slew_per_s
     known = [axis.signal for axis in shape]
     for axis in source.axes:
         if axis.signal not in known:
-            raise UserError(f"axes: {axes!r}; allowed with start {start!r}: with {axis.signal}")
+            raise UserError(
+                f"axes: {axes!r} lack {axis.signal}, which start {start!r} looks at; add that axis"
+            )
         if axis is ramp:
             _check_corners(shape[known.index(axis.signal)], ramp, start, motor)
     obs = np.zeros((*(axis.n for axis in shape), SIGNAL_N), dtype=np.float32)
@@ -76,8 +78,8 @@ def grid(text: str, ramp: Axis | None = None) -> tuple[Axis, ...]:
         if isinstance(error, UserError):
             raise
         raise UserError(
-            f"axes: {text!r}; allowed: SIGNAL:LOW:HIGH:NODES,..., start, or speed:NODES with a "
-            "linear start"
+            f"axes: {text!r} cannot be read; write SIGNAL:LOW:HIGH:NODES,..., or start, or with a "
+            "linear start speed:NODES"
         ) from None
 
 
@@ -102,6 +104,6 @@ def _check_corners(axis: Axis, ramp: Axis, start: str, motor: Motor) -> None:
         if np.min(np.abs(nodes - end)) > 1e-3 * (nodes[1] - nodes[0]):
             near = ", ".join(f"{x * motor.n_rated_rpm:g}" for x in nodes)
             raise UserError(
-                f"start: {start!r}: {end * motor.n_rated_rpm:g} r/min is no node of the speed "
-                f"axis; allowed: {near}, or axes speed:{axis.n},..."
+                f"start: {start!r}: {end * motor.n_rated_rpm:g} r/min is not a node of the "
+                f"speed axis; start at two of its nodes ({near}), or give axes speed:{axis.n},..."
             )

@@ -67,7 +67,7 @@ def fresh(folder: Path) -> None:
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UserError(
-            f"name: {str(folder)!r} exists already; allowed: a new name, or --resume {folder}"
+            f"name: {str(folder)!r} already exists; choose a new name, or use --resume {folder}"
         )
     ensure_writable(folder)
 
@@ -83,16 +83,16 @@ def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
     try:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
         if "machines" in data:
-            raise UserError(f"run: {folder}: trained on {data['motor']}; allowed: one of one motor")
+            raise UserError(f"run: {folder}: trained on {data['motor']}; use a run on one motor")
         return DriveDesign(**data["design"]), Motor.load(data["train"]["motor"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         if isinstance(error, UserError):
             raise
-        raise UserError(f"run: {folder / CONFIG}: {error}; allowed: a training run") from None
+        raise UserError(f"run: {folder / CONFIG}: {error}; give a training run's folder") from None
 
 
 def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:
-    """Configuration of a run to go on with, the digest of its machines, and its start.
+    """Configuration of a run to resume, the digest of its machines, and its start table.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:
     """
     if not (folder / CONFIG).is_file() or not (folder / LATEST).is_file():
         raise UserError(
-            f"resume: {str(folder)!r}: no {CONFIG} or no {LATEST}; allowed: the folder of a run"
+            f"resume: {str(folder)!r} has no {CONFIG} or no {LATEST}; give a training run's folder"
         )
     try:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
@@ -111,7 +111,7 @@ def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:
     except (ValueError, KeyError, TypeError) as error:
         if isinstance(error, UserError):
             raise
-        raise UserError(f"{folder / CONFIG}: {error}; allowed: as training wrote it") from None
+        raise UserError(f"{folder / CONFIG}: {error}; restore the file, or train anew") from None
 
 
 def save_schedule(

@@ -42,7 +42,7 @@ class SB3VecEnv(VecEnv):
     def __init__(self, env: BlendVectorEnv | SeveralMachines, *, privileged: bool = False) -> None:
         if env.metadata["autoreset_mode"] is not AutoresetMode.SAME_STEP:
             raise UserError(f"autoreset_mode: {env.metadata['autoreset_mode'].value!r}; "
-                            "allowed for stable-baselines3: 'SameStep'")  # fmt: skip
+                            "stable-baselines3 needs 'SameStep'")  # fmt: skip
         self.env = env  # before the base class, which asks for env.render_mode
         self.privileged = privileged
         self.last_info: dict[str, Any] = {}

@@ -90,7 +90,7 @@ def resume(config: TrainConfig, folder: Path, *, report: Progress | None = None)
     if digest != machines.digest:
         raise UserError(
             f"resume: {str(folder)!r} was trained on {old.motor!r}, digest {digest[:16]}; "
-            f"allowed: {machines.name!r}, digest {machines.digest[:16]}"
+            f"it cannot continue on {machines.name!r}, digest {machines.digest[:16]}"
         )
     config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)
     model = _model(config, table, training_env(config, design, machines.motors))
@@ -169,4 +169,4 @@ def _restore(model: TablePPO, path: Path) -> None:
         model.num_timesteps = int(steps)
     except (zipfile.BadZipFile, RuntimeError, ValueError, KeyError, TypeError, OSError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise UserError(f"{path}: {reason}; allowed: a checkpoint of this run") from None
+        raise UserError(f"{path}: {reason}; restore this run's checkpoint, or train anew") from None

@@ -160,8 +160,8 @@ class SimFactory:
         motor = self.motor
         if np.any(s.seek) and not knows_poles(motor):
             raise UserError(
-                f"seek: {motor.name} does not saturate along d, so that its poles look alike; "
-                "allowed: starts at a known angle, or a machine with a saturation model"
+                f"seek: {motor.name} does not saturate along d, so its poles look alike; start "
+                "at a known angle, or give the machine a saturation model"
             )
         sims = np.repeat(self._template, len(s))
         if estimator not in (None, self.design.estimator):

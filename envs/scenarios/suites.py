@@ -66,15 +66,15 @@ class SuiteRows:
     def __post_init__(self) -> None:
         name, seed, size = self.name, self.suite_seed, self.size
         if name not in SUITES:
-            raise UserError(f"suite: {name!r}; allowed: {', '.join(SUITES)}")
+            raise UserError(f"suite: {name!r} does not exist; choose from {', '.join(SUITES)}")
         if self.role not in ROLES:
-            raise UserError(f"role: {self.role!r}; allowed: {', '.join(ROLES)}")
+            raise UserError(f"role: {self.role!r} does not exist; choose from {', '.join(ROLES)}")
         if not 0 <= seed < 2**63:
-            raise UserError(f"seed: {seed}; allowed: 0 to 2^63 - 1")
+            raise UserError(f"seed: {seed}; give 0 to 2^63 - 1")
         if not 1 <= size <= 10_000_000:
-            raise UserError(f"size: {size}; allowed: 1 to 10000000")
+            raise UserError(f"size: {size}; give 1 to 10000000 scenarios")
         if name == "envelope" and (size < 4 or int(np.sqrt(size)) ** 2 != size):
-            raise UserError(f"size: {size}; allowed for envelope: a square number of at least 4")
+            raise UserError(f"size: {size}; envelope is a grid: give a square number, at least 4")
 
     def __len__(self) -> int:
         """Return the number of scenarios."""

@@ -23,13 +23,15 @@ def scenario_from(word: str, motor: Motor) -> Scenarios:
     """
     match = re.fullmatch(r"([a-z][a-z0-9-]*):(\d+):(\d+)(?::(\d+))?", word)
     if match is None:
-        raise UserError(f"scenario: {word!r}; allowed: SUITE:SEED:INDEX[:SIZE], e.g. stress:7:12")
+        raise UserError(
+            f"scenario: {word!r} cannot be read; write SUITE:SEED:INDEX[:SIZE], such as stress:7:12"
+        )
     name, seed, index = match[1], int(match[2]), int(match[3])
     size = int(match[4]) if match[4] else index + 1
     if name == "envelope" and match[4] is None:
-        raise UserError(f"scenario: {word!r}; allowed for envelope: with its SIZE at the end")
+        raise UserError(f"scenario: {word!r} depends on its suite's size; append :SIZE")
     if index >= size:
-        raise UserError(f"scenario: {word!r}; allowed: INDEX below SIZE")
+        raise UserError(f"scenario: {word!r}; give an INDEX below SIZE")
     return suite(name, motor, seed, size)[index : index + 1]
 
 
@@ -63,17 +65,17 @@ def plan_from(
         Speed of the shaft at the beginning [r/min].
     """
     if not -180.0 <= theta_err <= 180.0:
-        raise UserError(f"theta_err: {theta_err:g}; allowed: -180 to 180 degrees")
+        raise UserError(f"theta_err: {theta_err:g}; give -180 to 180 degrees")
     if not abs(spin) <= 2.0 * motor.n_rated_rpm:
-        raise UserError(f"spin: {spin:g} r/min; allowed: up to twice {motor.n_rated_rpm:g}")
+        raise UserError(f"spin: {spin:g} r/min; give at most twice {motor.n_rated_rpm:g} r/min")
     if not 0.0 < duration <= 1000.0:
-        raise UserError(f"duration: {duration:g} s; allowed: above 0 and at most 1000")
+        raise UserError(f"duration: {duration:g} s; give more than 0 and at most 1000 s")
     if ramp is not None and not 0.0 < ramp < 1e9:
-        raise UserError(f"ramp: {ramp:g} r/min/s; allowed: above 0")
+        raise UserError(f"ramp: {ramp:g} r/min/s; give more than 0, or leave it out for steps")
     speeds, loads = _plan("speed", speed), _plan("load", load)
     times = sorted({0.0} | {t for t, _ in speeds} | {t for t, _ in loads})
     if len(times) > PROFILE_N:
-        raise UserError(f"speed, load: {len(times)} points in time; allowed: {PROFILE_N}")
+        raise UserError(f"speed, load: {len(times)} different times; give at most {PROFILE_N}")
     s = Scenarios.nominal(motor, combine(seed, np.arange(1)), duration)
     for j, t in enumerate(times):
         s.t[0, j] = t
@@ -91,7 +93,9 @@ def _plan(name: str, text: str) -> list[tuple[float, float]]:
         points = []
     good = bool(points) and all(np.isfinite(p).all() and p[0] >= 0.0 for p in points)
     if not good or [t for t, _ in points] != sorted({t for t, _ in points}):
-        raise UserError(f"{name}: {text!r}; allowed: TIME:VALUE,TIME:VALUE,... with rising times")
+        raise UserError(
+            f"{name}: {text!r} cannot be read; write TIME:VALUE,TIME:VALUE,... with rising times"
+        )
     return points
 
 

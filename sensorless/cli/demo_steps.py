@@ -35,15 +35,17 @@ def fresh_folder(folder: Path) -> None:
     if folder.exists():
         if not folder.is_dir() or (any(folder.iterdir()) and not (folder / MARK).is_file()):
             raise UserError(
-                f"out: {str(folder)!r} holds something else; allowed: a new folder, "
-                "or one of an earlier demo"
+                f"out: {str(folder)!r} holds other files; give a new folder, or that of an "
+                "earlier demo"
             )
         shutil.rmtree(folder)
     try:
         folder.mkdir(parents=True)
         (folder / MARK).touch()
     except OSError as error:
-        raise UserError(f"out: {str(folder)!r}: {error.strerror}; allowed: writable") from None
+        raise UserError(
+            f"out: {str(folder)!r}: {error.strerror}; give a folder that can be written to"
+        ) from None
 
 
 def judge(folder: Path, run: str, size: int, seed: int, report: PolicyProgress) -> Results:

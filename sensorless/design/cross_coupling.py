@@ -63,14 +63,16 @@ def load(path: Path, motor: Motor, i_q: Floats) -> Floats:
         data: Any = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise UserError(f"cross: {path}: {reason}; allowed: a file of identify") from None
+        raise UserError(
+            f"cross: {path}: {reason}; give a file that sensorless identify cross-coupling wrote"
+        ) from None
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         found = data.get("format") if isinstance(data, dict) else type(data).__name__
-        raise UserError(f"cross: {path}: format: {found!r}; allowed: {FORMAT!r}")
+        raise UserError(f"cross: {path}: format {found!r} is not {FORMAT!r}; identify anew")
     if data.get("motor_digest") != motor.digest:
         raise UserError(
-            f"cross: {path}: machine {data.get('motor')!r}; allowed: {motor.name!r} as it is now, "
-            f"digest {motor.digest[:16]}"
+            f"cross: {path}: measured on machine {data.get('motor')!r}, not on {motor.name!r} as "
+            f"it is now, digest {motor.digest[:16]}; identify anew"
         )
     try:
         nodes = np.asarray(data["table"]["i_q_A"], dtype=np.float64)
@@ -80,5 +82,5 @@ def load(path: Path, motor: Motor, i_q: Floats) -> Floats:
     except (KeyError, TypeError, ValueError):
         good = False
     if not good:
-        raise UserError(f"cross: {path}: table: damaged; allowed: finite angles over rising i_q_A")
+        raise UserError(f"cross: {path}: table: not finite angles over rising i_q_A; identify anew")
     return np.asarray(np.interp(i_q, nodes, angle))

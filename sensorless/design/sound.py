@@ -20,8 +20,8 @@ def require_finite(record: Array, motor: Motor) -> None:
     for name, value in _leaves(record, ""):
         if not np.all(np.isfinite(value)):
             raise UserError(
-                f"motor {motor.name!r}: {name} of its drive leaves 32-bit numbers; allowed: "
-                "a machine in SI units, try sensorless motor check"
+                f"motor {motor.name!r}: {name} of its drive overflows 32-bit numbers; "
+                "give the machine in SI units, and try sensorless motor check"
             )
 
 

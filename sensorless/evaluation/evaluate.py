@@ -89,7 +89,7 @@ def evaluate(
     """
     check_writable(out)
     if not policies:
-        raise UserError("policy: none given; allowed: one or more")
+        raise UserError("policy: none given; give one or more")
     scenarios = SuiteRows(suite, motor, seed, size)
     factory = SimFactory(motor, design)
     scores = {}

@@ -37,7 +37,7 @@ def trace(
         Not exactly one scenario, or too long a one.
     """
     if len(scenario) != 1:
-        raise UserError(f"scenario: {len(scenario)} rows; allowed: 1")
+        raise UserError(f"scenario: {len(scenario)} rows; trace one at a time")
     sim = SimFactory(motor, design).build(
         scenario, sensored=policy.sensored, estimator=estimator_of(policy)
     )
@@ -45,8 +45,8 @@ def trace(
         change(sim)
     if not 1 <= sim["k_end"][0] <= MOST_PERIODS:
         raise UserError(
-            f"duration: {scenario.duration[0]:g} s; allowed: above 0 and at most "
-            f"{MOST_PERIODS * motor.T_s:g}"
+            f"duration: {scenario.duration[0]:g} s; give more than 0 and at most "
+            f"{MOST_PERIODS * motor.T_s:g} s"
         )
     obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
     sim_signals(sim, obs)

@@ -21,7 +21,7 @@ def c_float(x: Any, name: str = "number") -> str:
         ``x`` is not finite.
     """
     if not np.isfinite(x):
-        raise UserError(f"{name}: {x!s}; allowed: a finite number")
+        raise UserError(f"{name}: {x!s}; C code needs a finite number")
     mantissa, e, exponent = f"{np.float32(x):.9g}".partition("e")
     return mantissa + ("" if "." in mantissa else ".0") + e + exponent + "f"
 

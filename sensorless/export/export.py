@@ -94,7 +94,9 @@ def export(
         move_into_place(part, target)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise UserError(f"output folder {str(target)!r}: {reason}; allowed: writable") from None
+        raise UserError(
+            f"output folder {str(target)!r}: {reason}; give a folder that can be written to"
+        ) from None
     finally:
         shutil.rmtree(part, ignore_errors=True)
     return Exported(target, tuple(sorted(files)), self_test)
@@ -110,8 +112,8 @@ def table_of(policy: Policy, word: str) -> KsTable:
     """
     if not isinstance(policy, TablePolicy):
         raise UserError(
-            f"run: {word!r} has no table (memory, or more than the signals); allowed: a training "
-            "run, or a rule that is a table, such as eq25, linear, smoothstep, fuzzy, constant:K"
+            f"run: {word!r} is not a table of the drive's signals; export a training run, or a "
+            "rule that is a table, such as eq25, linear, smoothstep, fuzzy or constant:K"
         )
     return policy.table
 
@@ -122,12 +124,13 @@ def _check_origin(
     made_for = str(origin.get("motor_digest", motor.digest))
     if made_for != motor.digest:
         raise UserError(
-            f"motor: {motor.name!r}, digest {motor.digest[:16]}; allowed: the machine that the "
-            f"policy was made for, digest {made_for[:16]}"
+            f"motor: {motor.name!r}, digest {motor.digest[:16]}; give the machine that the policy "
+            f"was made for, digest {made_for[:16]}"
         )
     if table.slew_per_s != float(np.float32(design.k_s_slew)):
         raise UserError(
-            f"k_s_slew: {design.k_s_slew:g}; allowed: {table.slew_per_s:g} as in the policy's table"
+            f"k_s_slew: {design.k_s_slew:g} 1/s; the policy's table was made for "
+            f"{table.slew_per_s:g} 1/s: use that"
         )
 
 

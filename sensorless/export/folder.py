@@ -24,19 +24,19 @@ def check_replaceable(folder: Path) -> None:
     if not folder.exists():
         return
     if not folder.is_dir():
-        raise UserError(f"output folder {str(folder)!r}: a file; allowed: a folder")
+        raise UserError(f"output folder {str(folder)!r} is a file; give a folder")
     known = _written(folder)
     for path in folder.iterdir() if known is None else folder.rglob("*"):
         name = path.relative_to(folder)
         if known is None:
             raise UserError(
-                f"output folder {str(folder)!r}: has {name.name!r} and is no export; allowed: a "
-                "new or empty folder, or an earlier export"
+                f"output folder {str(folder)!r} has {name.name!r} and is no export; give a new or "
+                "empty folder, or an earlier export"
             )
         if not path.is_dir() and name.parts[0] != BUILD and name.as_posix() not in known:
             raise UserError(
-                f"output folder {str(folder)!r}: has {name.as_posix()!r}, which no export wrote; "
-                "allowed: an earlier export with nothing added"
+                f"output folder {str(folder)!r} has {name.as_posix()!r}, which no export wrote; "
+                "move that file away, or give another folder"
             )
 
 

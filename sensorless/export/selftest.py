@@ -62,7 +62,7 @@ def run_selftest(folder: Path) -> SelfTest:
     if done.returncode != 0:
         line = next((s for s in text if "error" in s or "FAILED" in s), text[0] if text else "")
         raise UserError(
-            f"self test with {shlex.join(compiler)}: {line or done.returncode}; allowed: "
-            "no difference (plain IEEE 754 single precision)"
+            f"self test with {shlex.join(compiler)}: {line or done.returncode}; use a "
+            "compiler for plain IEEE 754 single precision (set CC)"
         )
     return SelfTest(True, done.stdout.strip())

@@ -191,8 +191,9 @@ def _sweep(motor: Motor, design: DriveDesign, table: Floats) -> Steady:
     good = out.held & (np.hypot(*out.i.T) < 0.97 * motor.i_max)
     if np.sum(good & (tau > 0)) < 5 or np.sum(good & (tau < 0)) < 5:
         raise UserError(
-            f"motor {motor.name!r}: the injection estimator holds {int(good.sum())} of {POINTS} "
-            "loads of the sweep; allowed: a machine that holds at least 5 in each direction"
+            f"motor {motor.name!r}: the injection estimator holds only {int(good.sum())} of "
+            f"{POINTS} loads of the sweep, and needs 5 in each direction; check the motor's "
+            "saliency and current limit"
         )
     return Steady(**{f.name: getattr(out, f.name)[good] for f in dataclasses.fields(out)})
 

@@ -23,11 +23,11 @@ def require_saliency(motor: Motor) -> None:
     both = f"L_d = {motor.L_d:g} H, L_q = {motor.L_q:g} H"
     if motor.L_d > LEAST * motor.L_q:
         raise UserError(
-            f"motor {motor.name!r}: {both}; allowed: L_q above L_d, with d along the magnet: "
-            "are the two swapped?"
+            f"motor {motor.name!r}: {both}; L_q must exceed L_d, with d along the magnet: swap the "
+            "two if they are in the wrong places"
         )
     raise UserError(
-        f"motor {motor.name!r}: {both}; allowed: L_q / L_d of at least {LEAST:g}: a machine "
+        f"motor {motor.name!r}: {both}; choose a machine with L_q / L_d of at least {LEAST:g}: one "
         "without saliency (surface magnets) gives injection no angle"
     )
 

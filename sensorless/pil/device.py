@@ -146,10 +146,13 @@ class Device:
                     return data
             if self._process.poll() is not None:
                 raise UserError(
-                    f"pil: {self.name} ended with status {self._process.returncode}"
-                    f"{self._last_words()}; allowed: a program that answers"
+                    f"pil: {self.name} stopped early with status {self._process.returncode}"
+                    f"{self._last_words()}"
                 )
-        raise UserError(f"pil: {self.name}: no answer within {self._timeout:g} s; allowed: less")
+        raise UserError(
+            f"pil: {self.name} did not answer within {self._timeout:g} s; run again on an idle "
+            "computer"
+        )
 
     def _last_words(self) -> str:
         text = self._process.stderr.read().decode(errors="replace") if self._process.stderr else ""

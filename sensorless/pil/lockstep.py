@@ -79,7 +79,7 @@ def lockstep(
     """
     n = len(sims)
     if not 1 <= n <= DRIVES:
-        raise ValueError(f"{n} drives; allowed: 1 to {DRIVES}")
+        raise ValueError(f"sims: {n} drives; give 1 to {DRIVES}")
     raw = sims.view(np.uint32).reshape(n, -1)
     obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
     k_s = np.ones(n, dtype=np.float32)

@@ -30,8 +30,8 @@ def require_tools() -> None:
     missing = missing_packages()
     if missing:
         raise UserError(
-            f"pil: missing programs; allowed: after apt-get install --no-install-recommends "
-            f"{' '.join(missing)} (Debian)"
+            f"pil: programs are missing; on Debian, run: apt-get install --no-install-recommends "
+            f"{' '.join(missing)}"
         )
 
 
@@ -60,7 +60,7 @@ def build(exported: Path, folder: Path, what: str, level: str = "-O2", cc: str =
     if done.returncode != 0:
         lines = done.stderr.strip().splitlines() or [f"status {done.returncode}"]
         line = next((s for s in lines if "error" in s), lines[0])
-        raise UserError(f"pil: {what} at {level}: {line}; allowed: code that compiles")
+        raise UserError(f"pil: {what} at {level}: {line}; fix the code so that it compiles")
     return folder / ("image.elf" if what == "image" else "host")
 
 

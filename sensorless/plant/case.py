@@ -58,7 +58,7 @@ def read_case(path: str | Path) -> PlantCase:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise UserError(
-            f"plant {str(path)!r}: {error.strerror}; allowed: a readable file"
+            f"plant {str(path)!r}: {error.strerror}; give a file that can be read"
         ) from None
     except ValueError as error:
         raise UserError(f"plant {str(path)!r}: not a valid JSON file: {error}") from None
@@ -68,14 +68,14 @@ def read_case(path: str | Path) -> PlantCase:
 def case_from(data: Any, where: str) -> PlantCase:
     """Check the parsed JSON field by field; ``where`` opens every message."""
     if not isinstance(data, dict):
-        raise UserError(f"{where}: must be an object with T_s, machine, mechanics, init")
+        raise UserError(f"{where}: give an object with T_s, machine, mechanics and init")
     top = {key: value for key, value in data.items() if key not in NOTES}
     tables = {}
     for key in ("machine", "mechanics", "init"):
         tables[key] = top.pop(key, None)
         if not isinstance(tables[key], dict):
             what = "missing" if tables[key] is None else f"{tables[key]!r}"
-            raise UserError(f"{where}: {key}: {what}; allowed: an object")
+            raise UserError(f"{where}: {key}: {what}; give an object")
     T_s = _numbers(top, ("T_s",), where)["T_s"]
     n_p, R_s, saturation = _machine(dict(tables["machine"]), f"{where}: machine")
     held = "w_M" in tables["mechanics"]
@@ -85,8 +85,7 @@ def case_from(data: Any, where: str) -> PlantCase:
     init = _numbers(tables["init"], ("i_d", "i_q", "theta_m", "w_M"), f"{where}: init")
     if held and init["w_M"] != mechanics["w_M"]:
         raise UserError(
-            f"{where}: init: w_M: {init['w_M']:g}; allowed: the held speed, "
-            f"{mechanics['w_M']:g} rad/s"
+            f"{where}: init: w_M: {init['w_M']:g}; give the held speed, {mechanics['w_M']:g} rad/s"
         )
     return PlantCase(
         T_s=T_s,
@@ -107,7 +106,7 @@ def _machine(values: dict[str, Any], where: str) -> tuple[int, float, Saturation
         saturation = Saturation.linear(v["L_d"], v["L_q"], v["psi_f"])
         return int(v["n_p"]), v["R_s"], saturation
     if kind != "pmsyrm":
-        raise UserError(f"{where}: type: {kind!r}; allowed: linear, pmsyrm")
+        raise UserError(f"{where}: type: {kind!r}; choose linear or pmsyrm")
     needed = SATURATED
     needed += BRIDGE if any(name in values for name in BRIDGE) else ()
     needed += ("i_f",) if "i_f" in values else ()
@@ -121,13 +120,13 @@ def _numbers(values: dict[str, Any], names: tuple[str, ...], where: str) -> dict
     """Exactly the numbers ``names``, each finite and in its range."""
     unknown = [name for name in values if name not in names]
     if unknown:
-        raise UserError(f"{where}: {unknown[0]}: unknown field; allowed: {', '.join(names)}")
+        raise UserError(f"{where}: {unknown[0]}: unknown field; known are {', '.join(names)}")
     return {name: _number(name, values, where) for name in names}
 
 
 def _number(name: str, values: dict[str, Any], where: str) -> float:
     if name not in values:
-        raise UserError(f"{where}: {name}: missing; allowed: {_allowed(name)}")
+        raise UserError(f"{where}: {name}: missing; give {_range(name)}")
     value = values[name]
     good = isinstance(value, (int, float)) and not isinstance(value, bool)
     good = good and abs(value) < 1e300  # false for NaN
@@ -137,11 +136,11 @@ def _number(name: str, values: dict[str, Any], where: str) -> float:
     elif good and name not in ("i_d", "i_q", "theta_m", "w_M"):
         good = value > 0 if name in POSITIVE else value >= 0
     if not good:
-        raise UserError(f"{where}: {name}: {value!r}; allowed: {_allowed(name)}")
+        raise UserError(f"{where}: {name}: {value!r}; give {_range(name)}")
     return float(value)
 
 
-def _allowed(name: str) -> str:
+def _range(name: str) -> str:
     if name in EXPONENTS:
         return "a whole number from 0 to 7"
     if name == "n_p":

@@ -30,7 +30,7 @@ def read_inputs(path: str | Path) -> Floats:
             return _parse(file, f"inputs {str(path)!r}")
     except OSError as error:
         raise UserError(
-            f"inputs {str(path)!r}: {error.strerror}; allowed: a readable file"
+            f"inputs {str(path)!r}: {error.strerror}; give a file that can be read"
         ) from None
     except (csv.Error, UnicodeDecodeError) as error:
         raise UserError(f"inputs {str(path)!r}: not a valid CSV file: {error}") from None
@@ -42,12 +42,12 @@ def _parse(lines: Iterable[str], where: str) -> Floats:
     for name in header:
         if name not in COLUMNS or header.count(name) > 1:
             raise UserError(
-                f"{where}: line 1: column {name!r}; allowed, each once: {', '.join(COLUMNS)}"
+                f"{where}: line 1: column {name!r}; give each of {', '.join(COLUMNS)} at most once"
             )
     for name in ("u_alpha", "u_beta"):
         if name not in header:
             raise UserError(
-                f"{where}: line 1: column {name}: missing; allowed: {', '.join(COLUMNS)}"
+                f"{where}: line 1: column {name}: missing; known are {', '.join(COLUMNS)}"
             )
     rows = []
     for row in reader:
@@ -55,7 +55,7 @@ def _parse(lines: Iterable[str], where: str) -> Floats:
             continue
         if len(row) != len(header):
             raise UserError(
-                f"{where}: line {reader.line_num}: {len(row)} values; allowed: "
+                f"{where}: line {reader.line_num}: {len(row)} values; give "
                 f"{len(header)}, as in the header"
             )
         rows.append(
@@ -65,7 +65,7 @@ def _parse(lines: Iterable[str], where: str) -> Floats:
             ]
         )
     if not rows:
-        raise UserError(f"{where}: no rows; allowed: one a period, at least one")
+        raise UserError(f"{where}: no rows; give one per PWM period, at least one")
     out = np.zeros((len(rows), len(COLUMNS)))
     out[:, [COLUMNS.index(name) for name in header]] = rows
     return out
@@ -77,5 +77,5 @@ def _value(text: str, name: str, where: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise UserError(f"{where}: {name}: {text!r}; allowed: a finite number")
+        raise UserError(f"{where}: {name}: {text!r}; give a finite number")
     return value

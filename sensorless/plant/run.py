@@ -123,8 +123,8 @@ def run_case(case: PlantCase, inputs: Floats) -> PlantRun:
     bad = np.flatnonzero(~np.isfinite(fine).all(axis=1))
     if bad.size:
         raise UserError(
-            f"plant: no finite state from t = {bad[0] * case.T_s:g} s on; allowed: a machine "
-            "and voltages that stay within the numbers, a T_s short against its dynamics"
+            f"plant: no finite state from t = {bad[0] * case.T_s:g} s on; check the machine and "
+            "the voltages, or give a T_s that is short against its dynamics"
         )
     return PlantRun(_columns(fine, case.T_s), SUB_STEPS * split, float(np.max(gap)))
 

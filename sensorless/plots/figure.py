@@ -33,7 +33,7 @@ def require_matplotlib() -> None:
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        raise UserError("plots need matplotlib: pip install 'sensorless[plot]'") from None
+        raise UserError("plots need matplotlib; run: pip install 'sensorless[plot]'") from None
 
 
 def new_figure(**options: Any) -> Any:

@@ -80,7 +80,7 @@ def rule_named(name: str) -> Rule:
         No such rule.
     """
     if name not in RULES:
-        raise UserError(f"rule: {name!r}; allowed: {', '.join(RULES)}")
+        raise UserError(f"rule: {name!r} does not exist; choose from {', '.join(RULES)}")
     return RULES[name]
 
 
@@ -115,11 +115,12 @@ def make_policy(spec: str, motor: Motor) -> Policy:
     rule_name = spec.removesuffix(shipped.SUFFIX)
     if rule_name in RULES:
         raise UserError(
-            f"policy: {spec!r}: no results/reference/tuned/{spec}.json; allowed: a file that "
-            f"'sensorless tune {rule_name} --out FILE.json' writes, or {names}"
+            f"policy: {spec!r}: there is no results/reference/tuned/{spec}.json; make one with "
+            f"'sensorless tune {rule_name} --out FILE.json', or choose from {names}"
         )
     raise UserError(
-        f"policy: {spec!r}: no such rule, folder or file; allowed: {names} (see evaluate --list)"
+        f"policy: {spec!r} is no rule, folder or file; choose from {names}; "
+        "'sensorless evaluate --list' explains them"
     )
 
 
@@ -136,7 +137,7 @@ def make_policies(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
         policy = make_policy(spec, motor)
         name = spec if policy.name in out else policy.name
         if name in out:
-            raise UserError(f"policy: {spec!r} is given twice; allowed: each policy once")
+            raise UserError(f"policy: {spec!r} is given twice; give each policy once")
         out[name] = policy
     return out
 
@@ -155,8 +156,8 @@ def table_named(spec: str, motor: Motor) -> KsTable:
         raise UserError(f"start: {error}") from None
     if not isinstance(policy, TablePolicy):
         raise UserError(
-            f"start: {spec!r} is no table; allowed: eq25, linear:LO,HI [r/min], logistic, a file "
-            "of sensorless tune or a run folder with a table"
+            f"start: {spec!r} is no table; start from eq25, linear:LO,HI [r/min], logistic, a file "
+            "that sensorless tune wrote, or the folder of a run with a table"
         )
     return policy.table
 
@@ -173,13 +174,15 @@ def load_tuned(path: Path, motor: Motor) -> Policy:
     """
     tuned = Tuned.load(path)
     if tuned.rule not in RULES:
-        raise UserError(f"{path}: rule: {tuned.rule!r}; allowed: {', '.join(RULES)}")
+        raise UserError(
+            f"{path}: rule: {tuned.rule!r} does not exist; choose from {', '.join(RULES)}"
+        )
     rule = RULES[tuned.rule]
     names = [p.name for p in rule.parameters]
     if sorted(tuned.parameters) != sorted(names) or not rule.allows(tuned.parameters):
         raise UserError(
-            f"{path}: parameters: {dict(tuned.parameters)!r}; allowed: those of {rule.usage}, "
-            "each in its range"
+            f"{path}: parameters: {dict(tuned.parameters)!r}; give those of {rule.usage}, each in "
+            "its range"
         )
     policy = rule.build(path.stem, tuned.parameters, motor)
     return with_estimator(policy, trained_estimator(tuned.provenance))

@@ -47,18 +47,21 @@ class Tuned:
             data = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError, RecursionError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            raise UserError(f"{path}: {reason}; allowed: a file of sensorless tune") from None
+            raise UserError(f"{path}: {reason}; give a file that sensorless tune wrote") from None
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             found = data.get("format") if isinstance(data, dict) else type(data).__name__
-            raise UserError(f"{path}: format: {found!r}; allowed: {FORMAT!r}")
+            raise UserError(
+                f"{path}: format {found!r} is not {FORMAT!r}; give a file that sensorless "
+                "tune wrote"
+            )
         rule, parameters = data.get("rule"), data.get("parameters")
         provenance = data.get("provenance", {})
         if not isinstance(rule, str):
-            raise UserError(f"{path}: rule: {rule!r}; allowed: the name of a rule")
+            raise UserError(f"{path}: rule: {rule!r}; give the name of a rule")
         if not isinstance(parameters, dict) or not all(map(_is_number, parameters.values())):
-            raise UserError(f"{path}: parameters: {parameters!r}; allowed: numbers by name")
+            raise UserError(f"{path}: parameters: {parameters!r}; give numbers by name")
         if not isinstance(provenance, dict):
-            raise UserError(f"{path}: provenance: {provenance!r}; allowed: an object")
+            raise UserError(f"{path}: provenance: {provenance!r}; give a JSON object")
         return cls(rule, parameters, provenance)
 
 

@@ -103,7 +103,7 @@ def read_log(path: Path, motor: Motor, *, u_dt: float, inv_i_dt: float, delay: i
         with open(path, newline="", encoding="utf-8-sig") as file:
             columns, lines = _parse(file, where)
     except OSError as error:
-        raise UserError(f"{where}: {error.strerror}; allowed: a readable file") from None
+        raise UserError(f"{where}: {error.strerror}; give a file that can be read") from None
     except (csv.Error, UnicodeDecodeError) as error:
         raise UserError(f"{where}: not a valid CSV file: {error}") from None
     t = columns["t"]
@@ -115,7 +115,7 @@ def read_log(path: Path, motor: Motor, *, u_dt: float, inv_i_dt: float, delay: i
         wrong = np.flatnonzero(~np.isin(inj, (-1.0, 0.0, 1.0)))
         if len(wrong):
             raise UserError(
-                f"{where}: line {lines[wrong[0]]}: inj: {inj[wrong[0]]:g}; allowed: -1, 0, 1"
+                f"{where}: line {lines[wrong[0]]}: inj: {inj[wrong[0]]:g}; give -1, 0 or 1"
             )
     theta_e = columns.get("theta_e")
     if theta_e is None and "theta_m" in columns:
@@ -150,7 +150,7 @@ def _voltage(
     way = next((names for names in VOLTAGES if all(n in columns for n in names)), None)
     if way is None:
         given = "; or ".join(", ".join(names) for names in VOLTAGES)
-        raise UserError(f"{where}: line 1: no complete voltage; allowed: {given}")
+        raise UserError(f"{where}: line 1: no complete voltage; give {given}")
     values = np.stack([columns[n] for n in way], axis=-1)
     if way == VOLTAGES[0]:
         return values
@@ -164,19 +164,19 @@ def _voltage(
 
 def _check_time(t: Floats, lines: Array, motor: Motor, where: str) -> None:
     if len(t) < 3:
-        raise UserError(f"{where}: {len(t)} rows; allowed: at least 3")
+        raise UserError(f"{where}: {len(t)} rows; give at least 3")
     step = np.diff(t)
     period = float(np.median(step))
     if abs(period - motor.T_s) > JITTER * motor.T_s:
         raise UserError(
-            f"{where}: t: {period:g} s from row to row; allowed: {motor.T_s:g} s, the T_s of motor "
-            f"{motor.name!r}"
+            f"{where}: t: {period:g} s from row to row, but motor {motor.name!r} has T_s = "
+            f"{motor.T_s:g} s; log every PWM period, or give the motor with this period"
         )
     wrong = np.flatnonzero(np.abs(step - motor.T_s) > JITTER * motor.T_s)
     if len(wrong):
         raise UserError(
             f"{where}: line {lines[wrong[0] + 1]}: t: {step[wrong[0]]:g} s after the row before; "
-            f"allowed: {motor.T_s:g} s"
+            f"log every PWM period, {motor.T_s:g} s, without gaps"
         )
 
 
@@ -186,10 +186,12 @@ def _parse(file: Iterable[str], where: str) -> tuple[dict[str, Floats], Array]:
     header = [name.strip() for name in next(reader, [])]
     for name in header:
         if name in COLUMNS and header.count(name) > 1:
-            raise UserError(f"{where}: line 1: column {name}: given twice; allowed: once")
+            raise UserError(f"{where}: line 1: column {name}: given twice; give it once")
     for name in ("t", "i_a", "i_b"):
         if name not in header:
-            raise UserError(f"{where}: line 1: column {name}: missing; known: {', '.join(COLUMNS)}")
+            raise UserError(
+                f"{where}: line 1: column {name}: missing; known are {', '.join(COLUMNS)}"
+            )
     used = [j for j, name in enumerate(header) if name in COLUMNS]
     rows, lines = [], []
     for row in reader:
@@ -197,11 +199,11 @@ def _parse(file: Iterable[str], where: str) -> tuple[dict[str, Floats], Array]:
             continue
         at = f"{where}: line {reader.line_num}"
         if len(row) != len(header):
-            raise UserError(f"{at}: {len(row)} values; allowed: {len(header)}, as in the header")
+            raise UserError(f"{at}: {len(row)} values; give {len(header)}, as in the header")
         rows.append([_value(row[j], f"{at}: {header[j]}") for j in used])
         lines.append(reader.line_num)
     if not rows:
-        raise UserError(f"{where}: no rows; allowed: one a period, at least 3")
+        raise UserError(f"{where}: no rows; give one per PWM period, at least 3")
     table = np.array(rows)
     return {header[j]: table[:, k] for k, j in enumerate(used)}, np.array(lines)
 
@@ -212,5 +214,5 @@ def _value(text: str, at: str) -> float:
     except ValueError:
         value = np.nan
     if not abs(value) < 1e15:  # also NaN
-        raise UserError(f"{at}: {text!r}; allowed: a finite number")
+        raise UserError(f"{at}: {text!r}; give a finite number")
     return value

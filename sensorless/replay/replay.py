@@ -99,7 +99,7 @@ class Replay:
         late = self.log.t - self.log.t[0] >= after
         if not late.any():
             length = self.log.t[-1] - self.log.t[0]
-            raise UserError(f"after: {after:g} s; allowed: at most {length:g} s, the log's length")
+            raise UserError(f"after: {after:g} s; the log ends at {length:g} s: give less")
         out = {}
         for name, estimate in self.estimates.items():
             own = late & estimate.valid
@@ -117,7 +117,7 @@ class Replay:
 def load(path: Path, motor: Motor, design: DriveDesign, delay: int = 0) -> Log:
     """Read a log for a drive; see ``sensorless.replay.log.read_log``."""
     if not 0 <= delay <= 2:
-        raise UserError(f"delay: {delay}; allowed: 0, 1, 2 rows")
+        raise UserError(f"delay: {delay}; give 0, 1 or 2 rows")
     control = control_record(motor, design)["control"]
     u_dt, inv_i_dt = float(control["u_dt"]), float(control["inv_i_dt"])
     return read_log(path, motor, u_dt=u_dt, inv_i_dt=inv_i_dt, delay=delay)
@@ -152,7 +152,9 @@ def replay(
         The policy needs what no log has.
     """
     if policy.sensored or isinstance(policy, PrivilegedPolicy):
-        raise UserError(f"policy: {policy.name!r} needs the truth; allowed: rules and tables")
+        raise UserError(
+            f"policy: {policy.name!r} needs the true angle, which a log lacks; give a rule or table"
+        )
     run = ObserverRun(control_record(motor, design_for(policy, design)), theta_0, omega_0, k_s_0)
     rows, every = log.rows(), decision_periods(motor)
     policy.reset(1)

@@ -32,7 +32,7 @@ def float32_in(name: str, x: Any, low: float, high: float) -> float:
     except (TypeError, ValueError, OverflowError):
         y = math.nan
     if isinstance(x, (bool, str)) or not low <= y <= high:
-        raise UserError(f"table: {name}: {x!r}; allowed: a number from {low:g} to {high:g}")
+        raise UserError(f"table: {name}: {x!r}; give a number from {low:g} to {high:g}")
     return y
 
 
@@ -55,21 +55,21 @@ class Axis:
         Raises
         ------
         UserError
-            Names the field, its value and what is allowed.
+            A field is out of its range.
         """
         if self.signal not in SIGNAL_NAMES:
             known = ", ".join(SIGNAL_NAMES)
-            raise UserError(f"table: axis: {self.signal!r}; allowed: {known}")
+            raise UserError(f"table: axis: {self.signal!r} is no signal; choose from {known}")
         if isinstance(self.n, bool) or not isinstance(self.n, int) or not 2 <= self.n <= MAX_NODES:
             raise UserError(
-                f"table: axis {self.signal}: n: {self.n!r}; allowed: 2 to {MAX_NODES} nodes"
+                f"table: axis {self.signal}: n: {self.n!r}; give 2 to {MAX_NODES} nodes"
             )
         for name in ("lo", "hi"):
             value = float32_in(f"axis {self.signal}: {name}", getattr(self, name), -1e6, 1e6)
             object.__setattr__(self, name, value)
         if not self.hi - self.lo >= 1e-6:
             raise UserError(
-                f"table: axis {self.signal}: lo, hi: {self.lo:g}, {self.hi:g}; allowed: lo < hi"
+                f"table: axis {self.signal}: lo, hi: {self.lo:g}, {self.hi:g}; give lo < hi"
             )
 
     @property

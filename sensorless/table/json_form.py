@@ -55,23 +55,23 @@ def from_text(text: str, where: str) -> tuple[dict[str, Any], dict[str, Any], st
     Raises
     ------
     UserError
-        Names the file, the field, its value and what is allowed.
+        The text is no table of this format.
     """
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise UserError(f"{where}: {error}; allowed: a table in JSON") from None
+        raise UserError(f"{where}: {error}; give a table in JSON") from None
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         found = data.get("format") if isinstance(data, dict) else type(data).__name__
-        raise UserError(f"{where}: format: {found!r}; allowed: {FORMAT!r}")
+        raise UserError(f"{where}: format {found!r} is not {FORMAT!r}; write the table anew")
     _exactly(data, ("format", "crc32", "provenance", *FIELDS), where)
     if not isinstance(data["provenance"], dict):
-        raise UserError(f"{where}: provenance: {data['provenance']!r}; allowed: an object")
+        raise UserError(f"{where}: provenance: {data['provenance']!r}; give an object")
     if not isinstance(data["axes"], list):
-        raise UserError(f"{where}: axes: {data['axes']!r}; allowed: a list of axes")
+        raise UserError(f"{where}: axes: {data['axes']!r}; give a list of axes")
     for axis in data["axes"]:
         if not isinstance(axis, dict):
-            raise UserError(f"{where}: axes: {axis!r}; allowed: an object")
+            raise UserError(f"{where}: axes: {axis!r}; give an object")
         _exactly(axis, AXIS_FIELDS, f"{where}: axes")
     return {key: data[key] for key in FIELDS}, data["provenance"], str(data["crc32"])
 
@@ -87,15 +87,15 @@ def check_crc(fields: Mapping[str, Any], stored: str, where: str) -> None:
     crc = f"0x{zlib.crc32(content(fields)):08x}"
     if stored != crc:
         raise UserError(
-            f"{where}: crc32: {stored!r}; allowed: {crc!r}, the checksum of the numbers in it (the "
-            "file was changed or damaged)"
+            f"{where}: crc32: {stored!r} is not {crc!r}, the checksum of the numbers in it: the "
+            "file was changed or damaged; restore it"
         )
 
 
 def _exactly(data: Mapping[str, Any], names: tuple[str, ...], where: str) -> None:
     for name in names:
         if name not in data:
-            raise UserError(f"{where}: {name}: missing; allowed: {', '.join(names)}")
+            raise UserError(f"{where}: {name}: missing; give {', '.join(names)}")
     for name in data:
         if name not in names:
-            raise UserError(f"{where}: {name}: unknown field; allowed: {', '.join(names)}")
+            raise UserError(f"{where}: {name}: unknown field; known are {', '.join(names)}")

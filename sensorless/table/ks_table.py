@@ -50,19 +50,17 @@ class KsTable:
         Raises
         ------
         UserError
-            Names the field or the index of the node, its value and what is allowed.
+            A field or a node is out of its range.
         """
         axes = tuple(self.axes)
         names = [axis.signal for axis in axes]
         if not 1 <= len(names) <= MAX_AXES or len(set(names)) < len(names):
-            raise UserError(
-                f"table: axes: {', '.join(names)}; allowed: 1 to {MAX_AXES}, all different"
-            )
+            raise UserError(f"table: axes: {', '.join(names)}; give 1 to {MAX_AXES} different ones")
         if not isinstance(self.rule, (tuple, list)) or len(self.rule) != 2:
-            raise UserError(f"table: rule: {self.rule!r}; allowed: two speeds, low < high")
+            raise UserError(f"table: rule: {self.rule!r}; give two speeds, low < high")
         low, high = (float32_in("rule", x, 0.0, 1e6) for x in self.rule)
         if not low < high:
-            raise UserError(f"table: rule: {low:g}, {high:g}; allowed: low < high")
+            raise UserError(f"table: rule: {low:g}, {high:g}; give low < high")
         for name, value in {
             "axes": axes,
             "values": _checked_nodes(self.values, tuple(axis.n for axis in axes)),
@@ -76,7 +74,7 @@ class KsTable:
         """k_s (n,) at signals (n, SIGNAL_N), by the firmware's code."""
         rows = np.ascontiguousarray(obs, dtype=np.float32)
         if rows.ndim != 2 or rows.shape[1] != SIGNAL_N:
-            raise ValueError(f"obs of shape {rows.shape}; allowed: (n, {SIGNAL_N})")
+            raise ValueError(f"obs: shape {rows.shape}; give (n, {SIGNAL_N})")
         return lookup(*self._image, rows)
 
     def check(self) -> int:
@@ -162,13 +160,13 @@ class KsTable:
         Raises
         ------
         UserError
-            Names the file, the field or node, its value and what is allowed.
+            The file cannot be read, or is no table.
         """
         try:
             text = Path(path).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            raise UserError(f"{path}: {reason}; allowed: a table in JSON") from None
+            raise UserError(f"{path}: {reason}; give a table in JSON") from None
         return cls.from_json(text, str(path))
 
     @classmethod
@@ -196,18 +194,18 @@ class KsTable:
 def _checked_nodes(values: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
     """Node values as a read-only float32 array of its own, without minus zero."""
     if math.prod(shape) > MAX_NODES:
-        raise UserError(f"table: {math.prod(shape)} nodes; allowed: at most {MAX_NODES}")
+        raise UserError(f"table: {math.prod(shape)} nodes; give at most {MAX_NODES}")
     try:
         with np.errstate(over="ignore"):
             nodes = np.array(values, dtype=np.float32) + np.float32(0.0)
     except (TypeError, ValueError) as error:
-        raise UserError(f"table: values: {error}; allowed: numbers from 0 to 1") from None
+        raise UserError(f"table: values: {error}; give numbers from 0 to 1") from None
     if nodes.shape != shape:
-        raise UserError(f"table: values: shape {nodes.shape}; allowed: {shape}, that of the axes")
+        raise UserError(f"table: values: shape {nodes.shape}; give {shape}, that of the axes")
     bad = np.argwhere(~((nodes >= 0.0) & (nodes <= 1.0)))
     if len(bad):
         index = tuple(int(j) for j in bad[0])
         where = ", ".join(map(str, index))
-        raise UserError(f"table: node [{where}]: {nodes[index]:g}; allowed: 0 to 1")
+        raise UserError(f"table: node [{where}]: {nodes[index]:g}; give 0 to 1")
     nodes.setflags(write=False)
     return nodes

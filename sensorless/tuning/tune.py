@@ -102,7 +102,7 @@ def tune(
     rule = rule_named(name)
     if not rule.parameters:
         tunable = ", ".join(r.name for r in RULES.values() if r.parameters)
-        raise UserError(f"rule: {name!r} has no parameters; allowed: {tunable}")
+        raise UserError(f"rule: {name!r} has no parameters to tune; choose from {tunable}")
     drawn = Machines.of(motor, machines, seed)
     es = _cma(rule, seed)
     population = es.popsize
@@ -110,7 +110,7 @@ def tune(
     fewest = max(FEWEST_SCENARIOS, len(drawn.motors))
     least = (2 + CHECK) * population * fewest * length
     if not least <= budget <= 1e9:
-        raise UserError(f"budget: {budget:g} s; allowed for {name}: {least:g} to 1e9 s")
+        raise UserError(f"budget: {budget:g} s; give {least:g} to 1e9 s for {name}")
     units = 1 + GENERATIONS * (1 + 1 / CHECK)
     batch = _shared(np.clip(budget / (units * population * length), fewest, MOST_SCENARIOS), drawn)
     judged = population * batch
@@ -209,9 +209,7 @@ def _cma(rule: Rule, seed: int) -> Any:
     try:
         import cma
     except ImportError:
-        raise UserError(
-            "tune needs the library cma; allowed: after pip install 'sensorless[tune]'"
-        ) from None
+        raise UserError("tune needs the library cma; run: pip install 'sensorless[tune]'") from None
     start = [(p.default - low) / (high - low) for p in rule.parameters for low, high in (p.search,)]
     rng = np.random.default_rng(seed)
     options = {

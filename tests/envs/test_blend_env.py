@@ -154,11 +154,11 @@ def test_restore_goes_back() -> None:
 @pytest.mark.parametrize(
     ("action", "message"),
     [
-        ([1.5], r"action\[0\]: 1.5; allowed: -1 to 1"),
-        ([-1.0001], r"action\[0\]: -1.0001; allowed: -1 to 1"),
-        ([np.nan], r"action\[0\]: nan; allowed: -1 to 1"),
-        ([np.inf], r"action\[0\]: inf; allowed: -1 to 1"),
-        ([0.0, 0.0], r"action: shape \(2,\); allowed: \(1, 1\)"),
+        ([1.5], r"action\[0\]: 1.5; give -1 to 1"),
+        ([-1.0001], r"action\[0\]: -1.0001; give -1 to 1"),
+        ([np.nan], r"action\[0\]: nan; give -1 to 1"),
+        ([np.inf], r"action\[0\]: inf; give -1 to 1"),
+        ([0.0, 0.0], r"action: shape \(2,\); give shape \(1, 1\)"),
     ],
 )
 def test_bad_action_is_refused(action: list[float], message: str) -> None:
@@ -196,12 +196,15 @@ def test_bad_settings_are_named(settings: dict[str, Any], message: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"seed": -1}, "seed: -1; allowed"),
-        ({"options": {"scenarios": None}}, "options: 'scenarios'; allowed: 'scenario'"),
-        ({"options": {"scenario": 7}}, r"options\['scenario'\]: 7; allowed"),
+        ({"seed": -1}, "seed: -1; give"),
+        (
+            {"options": {"scenarios": None}},
+            "options: 'scenarios' is unknown; the only option is 'scenario'",
+        ),
+        ({"options": {"scenario": 7}}, r"options\['scenario'\]: 7; give"),
         (
             {"options": {"scenario": Scenarios.nominal(MOTOR, SEED.repeat(2), 1.0)}},
-            r"options\['scenario'\]: 2 rows; allowed: Scenarios with 1 rows",
+            r"options\['scenario'\]: 2 rows; give Scenarios with 1 rows",
         ),
     ],
 )

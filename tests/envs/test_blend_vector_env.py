@@ -177,11 +177,11 @@ def test_gymnasium_wrappers_accept_it() -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: make(2, "Disabled"), "autoreset_mode: 'Disabled'; allowed"),
-        (lambda: make(2, "same"), "autoreset_mode: 'same'; allowed"),
-        (lambda: make(2).reset(seed=[1]), r"seed: \[1\]; allowed: .* a list of 2"),
-        (lambda: make(2).reset(seed=[1, NOT_A_SEED]), "seed: 'x'; allowed"),
-        (lambda: make(0), "num_envs: 0; allowed"),
+        (lambda: make(2, "Disabled"), "autoreset_mode: 'Disabled'; choose"),
+        (lambda: make(2, "same"), "autoreset_mode: 'same'; choose"),
+        (lambda: make(2).reset(seed=[1]), r"seed: \[1\]; give .* a list of 2"),
+        (lambda: make(2).reset(seed=[1, NOT_A_SEED]), "seed: 'x'; give"),
+        (lambda: make(0), "num_envs: 0; give"),
         (lambda: make(2, scenarios=lambda m, s: brief(m, s)[:1]).reset(), "scenarios: 1 for 2"),
     ],
 )
@@ -197,7 +197,7 @@ def test_bad_action_names_its_index() -> None:
     env.reset(seed=1)
     action = np.zeros((4, 1), dtype=np.float32)
     action[2] = np.nan
-    with pytest.raises(UserError, match=r"action\[2\]: nan; allowed: -1 to 1"):
+    with pytest.raises(UserError, match=r"action\[2\]: nan; give -1 to 1"):
         env.step(action)
-    with pytest.raises(UserError, match=r"action: shape \(3, 1\); allowed: \(4, 1\)"):
+    with pytest.raises(UserError, match=r"action: shape \(3, 1\); give shape \(4, 1\)"):
         env.step(action[:3])

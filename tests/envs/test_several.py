@@ -84,5 +84,5 @@ def test_what_cannot_be_joined_is_refused() -> None:
         SeveralMachines(envs("NextStep"))
     with pytest.raises(UserError, match="no environment"):
         SeveralMachines([])
-    with pytest.raises(UserError, match="options: scenario; allowed"):
+    with pytest.raises(UserError, match="options: scenario; several machines take no options"):
         SeveralMachines(envs()).reset(seed=1, options={"scenario": None})

@@ -40,5 +40,5 @@ def test_a_rule_with_a_table_is_exported(
 
 @pytest.mark.parametrize("spec", ["hysteresis", "ramp", "gated", "sensored", "oracle"])
 def test_a_rule_without_a_table_is_refused(spec: str, motor: Motor) -> None:
-    with pytest.raises(UserError, match=f"^run: '{spec}' has no table .*; allowed: a training run"):
+    with pytest.raises(UserError, match=f"^run: '{spec}' is not a table .*; export a training run"):
         table_of(make_policy(spec, motor), spec)

@@ -133,5 +133,5 @@ def test_float_literals_restore_every_bit() -> None:
     x = x[np.isfinite(x)]
     read = np.array([float(c_float(y)[:-1]) for y in x], dtype=np.float32)
     assert read.tobytes() == x.tobytes()
-    with pytest.raises(UserError, match="k_p: inf; allowed: a finite number"):
+    with pytest.raises(UserError, match="k_p: inf; C code needs a finite number"):
         c_float(np.float32(np.inf), "k_p")

@@ -57,7 +57,7 @@ def test_an_earlier_export_is_replaced_and_nothing_else(
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda p: (p / "out").write_text("a file"), "out': a file; allowed: a folder"),
+        (lambda p: (p / "out").write_text("a file"), "out' is a file; give a folder"),
         (lambda p: (p / "out" / "sub").mkdir(parents=True), "has 'sub' and is no export"),
         (lambda p: (p / "out").symlink_to("/proc/self"), "and is no export"),
     ],
@@ -81,7 +81,9 @@ def test_a_place_that_cannot_be_written_is_named(
 ) -> None:
     (tmp_path / "file").write_text("")
     for place in (tmp_path / "file" / "out", Path("/proc/none/out")):
-        with pytest.raises(UserError, match=r"output folder .*; allowed: a writable folder"):
+        with pytest.raises(
+            UserError, match=r"output folder .*; give a folder that can be written to"
+        ):
             export(table, motor, design, place)
 
 
@@ -89,8 +91,8 @@ def test_what_does_not_belong_together_is_refused(
     tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
 ) -> None:
     other = replace(table, provenance={"motor_digest": "0" * 64})
-    with pytest.raises(UserError, match=r"motor: 'paper', digest .*; allowed: the machine"):
+    with pytest.raises(UserError, match=r"motor: 'paper', digest .*; give the machine"):
         export(other, motor, design, tmp_path / "out")
-    with pytest.raises(UserError, match="k_s_slew: 50; allowed: 20"):
+    with pytest.raises(UserError, match="k_s_slew: 50 1/s; the policy's table was made for 20 1/s"):
         export(replace(table, slew_per_s=20.0), motor, design, tmp_path / "out")
     assert not list(tmp_path.iterdir())

@@ -27,7 +27,7 @@ def test_no_saliency_is_refused_by_the_design(L_q: float) -> None:
 
 
 def test_swapped_axes_are_named() -> None:
-    with pytest.raises(UserError, match="swapped"):
+    with pytest.raises(UserError, match="swap the two"):
         control_record(linear(0.051, 0.036), DriveDesign())
 
 

@@ -62,7 +62,7 @@ def test_missing_field(path: str) -> None:
 def test_not_a_number(path: str, value: Any) -> None:
     """NaN, infinity, text, null, booleans and lists are refused with field, value and range."""
     message = refusal(changed(SATURATED, path, value))
-    assert f"{path.split('.')[-1]}: {value!r}; allowed: " in message
+    assert f"{path.split('.')[-1]}: {value!r}; give " in message
 
 
 @pytest.mark.parametrize(
@@ -70,42 +70,42 @@ def test_not_a_number(path: str, value: Any) -> None:
 )
 def test_negative(path: str) -> None:
     """No physical quantity of a machine is negative; start values may be."""
-    assert f"{path.split('.')[-1]}: -1; allowed: " in refusal(changed(SATURATED, path, -1))
+    assert f"{path.split('.')[-1]}: -1; give " in refusal(changed(SATURATED, path, -1))
 
 
 @pytest.mark.parametrize(
     ("data", "path", "value", "expected"),
     [
-        (SATURATED, "machine.S", 4.5, "S: 4.5; allowed: a whole number from 0 to 7"),
-        (SATURATED, "machine.T", 8, "T: 8; allowed: a whole number from 0 to 7"),
-        (SATURATED, "machine.n_p", 0, "n_p: 0; allowed: a whole number from 1"),
-        (SATURATED, "machine.n_p", 1.5, "n_p: 1.5; allowed: a whole number from 1"),
-        (SATURATED, "machine.X", 1, "X: unknown field; allowed: n_p, R_s"),
-        (LINEAR, "machine.a_d0", 1, "a_d0: unknown field; allowed: n_p, R_s, L_d"),
-        (LINEAR, "machine.L_d", 0, "L_d: 0; allowed: a finite number above 0"),
+        (SATURATED, "machine.S", 4.5, "S: 4.5; give a whole number from 0 to 7"),
+        (SATURATED, "machine.T", 8, "T: 8; give a whole number from 0 to 7"),
+        (SATURATED, "machine.n_p", 0, "n_p: 0; give a whole number from 1"),
+        (SATURATED, "machine.n_p", 1.5, "n_p: 1.5; give a whole number from 1"),
+        (SATURATED, "machine.X", 1, "X: unknown field; known are n_p, R_s"),
+        (LINEAR, "machine.a_d0", 1, "a_d0: unknown field; known are n_p, R_s, L_d"),
+        (LINEAR, "machine.L_d", 0, "L_d: 0; give a finite number above 0"),
         (LINEAR, "machine.R_s", 10**400, "R_s: 1000"),
-        (LINEAR, "machine.type", "im", "type: 'im'; allowed: linear, pmsyrm"),
-        (LINEAR, "machine.type", ..., "type: None; allowed: linear, pmsyrm"),
-        (LINEAR, "mechanics.K", 1, "K: unknown field; allowed: J, B"),
-        (LINEAR, "mechanics.J", 0, "J: 0; allowed: a finite number above 0"),
-        (HELD, "mechanics.J", 1, "J: unknown field; allowed: w_M"),
-        (HELD, "init.w_M", 3, "init: w_M: 3; allowed: the held speed, 40 rad/s"),
-        (LINEAR, "init.x", 3, "x: unknown field; allowed: i_d, i_q, theta_m, w_M"),
-        (LINEAR, "speed", 3, "speed: unknown field; allowed: T_s"),
-        (LINEAR, "machine", ..., "machine: missing; allowed: an object"),
-        (LINEAR, "init", 7, "init: 7; allowed: an object"),
-        (LINEAR, "T_s", 0, "T_s: 0; allowed: a finite number above 0"),
+        (LINEAR, "machine.type", "im", "type: 'im'; choose linear or pmsyrm"),
+        (LINEAR, "machine.type", ..., "type: None; choose linear or pmsyrm"),
+        (LINEAR, "mechanics.K", 1, "K: unknown field; known are J, B"),
+        (LINEAR, "mechanics.J", 0, "J: 0; give a finite number above 0"),
+        (HELD, "mechanics.J", 1, "J: unknown field; known are w_M"),
+        (HELD, "init.w_M", 3, "init: w_M: 3; give the held speed, 40 rad/s"),
+        (LINEAR, "init.x", 3, "x: unknown field; known are i_d, i_q, theta_m, w_M"),
+        (LINEAR, "speed", 3, "speed: unknown field; known are T_s"),
+        (LINEAR, "machine", ..., "machine: missing; give an object"),
+        (LINEAR, "init", 7, "init: 7; give an object"),
+        (LINEAR, "T_s", 0, "T_s: 0; give a finite number above 0"),
     ],
 )
 def test_messages(data: dict[str, Any], path: str, value: Any, expected: str) -> None:
-    """Field, value and what is allowed, in one line."""
+    """Field, value and remedy, in one line."""
     assert expected in refusal(changed(data, path, value))
 
 
 @pytest.mark.parametrize("data", [[], 3, None, "linear"])
 def test_not_an_object(data: Any) -> None:
     """Any other JSON is refused as a whole."""
-    assert "must be an object" in refusal(data)
+    assert "give an object" in refusal(data)
 
 
 @pytest.mark.parametrize("content", [b"{", b"", b"\xff\xfe", b"{'a': 1}"])
@@ -156,17 +156,17 @@ def test_load_torque_is_optional(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("u_alpha,u_beta\n1,2\n3\n", "line 3: 1 values; allowed: 2"),
-        ("u_alpha,u_beta\n1,2,3\n", "line 2: 3 values; allowed: 2"),
-        ("u_alpha,u_beta\n1,x\n", "line 2: u_beta: 'x'; allowed: a finite number"),
-        ("u_alpha,u_beta\n1,2\n\n1,\n", "line 4: u_beta: ''; allowed: a finite number"),
-        ("u_alpha,u_beta\nnan,2\n", "line 2: u_alpha: 'nan'; allowed: a finite number"),
-        ("u_alpha,u_beta\n1,inf\n", "line 2: u_beta: 'inf'; allowed: a finite number"),
-        ("u_alpha,u_b\n1,2\n", "line 1: column 'u_b'; allowed, each once: u_alpha, u_beta, tau_L"),
+        ("u_alpha,u_beta\n1,2\n3\n", "line 3: 1 values; give 2"),
+        ("u_alpha,u_beta\n1,2,3\n", "line 2: 3 values; give 2"),
+        ("u_alpha,u_beta\n1,x\n", "line 2: u_beta: 'x'; give a finite number"),
+        ("u_alpha,u_beta\n1,2\n\n1,\n", "line 4: u_beta: ''; give a finite number"),
+        ("u_alpha,u_beta\nnan,2\n", "line 2: u_alpha: 'nan'; give a finite number"),
+        ("u_alpha,u_beta\n1,inf\n", "line 2: u_beta: 'inf'; give a finite number"),
+        ("u_alpha,u_b\n1,2\n", "line 1: column 'u_b'; give each of u_alpha, u_beta, tau_L"),
         ("u_alpha,tau_L\n1,2\n", "line 1: column u_beta: missing"),
-        ("u_alpha,u_beta,u_beta\n1,2,3\n", "line 1: column 'u_beta'; allowed, each once"),
-        ("1,2\n3,4\n", "line 1: column '1'; allowed"),
-        ("u_alpha,u_beta\n", "no rows; allowed: one a period"),
+        ("u_alpha,u_beta,u_beta\n1,2,3\n", "line 1: column 'u_beta'; give each of"),
+        ("1,2\n3,4\n", "line 1: column '1'; give"),
+        ("u_alpha,u_beta\n", "no rows; give one per PWM period"),
         ("", "line 1: column u_alpha: missing"),
     ],
 )

@@ -65,14 +65,14 @@ def test_a_rule_that_nobody_tuned_yet(folder: Path) -> None:
 
 @pytest.mark.parametrize("spec", ["linear-tuned:1,2", "nobody-tuned", "../table-tuned"])
 def test_names_that_are_none(folder: Path, spec: str) -> None:
-    with pytest.raises(UserError, match="allowed"):
+    with pytest.raises(UserError, match="choose from"):
         make_policy(spec, PAPER)
 
 
 def test_nothing_shipped_is_no_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shipped, "FOLDER", tmp_path / "none")
     assert "reference" not in known()
-    with pytest.raises(UserError, match="allowed"):
+    with pytest.raises(UserError, match="choose from"):
         make_policy("reference", PAPER)
 
 

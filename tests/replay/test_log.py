@@ -138,15 +138,18 @@ def changed(name: str, row: int, value: float) -> Columns:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        (changed("i_b", 3, math.nan), "line 5: i_b: 'nan'; allowed: a finite number"),
+        (changed("i_b", 3, math.nan), "line 5: i_b: 'nan'; give a finite number"),
         (changed("u_alpha", 0, math.inf), "line 2: u_alpha: 'inf'"),
         (changed("t", 10, 0.5 + 9.5 * MOTOR.T_s), "line 12: t: 0.0001 s after the row before"),
-        (columns() | {"t": 1e-4 * K}, "t: 0.0001 s from row to row; allowed: 0.0002 s"),
-        (columns() | {"inj": 0.5 * K}, "line 3: inj: 0.5; allowed: -1, 0, 1"),
-        (without_voltage(), "no complete voltage; allowed: u_alpha, u_beta; or u_a, u_b, u_c; or"),
+        (
+            columns() | {"t": 1e-4 * K},
+            "t: 0.0001 s from row to row, but motor 'paper' has T_s = 0.0002 s",
+        ),
+        (columns() | {"inj": 0.5 * K}, "line 3: inj: 0.5; give -1, 0 or 1"),
+        (without_voltage(), "no complete voltage; give u_alpha, u_beta; or u_a, u_b, u_c; or"),
         (without_voltage() | {"d_a": U.real, "d_b": U.real, "d_c": U.real}, "no complete voltage"),
         ({k: v for k, v in columns().items() if k != "i_a"}, "line 1: column i_a: missing"),
-        ({k: v[:2] for k, v in columns().items()}, "2 rows; allowed: at least 3"),
+        ({k: v[:2] for k, v in columns().items()}, "2 rows; give at least 3"),
     ],
 )
 def test_a_bad_log_is_named(values: Columns, message: str, read: Read) -> None:
@@ -168,11 +171,11 @@ def test_broken_files(tmp_path: Path) -> None:
             read_log(path, MOTOR, u_dt=0.0, inv_i_dt=1.0)
         return str(error.value)
 
-    assert "allowed: a readable file" in complaint(tmp_path / "none.csv")
+    assert "give a file that can be read" in complaint(tmp_path / "none.csv")
     path = write(tmp_path / "log.csv", columns())
     lines = path.read_text().splitlines()
     path.write_text("\n".join([*lines[:4], lines[4] + ",1", *lines[5:]]))
-    assert "line 5: 6 values; allowed: 5" in complaint(path)
+    assert "line 5: 6 values; give 5" in complaint(path)
     path.write_text(lines[0].replace("u_beta", "t") + "\n" + lines[1])
     assert "column t: given twice" in complaint(path)
     path.write_text(lines[0])

@@ -167,12 +167,12 @@ def test_csv_and_table(found: Replay, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("policy", ["sensored", "oracle"])
 def test_a_policy_with_the_truth_is_refused(policy: str) -> None:
-    with pytest.raises(UserError, match="allowed: rules and tables"):
+    with pytest.raises(UserError, match="needs the true angle"):
         again(SAMPLE, policy=policy)
 
 
 def test_another_machine_with_another_period_is_refused() -> None:
-    with pytest.raises(UserError, match=r"allowed: 0\.0001 s"):
+    with pytest.raises(UserError, match=r"has T_s = 0\.0001 s"):
         load(SAMPLE, replace(MOTOR, T_s=1e-4), DESIGN)
     with pytest.raises(UserError, match="delay: 3"):
         load(SAMPLE, MOTOR, DESIGN, delay=3)

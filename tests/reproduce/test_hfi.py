@@ -78,13 +78,13 @@ def test_an_identified_file_runs_the_drive(
     found.write(path)
     design = replace(AT_ZERO, cross=str(path))
     assert np.all(np.abs(np.rad2deg(steady(motor, design, RPM, TAU, 1.0).err)) < 0.5)
-    with pytest.raises(UserError, match="machine 'paper'; allowed"):
+    with pytest.raises(UserError, match="measured on machine 'paper', not on"):
         control_record(replace(motor, R_s=2.0), design)
     path.write_text('{"format": "sensorless-cross-coupling/1"}')
-    with pytest.raises(UserError, match="machine None; allowed"):
+    with pytest.raises(UserError, match="measured on machine None, not on"):
         control_record(motor, design)
     path.write_text("{")
-    with pytest.raises(UserError, match="allowed: a file of identify"):
+    with pytest.raises(UserError, match="give a file that sensorless identify"):
         control_record(motor, design)
     with pytest.raises(UserError, match="No such file"):
         control_record(motor, replace(design, cross="no/such.json"))

@@ -26,10 +26,10 @@ def engine_named(name: str, address: str | None = None) -> Iterator[Engine]:
         Unknown name, an address without Ray, no Ray, or no cluster at that address.
     """
     if name not in ENGINES:
-        raise UserError(f"engine: {name!r}; allowed: {', '.join(ENGINES)}")
+        raise UserError(f"engine: {name!r} does not exist; choose from {', '.join(ENGINES)}")
     if name == "local":
         if address is not None:
-            raise UserError(f"ray-address: {address!r}; allowed: with --engine ray only")
+            raise UserError(f"ray-address: {address!r} needs --engine ray")
         yield LOCAL
         return
     from sensorless.evaluation.engines.ray_engine import ray_engine

@@ -66,9 +66,12 @@ class RayEngine:
         except self._ray.exceptions.RayTaskError as error:
             raise error.cause from None
         except self._ray.exceptions.RayError as error:
-            raise UserError(f"engine: ray lost a chunk for good: {_line(error)}") from None
+            raise UserError(
+                f"engine: ray lost a chunk after {RETRIES} retries: {_line(error)}; check the "
+                "cluster, or use --engine local"
+            ) from None
         if refusal is not None:
-            raise UserError(f"engine: {refusal}; allowed: the same installation on every node")
+            raise UserError(f"engine: {refusal}; install the same version on every node")
         return pickle.loads(zlib.decompress(packed))
 
 
@@ -108,7 +111,7 @@ def ray_engine(address: str | None) -> Iterator[RayEngine]:
         import ray
     except ImportError:
         raise UserError(
-            "engine: ray is not installed; allowed: after pip install 'sensorless[scale]'"
+            "engine: ray is not installed; run: pip install 'sensorless[scale]'"
         ) from None
     if address is not None:
         _check_reachable(address)
@@ -121,8 +124,8 @@ def ray_engine(address: str | None) -> Iterator[RayEngine]:
     except (ConnectionError, OSError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
         where = "local" if address is None else repr(address)
         raise UserError(
-            f"ray-address: {where}: {_line(error)}; allowed: HOST:PORT of a running cluster of the "
-            "same Ray and Python, with its RAY_AUTH_MODE and RAY_AUTH_TOKEN in the environment"
+            f"ray-address: {where}: {_line(error)}; give HOST:PORT of a running cluster with the "
+            "same Ray and Python, and set its RAY_AUTH_MODE and RAY_AUTH_TOKEN"
         ) from None
     try:
         yield RayEngine(ray)
@@ -134,12 +137,12 @@ def _check_reachable(address: str) -> None:
     """Something listens at HOST:PORT; Ray itself would try for ten minutes."""
     host, _, port = address.rpartition(":")
     if not host or not port.isdecimal() or int(port) > 65535:
-        raise UserError(f"ray-address: {address!r}; allowed: HOST:PORT of a running cluster")
+        raise UserError(f"ray-address: {address!r}; give HOST:PORT of a running cluster")
     try:
         socket.create_connection((host, int(port)), timeout=REACH_TIME).close()
     except OSError as error:
         raise UserError(
-            f"ray-address: {address!r}: {error}; allowed: HOST:PORT of a running cluster"
+            f"ray-address: {address!r}: {error}; give HOST:PORT of a running cluster"
         ) from None
 
 

@@ -125,5 +125,5 @@ def test_a_damaged_file_is_refused(tmp_path: Path, damage: str) -> None:
             arrays = {k: data[k] for k in data}
         arrays["w0"] = np.array([object()], dtype=object)
         np.savez(path, **arrays)
-    with pytest.raises(UserError, match=r"mlp\.npz.*allowed"):
+    with pytest.raises(UserError, match=r"mlp\.npz.*train anew"):
         MlpSchedule.load(path, "x")

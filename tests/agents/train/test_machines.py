@@ -122,7 +122,9 @@ def test_a_run_goes_on_with_its_own_machines(
     assert json.loads((folder / "config.json").read_text())["train"]["machines"] == 3
     ranges = {**machine_family.RANGES, "x_d": machine_family.Range(0.25, 0.4, "another family")}
     monkeypatch.setattr(machine_family, "RANGES", ranges)
-    with pytest.raises(UserError, match=r"resume: .* digest .*; allowed: '3 machines of"):
+    with pytest.raises(
+        UserError, match=r"resume: .* digest .*; it cannot continue on '3 machines of"
+    ):
         resume(TrainConfig(steps=512), folder)
 
 
@@ -159,7 +161,7 @@ def test_one_machine_is_as_before() -> None:
         ),
     ],
 )
-def test_commands_say_what_is_allowed(
+def test_commands_say_what_to_give(
     words: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -173,5 +175,5 @@ def test_what_does_not_fit_is_refused(run: Path) -> None:
         replace(SMALL, machines=9)
     with pytest.raises(UserError, match="machines: -1: must be a whole number between 0 and 256"):
         replace(SMALL, machines=-1)
-    with pytest.raises(UserError, match=r"trained on 3 machines of .*; allowed: one of one motor"):
+    with pytest.raises(UserError, match=r"trained on 3 machines of .*; use a run on one motor"):
         design_and_motor(run)

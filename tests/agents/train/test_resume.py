@@ -74,13 +74,13 @@ def test_resume_unpickles_nothing(finished: Path) -> None:
 
 def test_a_damaged_checkpoint_is_refused_in_one_line(finished: Path) -> None:
     (finished / LATEST).write_bytes(b"not a checkpoint")
-    with pytest.raises(UserError, match="allowed: a checkpoint") as caught:
+    with pytest.raises(UserError, match="restore this run's checkpoint") as caught:
         resume(SMALL, finished)
     assert "\n" not in str(caught.value)
 
 
 def test_a_mistake_leaves_no_folder(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="no node"):
+    with pytest.raises(UserError, match="not a node"):
         train(
             replace(SMALL, start="linear:310,400"),
             DriveDesign(),

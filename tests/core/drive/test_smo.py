@@ -252,7 +252,7 @@ def test_gain_beyond_the_range_is_refused(motor: Motor) -> None:
     """At twice the deadbeat gain the observer would oscillate."""
     from sensorless.observers.smo_design import design_smo
 
-    with pytest.raises(UserError, match=r"smo_gain: 630 V/A; allowed: above 0 and below"):
+    with pytest.raises(UserError, match=r"smo_gain: 630 V/A; give more than 0 and less than"):
         design_smo(
             motor,
             pll_hz=30.0,

@@ -48,7 +48,9 @@ def test_variable_overrides(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("value", ["0", "-1", "two", "1.5", "²"])
 def test_bad_variable(value: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(THREADS, value)
-    with pytest.raises(UserError, match=f"{THREADS}: '{value}'; allowed: a whole number above 0"):
+    with pytest.raises(
+        UserError, match=f"{THREADS}: '{value}' is not a number of threads; set 1 or more"
+    ):
         advance(drives(), 500, None)
 
 

@@ -38,7 +38,7 @@ def test_local_work_is_done_in_order_and_only_when_asked_for() -> None:
 @pytest.mark.parametrize(
     ("name", "address", "said"),
     [
-        ("slurm", None, "engine: 'slurm'; allowed: local, ray"),
+        ("slurm", None, "engine: 'slurm' does not exist; choose from local, ray"),
         ("local", "127.0.0.1:6379", "ray-address"),
     ],
 )

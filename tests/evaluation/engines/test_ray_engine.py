@@ -148,7 +148,7 @@ def test_a_worker_that_dies_every_time_ends_the_work(
 
     assert isinstance(engine, ray_engine.RayEngine)
     monkeypatch.setattr(engine, "_task", engine._task.options(max_retries=1))
-    with pytest.raises(UserError, match="lost a chunk for good"):
+    with pytest.raises(UserError, match="lost a chunk after 8 retries"):
         list(engine.map(dies, [1]))
 
 
