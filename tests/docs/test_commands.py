@@ -1,0 +1,148 @@
+"""Every command line that the documentation shows is one: parsed, never run."""
+
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer.main
+
+from sensorless.cli.app import app
+from sensorless.design.words import design_from
+from sensorless.envs.scenarios.suites import SUITES
+from sensorless.machine.motor import MOTORS, Motor
+from sensorless.policies.registry import make_policy
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+MAKEFILES = ("Makefile", "firmware/Makefile", "firmware/selftest.mk")
+
+FENCED = re.compile(r"^( *)```.*?\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
+INDENTED = re.compile(r"(?<=\n\n)(?: {4,}\S.*\n)+")
+
+
+def shown(page: Path) -> Iterator[tuple[list[str], bool]]:
+    """Words of every command on a page, and whether it is whole; a span in a line may not be."""
+    text = page.read_text(encoding="utf-8")
+    blocks = [found.group(2) for found in FENCED.finditer(text)]
+    prose = FENCED.sub("", text)
+    blocks += [found.group() for found in INDENTED.finditer(prose)]
+    for block in blocks:
+        for line in re.sub(r"\\\n", " ", block).splitlines():
+            if re.match(r" *(sensorless|make|python|pytest|\.venv/bin/\w+) ", line):
+                yield shlex.split(line, comments=True), True
+    for span in re.findall(r"`([^`]+)`", INDENTED.sub("", prose)):
+        if re.match(r"(sensorless|make|python|pytest) ", span):
+            yield shlex.split(span), False
+
+
+COMMANDS = [(page, words, whole) for page in PAGES for words, whole in shown(page)]
+NAMES = [f"{page.stem}: {' '.join(words)[:60]}" for page, words, _ in COMMANDS]
+
+
+def is_file(word: str) -> bool:
+    """Names a file or folder that the reader made, not a policy or motor of the package."""
+    return "/" in word or word.endswith((".json", ".toml"))
+
+
+def check_sensorless(words: list[str], whole: bool) -> None:
+    """Command, options and the names among their values exist; a whole one lacks no argument."""
+    command: Any = typer.main.get_command(app)
+    while words and words[0] in getattr(command, "commands", {}):
+        command = command.commands[words[0]]
+        words = words[1:]
+    assert not words or not hasattr(command, "commands") or words[0].startswith("-"), words[0]
+    try:
+        given = command.make_context("sensorless", words, resilient_parsing=not whole).params
+    except typer.Exit:  # of --list or --version
+        return
+    design_from(given.get("settings"))
+    for name in [given.get("suite")] if isinstance(given.get("suite"), str) else []:
+        assert name in SUITES
+    motor = given.get("motor") or "paper"
+    assert is_file(motor) or (MOTORS / f"{motor}.toml").is_file(), motor
+    policies = given.get("policy") or []
+    for policy in [policies] if isinstance(policies, str) else policies:
+        if not is_file(policy):
+            make_policy(policy, Motor.load("paper"))
+
+
+def check_make(words: list[str], whole: bool) -> None:
+    """Every target is one of some makefile of the project."""
+    known = {"-f"}
+    for name in MAKEFILES:
+        text = (ROOT / name).read_text(encoding="utf-8")
+        known |= {
+            t for line in re.findall(r"^([\w -]+):", text, re.MULTILINE) for t in line.split()
+        }
+    for word in words:
+        assert word in known or word.startswith("-j") or "=" in word or is_file(word), word
+
+
+def check_python(words: list[str], whole: bool) -> None:
+    """The script or module exists and knows the options."""
+    if words[0] == "-c":
+        compile(words[1], "documentation", "exec")
+        return
+    module = words[0] == "-m"
+    name = words[1] if module else words[0]
+    if name in ("pip", "pytest", "venv"):
+        return
+    script = ROOT / (name.replace(".", "/") + ".py" if module else name)
+    assert script.is_file(), name
+    source = script.read_text(encoding="utf-8")
+    for word in words:
+        assert not word.startswith("--") or f'"{word}"' in source, word
+
+
+def check_pytest(words: list[str], whole: bool) -> None:
+    """The tests exist."""
+    for word in words:
+        assert "/" not in word or (ROOT / word).exists(), word
+
+
+CHECKS = {
+    "sensorless": check_sensorless,
+    "make": check_make,
+    "python": check_python,
+    "pytest": check_pytest,
+}
+
+
+@pytest.mark.parametrize(("page", "words", "whole"), COMMANDS, ids=NAMES)
+def test_a_command_of_the_documentation_exists(page: Path, words: list[str], whole: bool) -> None:
+    program = words[0].removeprefix(".venv/bin/")
+    if program in CHECKS:
+        CHECKS[program](words[1:], whole)
+    else:
+        assert program in ("pip", "pre-commit", "ruff", "mypy")
+
+
+def test_there_are_commands_to_check() -> None:
+    first = [words[0] for _, words, _ in COMMANDS]
+    assert first.count("sensorless") > 40 and first.count("make") > 5 and first.count("python") > 5
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "sensorless trian --name first",
+        "sensorless train --nmae first",
+        "sensorless train --name",
+        "sensorless export runs/first",
+        "sensorless train --name first --set smo_pll=30",
+        "sensorless evaluate --policy eq52",
+        "sensorless evaluate --policy eq25 --suite strss",
+        "sensorless simulate --motor papr",
+        "make tset",
+        "python studies/axis_study.py",
+        "python studies/axes_study.py --sedes 1",
+        "pytest tests/core/test_batch.py",
+    ],
+)
+def test_a_wrong_command_is_found(line: str) -> None:
+    words = line.split()
+    with pytest.raises(Exception):  # noqa: B017  (each check has its own)
+        CHECKS[words[0]](words[1:], True)

@@ -1,0 +1,183 @@
+"""What the documentation names exists, and its figures are those of the code and the results."""
+
+import ast
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from sensorless.envs.reward import RewardWeights
+from sensorless.machine.motor import Motor
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+ROOT = Path(__file__).parents[2]
+DOCS = sorted((ROOT / "docs").glob("*.md"))
+PAGES = [
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")),
+    *(ROOT / name for name in ("results/reference/README.md", "firmware/README.md")),
+    *DOCS,
+]
+SOURCES = [*ROOT.glob("*/*.*"), *ROOT.glob("*/*/*.*"), *ROOT.glob("*/*/*/*.*")]
+NAMES = {path.name for path in SOURCES if ".venv" not in path.parts and "build" not in path.parts}
+
+TOP = ("agents", "baselines", "core", "envs", "observers", "sensorless")
+MADE = ("build/", "runs/", "paper/")
+"""Where commands of the documentation write."""
+EXPORTED = {"params.h", "ks_table_data.c", "ks_table_q15.c", "test/"}
+"""In the folder that an export writes."""
+GONE = ("CHANGELOG.md",)
+"""Pages that also name what is no more."""
+
+FENCED = re.compile(r"^ *```(\w*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
+FILE = re.compile(r"[\w.-]*(/[\w.-]+)*\.(py|c|h|mk|ld|toml|json|csv|png|md|j2)")
+FOLDER = re.compile(r"([\w.-]+/)+")
+SOURCE = re.compile(r"[\w-]+\.(py|c|h|mk|ld|j2)")
+
+
+def prose(page: Path) -> str:
+    return FENCED.sub("", page.read_text(encoding="utf-8"))
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    found = FENCED.findall(page.read_text(encoding="utf-8"))
+    return [text for name, text in found if name == language]
+
+
+def slug(heading: str) -> str:
+    """Anchor that a Markdown page gets from a heading."""
+    return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
+
+
+def links(page: Path) -> Iterator[str]:
+    yield from re.findall(r"\]\(([^)\s]+)\)", prose(page))
+
+
+def named_paths(text: str) -> Iterator[str]:
+    """Words of spans that look like a file or folder of the repository."""
+    for span in re.findall(r"`([^`]+)`", text):
+        for word in span.split():
+            if FILE.fullmatch(word) and ("/" in word or SOURCE.fullmatch(word)):
+                yield word
+            elif FOLDER.fullmatch(word):
+                yield word
+
+
+def exists(word: str, page: Path) -> bool:
+    if word.startswith(MADE) or word in EXPORTED or "NAME" in word:
+        return True
+    if "/" not in word:
+        return word in NAMES
+    return (ROOT / word).exists() or (page.parent / word).exists()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_every_link_leads_somewhere(page: Path) -> None:
+    for target in links(page):
+        if re.match(r"https?://", target):
+            continue
+        name, _, anchor = target.partition("#")
+        to = (page.parent / name).resolve() if name else page
+        assert to.exists(), target
+        headings = re.findall(r"^#+ (.*)$", prose(to), re.MULTILINE) if anchor else []
+        assert not anchor or anchor in map(slug, headings), target
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p.name not in GONE], ids=lambda p: p.stem)
+def test_every_file_that_is_named_exists(page: Path) -> None:
+    missing = [word for word in named_paths(prose(page)) if not exists(word, page)]
+    assert not missing
+
+
+def test_what_is_missing_is_found() -> None:
+    page = ROOT / "docs" / "results.md"
+    for word in ("envs/gone.py", "gone.h", "core/gone/", "results/gone.json"):
+        assert [word] == [w for w in named_paths(f"see `{word}`") if not exists(w, page)]
+    assert slug("Two commands, `k_s`") == "two-commands-k_s"
+
+
+def test_every_page_is_reached_from_the_readme() -> None:
+    reached = {(ROOT / "docs" / target).resolve() for target in links(ROOT / "docs" / "results.md")}
+    reached |= {(ROOT / target).resolve() for target in links(ROOT / "README.md")}
+    assert not set(DOCS) - reached
+
+
+def test_no_picture_is_shown_twice_or_not_at_all() -> None:
+    shown = [(page.parent / t).resolve() for page in PAGES for t in links(page) if ".png" in t]
+    assert sorted(shown) == sorted((ROOT / "docs").glob("*.png"))
+
+
+def test_the_loop_of_the_readme_runs() -> None:
+    (loop,) = blocks(ROOT / "README.md", "python")
+    seen: dict[str, object] = {}
+    exec(loop.replace("range(1000)", "range(10)"), seen)
+    assert getattr(seen["obs"], "shape", None) == (64, 12)
+
+
+def test_the_motor_file_of_the_documentation_loads() -> None:
+    (text,) = blocks(ROOT / "docs" / "bring-a-motor.md", "toml")
+    assert Motor.from_tables(tomllib.loads(text), "bring-a-motor.md").name == "mine"
+
+
+def rows(text: str) -> list[list[str]]:
+    """Cells of the rows of Markdown tables."""
+    return [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| ")]
+
+
+def test_the_first_table_is_that_of_the_results() -> None:
+    """Update the README when ``make reference`` has written another page of results."""
+    page = (ROOT / "results" / "reference" / "results.md").read_text(encoding="utf-8")
+    title, stress = page.split("## ")[1].split("\n", maxsplit=1)
+    size = int(re.findall(r"(\d+) scenarios", title)[0])
+    heading, *lines = rows(stress)
+    results = {line[0]: dict(zip(heading, line, strict=True)) for line in lines}
+    mine = next(part for part in prose(ROOT / "README.md").split("\n## ") if "| lost, of" in part)
+    top, *four = rows(mine.replace("| | lost", "| policy | lost"))
+    assert top[1] == f"lost, of {size}"
+    assert len(four) == 4
+    for label, lost, *figures in four:
+        (name,) = re.findall(r"`(.+)`", label)
+        known = results[name if name in results else f"{name}-tuned"]
+        assert int(lost) == round(float(known["lost [%]"].split()[0]) / 100 * size)
+        assert figures == [known[column] for column in top[2:]]
+
+
+def test_the_reward_is_that_of_the_environment() -> None:
+    table = {line[0]: line[1] for line in rows(prose(ROOT / "docs" / "how-it-learns.md"))}
+    weights = vars(RewardWeights()).copy()
+    assert float(table.pop("lost_penalty").split(",")[0]) == weights.pop("lost")
+    assert {name: float(table[name]) for name in weights} == weights
+
+
+def test_the_layers_are_those_of_the_test() -> None:
+    tree = ast.parse((ROOT / "tests" / "test_layers.py").read_text(encoding="utf-8"))
+    (layers,) = (
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "LAYERS"
+    )
+    page = prose(ROOT / "docs" / "layout.md")
+    told = re.findall(r"^\d+\. (.*)$", page, re.MULTILINE)
+    assert [tuple(re.findall(r"`(\w+)`", line)) for line in told] == list(layers)
+
+
+def test_the_tree_has_every_folder() -> None:
+    (tree,) = blocks(ROOT / "docs" / "layout.md", "")
+    told, above = set(), [ROOT]
+    for indent, name in re.findall(r"^( *)([\w-]+)/ ", tree, re.MULTILINE):
+        above = [*above[: 1 + len(indent) // 2], above[len(indent) // 2] / name]
+        told.add(above[-1])
+    assert all(folder.is_dir() for folder in told)
+    packages = {init.parent for name in TOP for init in (ROOT / name).glob("*/__init__.py")}
+    links = {path for path in packages if path.is_symlink()}
+    assert packages - links <= told
+
+
+def test_the_citation_has_the_version() -> None:
+    version = re.findall(r'^version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)
+    assert re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.M) == version
