@@ -15,7 +15,7 @@ enum {
     LOST_ANGLE = 1,     /* angle error beyond its limit for longer than allowed */
     LOST_CURRENT = 2,   /* over-current trip */
     LOST_NONFINITE = 4, /* a state left the numbers */
-    LOST_TWIN = 8       /* the sensored twin itself tripped */
+    LOST_TWIN = 8       /* trips or runs away with the true angle as well: not feasible */
 };
 
 typedef struct {
@@ -64,6 +64,7 @@ typedef struct {
     sums_t sums;
     float omega_scale;   /* electrical rad/s per mechanical rad/s: pole pairs */
     float i_trip;        /* over-current limit, peak [A] */
+    float omega_limit;   /* mechanical speed beyond which the twin has run away [rad/s] */
     float err_limit;     /* [rad] */
     float tau_1, dev_1;  /* torque and deviation of the last period [N m] */
     float inv_stick;     /* above 0: the load only resists, fully from 1 / inv_stick on [s/rad] */
@@ -75,6 +76,7 @@ typedef struct {
     int32_t with_twin; /* 0: no twin, deviations read 0 */
     int32_t lost;      /* LOST_* bits; a lost drive is not advanced any more */
     uint32_t seed;     /* of the measurement noise */
+    int32_t reserved;
 } sim_t;
 
 #endif

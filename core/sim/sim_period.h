@@ -62,7 +62,7 @@ CORE_INLINE ab_t sensored_step(const drive_params_t *p, chain_t *c, const drive_
 
 CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, float omega_m,
                          float omega_m_twin, float i_sq, float i_sq_twin, float k_s_was,
-                         int starting) {
+                         int starting, int sensored) {
     const drive_state_t *x = &s->drive.x;
     sums_t *m = &s->sums;
     float err = starting ? 0.0f : wrap_pi(theta_e - x->est.theta);
@@ -97,8 +97,11 @@ CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, flo
     s->err_count = abs_f(err) > s->err_limit ? s->err_count + 1 : 0;
     float trip = s->i_trip * s->i_trip;
     int finite = i_sq <= 1.0e12f && abs_f(omega_m) <= 1.0e6f && abs_f(err) <= 4.0f;
+    float i_sq_true = sensored ? i_sq : i_sq_twin; /* of what the true angle controls */
+    float omega_true = sensored ? omega_m : (s->with_twin != 0 ? omega_m_twin : 0.0f);
+    int follows = i_sq_true <= trip && abs_f(omega_true) <= s->omega_limit;
     s->lost |= (s->err_count > s->err_periods ? LOST_ANGLE : 0) | (i_sq > trip ? LOST_CURRENT : 0) |
-               (finite ? 0 : LOST_NONFINITE) | (i_sq_twin <= trip ? 0 : LOST_TWIN);
+               (finite ? 0 : LOST_NONFINITE) | (follows ? 0 : LOST_TWIN);
 }
 
 /* One period. sensored, with_twin, n_sub, bridge: as in sim_t, passed so that they can be constants.
@@ -135,7 +138,8 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
         ab_t u_twin = sensored_step(&s->control, &s->twin, &in_twin, s->omega_scale, starting);
         chain_advance(s, &s->twin, u_twin, n_sub, bridge);
     }
-    sim_sum(s, theta_e, tau, tau_twin, omega_m, omega_m_twin, i_sq, i_sq_twin, k_s_was, starting);
+    sim_sum(s, theta_e, tau, tau_twin, omega_m, omega_m_twin, i_sq, i_sq_twin, k_s_was, starting,
+            sensored);
     s->k += 1;
     return in;
 }

@@ -20,6 +20,9 @@ LOST_ANGLE_DEG = 60.0
 LOST_TIME = 0.01
 U_DC_TIME = 0.01
 """Time in which the DC link would move by its nominal voltage between its targets [s]."""
+RUNAWAY = 2.5
+"""Speed over rated beyond which the twin has run away: no profile asks for more than rated speed,
+and by default the estimators are bounded there too."""
 
 
 @dataclass
@@ -132,6 +135,7 @@ class SimFactory:
                 "sensor": sensor_record(motor),
                 "omega_scale": motor.n_p,
                 "i_trip": motor.i_trip,
+                "omega_limit": RUNAWAY * motor.omega_rated / motor.n_p,
                 "err_limit": np.deg2rad(LOST_ANGLE_DEG),
                 "err_periods": round(LOST_TIME / motor.T_s),
                 "with_twin": 1,

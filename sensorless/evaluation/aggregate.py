@@ -19,7 +19,9 @@ Interval = tuple[float, float]
 
 
 def rate_interval(hits: Bools) -> Interval:
-    """95 % Wilson score interval of the rate of ``hits``."""
+    """95 % Wilson score interval of the rate of ``hits``; NaN for none."""
+    if not len(hits):
+        return math.nan, math.nan
     test = binomtest(int(hits.sum()), len(hits))
     interval = test.proportion_ci(confidence_level=0.95, method="wilson")
     return float(interval.low), float(interval.high)
@@ -61,31 +63,38 @@ def mean_of(values: Mapping[str, Floats], rows: Bools, seed: int) -> dict[str, A
 
 
 def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -> dict[str, Any]:
-    """Lost and not-held rates over all scenarios, means of ``metrics`` over those survived.
+    """Lost and not-held rates over the feasible scenarios, means of ``metrics`` over survivors.
 
-    A scenario that ended early for whatever reason counts as lost. That includes those whose twin,
-    with the true angle, gave up (``twin_lost_rate``): they are beyond the machine, hence lost for
-    every policy, so that the rates of two policies differ by the policies alone.
+    Not feasible is a scenario in which the twin, with the true angle, trips or runs away: it is
+    beyond the machine, neither lost nor held by any policy.
 
     Parameters
     ----------
     lost : (n,) bits of ``CAUSES``
     """
-    survived = lost == 0
-    twin = lost & CAUSES["twin"] != 0
+    survived, feasible = lost == 0, _feasible(lost)
     out = {
-        "lost_rate": float(np.mean(~survived)),
-        "lost_ci": rate_interval(~survived),
-        "twin_lost_rate": float(np.mean(twin)),
+        "lost_rate": _rate(~survived[feasible]),
+        "lost_ci": rate_interval(~survived[feasible]),
+        "infeasible_rate": float(np.mean(~feasible)),
         "lost_by_cause": {name: int(np.sum(lost & bit != 0)) for name, bit in CAUSES.items()},
     }
     if "not_held" in metrics:
-        loose = _not_held(lost, metrics)
+        loose = _not_held(lost, metrics)[feasible]
         out |= {
-            "not_held_rate": float(np.mean(loose)),
+            "not_held_rate": _rate(loose),
             "not_held_rate_ci": rate_interval(loose > 0.0),
         }
     return {**out, "survived": int(survived.sum()), **mean_of(metrics, survived, seed)}
+
+
+def _feasible(lost: NDArray[np.int32]) -> Bools:
+    return np.asarray(lost & CAUSES["twin"] == 0)
+
+
+def _rate(x: Floats | Bools) -> float:
+    """Mean; NaN of nothing."""
+    return float(np.mean(x)) if len(x) else math.nan
 
 
 def _not_held(lost: NDArray[np.int32], metrics: Mapping[str, Floats]) -> Floats:
@@ -102,25 +111,27 @@ def paired(
 ) -> dict[str, Any]:
     """Differences to a reference, scenario by scenario: negative where this one has less.
 
-    Lost and not-held rates over all scenarios, ``metrics`` over those that both survived;
-    ``there`` has the means of the reference over the same scenarios.
+    Lost and not-held rates over the feasible scenarios, see ``summary``; ``metrics`` over those
+    that both survived; ``there`` has the means of the reference over the same scenarios.
     """
-    here, there = lost != 0, reference_lost != 0
-    both = ~(here | there)
+    feasible = _feasible(lost | reference_lost)
+    here, there = (lost != 0) & feasible, (reference_lost != 0) & feasible
+    both = (lost | reference_lost) == 0
     rates = {"lost_rate": (here.astype(np.float64), there.astype(np.float64))}
     if "not_held" in metrics:
         rates["not_held_rate"] = _not_held(lost, metrics), _not_held(reference_lost, reference)
+    rates = {name: (x[feasible], y[feasible]) for name, (x, y) in rates.items()}
     apart = {name: x - reference[name] for name, x in metrics.items()}
     base = {name: reference[name][both & np.isfinite(x)] for name, x in apart.items()}
     return {
         "survived_both": int(both.sum()),
         "lost_only_here": int(np.sum(here & ~there)),
         "lost_only_there": int(np.sum(there & ~here)),
-        **{name: float(np.mean(x - y)) for name, (x, y) in rates.items()},
+        **{name: _rate(x - y) for name, (x, y) in rates.items()},
         **{f"{name}_ci": mean_interval(x - y, seed) for name, (x, y) in rates.items()},
         **mean_of(apart, both, seed),
         "there": {
-            **{name: float(np.mean(y)) for name, (_, y) in rates.items()},
+            **{name: _rate(y) for name, (_, y) in rates.items()},
             **{name: float(np.mean(x)) if len(x) else math.nan for name, x in base.items()},
         },
     }
@@ -172,9 +183,8 @@ def worst(
 ) -> list[int]:
     """Indices of the ``count`` worst scenarios, worst first.
 
-    First those lost, the earliest first, but those in which the twin gave up, which no policy can
-    hold, behind the others; then those not held, then the other survivors, each by ``deviation``,
-    largest first.
+    First those lost, the earliest first; then those not held, then the other survivors, each by
+    ``deviation``, largest first; last those that are not feasible, see ``summary``.
 
     Parameters
     ----------
@@ -183,7 +193,6 @@ def worst(
     not_held : (n,) 1 or 0
     deviation : (n,)
     """
-    twin = lost & CAUSES["twin"] != 0
-    group = np.where(lost == 0, np.where(not_held > 0.0, 2, 3), np.where(twin, 1, 0))
+    group = np.where(lost == 0, np.where(not_held > 0.0, 1, 2), np.where(_feasible(lost), 0, 3))
     within = np.where(lost == 0, -np.nan_to_num(deviation), time)
     return [int(i) for i in np.lexsort((within, group))[:count]]

@@ -20,7 +20,14 @@ from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.evaluation.metrics.place import QUADRANTS, SPEED_EDGES
 from sensorless.evaluation.metrics.place import by_place as sums_by_place
 from sensorless.evaluation.results import Results
-from sensorless.evaluation.rollout import CAUSES, CHUNK, Floats, Rollout, rollouts
+from sensorless.evaluation.rollout import (
+    CAUSES,
+    CHUNK,
+    Floats,
+    Rollout,
+    rollouts,
+    with_twin_to_the_end,
+)
 from sensorless.files import check_writable
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, PrivilegedPolicy, decision_periods, design_for
@@ -141,7 +148,8 @@ def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRow
     decision_time = decision_periods(factory.motor) * factory.motor.T_s
     decisions = max(1.0, float(scenarios.duration.max()) / decision_time)
     at_once = max(16, int(MOST / decisions))
-    return _joined([_scores(r) for r in rollouts(policy, scenarios, factory, at_once)])
+    runs = rollouts(policy, scenarios, factory, at_once)
+    return _joined([_scores(with_twin_to_the_end(r, factory)) for r in runs])
 
 
 def _scores(r: Rollout) -> Scores:
@@ -184,7 +192,7 @@ def _entry(s: Scores, scenarios: SuiteRows, suite: str, seed: int, bound: bool) 
         "worst": _worst(s, suite, seed),
         "scenarios": {
             "seed": scenarios.seed.tolist(),
-            "lost": (~survived).tolist(),
+            "lost": (~survived & (s.lost & CAUSES["twin"] == 0)).tolist(),
             "lost_cause": [_cause(int(bits)) for bits in s.lost],
             "time_s": s.time.tolist(),
             **{name: x.tolist() for name, x in s.metrics.items()},

@@ -88,9 +88,13 @@ class Results:
         return "" if own == self.design["estimator"] else f"({own})"
 
     def table(self, columns: Columns = COLUMNS) -> Table:
-        """Rates over all scenarios, means over those survived, each with its 95 % interval."""
+        """Rates over feasible scenarios, means over those survived, each with its 95 % interval."""
         title = f"{self.suite}, seed {self.seed}, {self.size} scenarios, motor {self.motor}"
-        caption = "rates (95 % interval) of all; others: mean over survivors ± half the interval"
+        beyond = max(p["infeasible_rate"] for p in self.policies.values())
+        title += f", {100.0 * beyond:.1f} % not feasible" if beyond > 0.0 else ""
+        caption = (
+            "rates (95 % interval) of feasible; others: mean over survivors ± half the interval"
+        )
         table = Table(title=escape(title), caption=caption)
         table.add_column("policy", overflow="fold")
         for _, heading, _, _ in columns:

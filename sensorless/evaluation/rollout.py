@@ -1,7 +1,7 @@
 """Drives under a policy from start to end, with the sums of every decision kept."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -55,6 +55,11 @@ class Rollout:
         """(d, n): the drive moved in this decision."""
         return np.asarray(self.sums["n"] > 0.0)
 
+    @property
+    def feasible(self) -> NDArray[np.bool_]:
+        """(n,) as far as the run came, the sensored twin did what the scenario asks for."""
+        return np.asarray(self.lost & CAUSES["twin"] == 0)
+
     def mean(self, name: str) -> NDArray[np.float32]:
         """(d, n) mean of a field of ``sums_t`` over each decision; NaN after the end of a drive."""
         if name not in self.kept:
@@ -86,6 +91,22 @@ def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollou
         sim_run(sims, periods, k_s, obs)
         rows[j] = now
     return Rollout(factory.motor, scenarios, sums, sims["lost"].copy(), sims["k"].astype(np.int64))
+
+
+def with_twin_to_the_end(r: Rollout, factory: SimFactory) -> Rollout:
+    """The same, but where the drive was lost its twin has gone on alone to the scenario's end.
+
+    So whether a scenario is feasible depends on no policy.
+    """
+    rows = np.flatnonzero((r.lost != 0) & r.feasible)
+    if not len(rows):
+        return r
+    sims = factory.build(r.scenarios[rows], sensored=True, twin=False)
+    obs = np.zeros((len(rows), SIGNAL_N), dtype=np.float32)
+    sim_run(sims, int(sims["k_end"].max()), np.zeros(len(rows), dtype=np.float32), obs)
+    lost = r.lost.copy()
+    lost[rows] |= sims["lost"] & CAUSES["twin"]
+    return replace(r, lost=lost)
 
 
 def rollouts(

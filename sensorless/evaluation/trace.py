@@ -68,6 +68,18 @@ def lost_cause(t: Trace) -> str | None:
     return "+".join(name for name, bit in CAUSES.items() if bits & bit) or None
 
 
+def outcome(t: Trace) -> str:
+    """How the run ended, in words: kept lock, lost and why, or not feasible."""
+    cause = lost_cause(t)
+    if cause is None:
+        return "kept lock"
+    if int(t["lost"][-1]) & CAUSES["twin"]:
+        return (
+            f"not feasible: the drive with an encoder trips or runs away after {t['t'][-1]:.2f} s"
+        )
+    return f"lost ({cause})"
+
+
 def write_csv(t: Trace, path: Path) -> None:
     """All columns of a trace, one row a PWM period."""
     names = [name for name in t if name != "lost"]

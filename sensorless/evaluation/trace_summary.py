@@ -4,7 +4,7 @@ import numpy as np
 from rich.table import Table
 
 from sensorless.core.api import Array
-from sensorless.evaluation.trace import Trace, lost_cause
+from sensorless.evaluation.trace import Trace, outcome
 from sensorless.units import RAD_S_TO_RPM
 
 SETTLED = 0.02
@@ -15,7 +15,7 @@ STEADY = 0.2
 
 def summary_table(t: Trace, policy: str) -> Table:
     """One row for every stretch of constant speed reference."""
-    title = f"{policy}: " + (f"lost ({lost_cause(t)})" if lost_cause(t) else "kept lock")
+    title = f"{policy}: {outcome(t)}"
     seeking = t["t"][t["starting"] > 0.0]
     if len(seeking):
         title += f", rotor found after {1e3 * seeking[-1]:.0f} ms"

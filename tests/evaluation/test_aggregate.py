@@ -60,13 +60,13 @@ def test_means_leave_out_rows_and_scenarios_without_the_metric() -> None:
     assert math.isnan(out["none"]) and all(map(math.isnan, out["none_ci"]))
 
 
-def test_summary_counts_every_early_end_as_lost() -> None:
+def test_summary_counts_every_early_end_of_a_feasible_scenario_as_lost() -> None:
     lost = np.array([0, 1, 8, 0, 1 | 2, 0, 4, 0, 0, 0], dtype=np.int32)
     x = np.array([1.0, 50.0, 50.0, 2.0, 50.0, 3.0, np.nan, 1.0, 2.0, 3.0])
     out = summary(lost, {"x": x}, 0)
-    assert out["lost_rate"] == 0.4
-    assert out["lost_ci"] == pytest.approx(wilson(4, 10), abs=1e-6)
-    assert out["twin_lost_rate"] == 0.1
+    assert out["lost_rate"] == 3 / 9
+    assert out["lost_ci"] == pytest.approx(wilson(3, 9), abs=1e-6)
+    assert out["infeasible_rate"] == 0.1
     assert out["lost_by_cause"] == {"angle": 2, "current": 1, "nonfinite": 1, "twin": 1}
     assert out["survived"] == 6
     assert out["x"] == 2.0
@@ -89,7 +89,7 @@ def test_pairs_are_scenarios_that_both_survive() -> None:
     assert out["x_ci"] == (2.0, 3.0)
     assert out["defined"] == {"x": 2}
     assert out["lost_rate"] == 0.0
-    assert out["there"] == {"lost_rate": 2 / 6, "x": 1.5}
+    assert out["there"] == {"lost_rate": 1 / 5, "x": 1.5}
 
 
 def test_pairing_sees_a_difference_that_means_apart_would_hide() -> None:
@@ -131,22 +131,22 @@ def test_a_place_where_nobody_came_has_no_rate() -> None:
     assert math.isnan(out["lost_rate"][0]) and math.isnan(out["angle_err_rms_deg"][0])
 
 
-def test_not_held_counts_survivors_over_all_scenarios() -> None:
-    lost = np.array([0, 0, 0, 1, 0], dtype=np.int32)
-    loose = {"not_held": np.array([1.0, 0.0, 0.0, 1.0, 1.0])}
+def test_not_held_counts_survivors_over_feasible_scenarios() -> None:
+    lost = np.array([0, 0, 0, 1, 0, 8], dtype=np.int32)
+    loose = {"not_held": np.array([1.0, 0.0, 0.0, 1.0, 1.0, 1.0])}
     out = summary(lost, loose, 0)
     assert (out["not_held_rate"], out["lost_rate"]) == (0.4, 0.2)
     assert out["not_held_rate_ci"] == pytest.approx(wilson(2, 5), abs=1e-6)
-    other = {"not_held": np.array([0.0, 0.0, 1.0, 1.0, 0.0])}
-    pair = paired(lost, loose, np.zeros(5, dtype=np.int32), other, 0)
+    other = {"not_held": np.array([0.0, 0.0, 1.0, 1.0, 0.0, 1.0])}
+    pair = paired(lost, loose, np.zeros(6, dtype=np.int32), other, 0)
     assert pair["not_held_rate"] == 0.0 and pair["there"]["not_held_rate"] == 0.4
     assert "not_held_rate" not in summary(lost, {}, 0), "nobody looked"
 
 
-def test_worst_first_the_lost_then_the_hopeless_then_the_loose_then_the_rough() -> None:
+def test_worst_first_the_lost_then_the_loose_then_the_rough_then_the_hopeless() -> None:
     lost = np.array([0, 1, 0, 8, 2, 0], dtype=np.int32)
     time = np.array([2.0, 1.5, 2.0, 0.1, 0.5, 2.0])
     loose = np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
     deviation = np.array([0.1, 9.0, 0.3, 9.0, 9.0, np.nan])
-    assert worst(lost, time, loose, deviation, 10) == [4, 1, 3, 0, 2, 5]
+    assert worst(lost, time, loose, deviation, 10) == [4, 1, 0, 2, 5, 3]
     assert worst(lost, time, loose, deviation, 2) == [4, 1]

@@ -26,6 +26,7 @@ RESULTS = Results(
         "eq25": {
             "estimator": "flux",
             "bound": False,
+            "infeasible_rate": 0.0,
             **ROW,
             **INTERVALS,
             "scenarios": {"seed": [2**64 - 1, 3], "lost": [True, False], "x": [1.0, math.nan]},
@@ -33,6 +34,7 @@ RESULTS = Results(
         "other": {
             "estimator": None,
             "bound": True,
+            "infeasible_rate": 0.0,
             **ROW,
             **INTERVALS,
             "overshoot_pct": math.nan,

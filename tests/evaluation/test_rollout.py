@@ -10,8 +10,14 @@ from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, Array, sim_run
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
-from sensorless.evaluation.rollout import CAUSES, Rollout, rollout, rollouts
-from sensorless.evaluation.trace import trace
+from sensorless.evaluation.rollout import (
+    CAUSES,
+    Rollout,
+    rollout,
+    rollouts,
+    with_twin_to_the_end,
+)
+from sensorless.evaluation.trace import outcome, trace
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Signals, decision_periods
@@ -166,3 +172,41 @@ def test_a_trace_is_the_rollout_period_by_period() -> None:
     k_s = table["k_s"].reshape(-1, periods).mean(axis=1)
     assert np.ptp(k_s) > 0.2
     np.testing.assert_allclose(k_s, r.sums["k_s"][:, 0] / r.sums["n"][:, 0], rtol=1e-6, atol=1e-6)
+
+
+def overloaded(torque: float) -> Scenarios:
+    """Rated speed, then a load of so many times rated torque that pushes backwards."""
+    s = Scenarios.nominal(MOTOR, np.array([5], dtype=np.uint64), 1.5)
+    s.omega_0[:] = s.omega[:] = 0.5 * MOTOR.omega_rated / MOTOR.n_p
+    s.t[:, 1] = 0.1
+    s.tau[:, 1:] = torque * MOTOR.tau_rated
+    return s
+
+
+@pytest.mark.parametrize("policy", ["eq25", "smo", "constant:1", "sensored"])
+def test_what_no_drive_can_do_is_not_feasible(policy: str) -> None:
+    """Three times rated torque: the speed runs away, whatever the angle; lost first or not."""
+    r = with_twin_to_the_end(run(policy, overloaded(3.0)), FACTORY)
+    assert not r.feasible[0]
+    held = with_twin_to_the_end(run(policy, overloaded(0.5)), FACTORY)
+    assert held.feasible[0]
+
+
+def test_a_twin_that_runs_away_is_seen_at_its_bound_and_called_so() -> None:
+    """Without a trip in its way, at two and a half times rated speed."""
+    strong = replace(MOTOR, i_trip=1000.0)
+    t = trace(make_policy("sensored", strong), overloaded(3.0), strong, DriveDesign())
+    assert outcome(t).startswith("not feasible")
+    bound = 2.5 * MOTOR.omega_rated / MOTOR.n_p
+    assert abs(t["omega_m"][-1]) == pytest.approx(bound, rel=0.05)
+    held = trace(make_policy("eq25", MOTOR), overloaded(0.5), MOTOR, DriveDesign())
+    assert outcome(held) == "kept lock"
+
+
+def test_feasible_does_not_depend_on_when_the_policy_was_lost() -> None:
+    """A drive lost before its twin runs away ran an infeasible scenario all the same."""
+    early = overloaded(3.0)
+    early.theta_err_0[:] = np.pi
+    r = run("smo", early)
+    assert r.lost[0] != 0 and r.lost[0] & CAUSES["twin"] == 0, "lost before"
+    assert not with_twin_to_the_end(r, FACTORY).feasible[0]

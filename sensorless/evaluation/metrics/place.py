@@ -59,7 +59,8 @@ def speed_bin(r: Rollout) -> Places:
 def by_place(r: Rollout) -> dict[str, Array]:
     """Sums of each drive in each place, arrays of ``PLACE``: ``quadrant`` (n, 6), ``speed`` (n, 7).
 
-    A drive was lost where it was in the last decision that it began.
+    A drive was lost where it was in the last decision that it began; not if no drive can do what
+    its scenario asks for.
     """
     return {
         "quadrant": _sums(r, quadrant(r), len(QUADRANTS)),
@@ -87,7 +88,7 @@ def _sums(r: Rollout, place: Places, places: int) -> Array:
         inside = r.alive & (place == j)
         for name, x in parts.items():
             out[name][:, j] = np.where(inside, x, 0.0).sum(axis=0, dtype=np.float64)
-    rows = np.flatnonzero((r.lost != 0) & r.alive.any(axis=0))
+    rows = np.flatnonzero((r.lost != 0) & r.feasible & r.alive.any(axis=0))
     last = r.alive[:, rows].sum(axis=0) - 1
     out["lost"][rows, place[last, rows]] = True
     return out
