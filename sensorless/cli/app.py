@@ -10,6 +10,7 @@ from sensorless.cli.distill import distill_command
 from sensorless.cli.evaluate import evaluate_command
 from sensorless.cli.export import export_command
 from sensorless.cli.identify import app as identify_app
+from sensorless.cli.motor import app as motor_app
 from sensorless.cli.options import console
 from sensorless.cli.pil import pil_command
 from sensorless.cli.plain import Command, Group
@@ -91,4 +92,5 @@ def sensorless(
 for _panel, _commands in PANELS.items():
     for _name, _function in _commands.items():
         app.command(_name, cls=Command, rich_help_panel=_panel)(_function)
+app.add_typer(motor_app, name="motor", rich_help_panel="Your own drive")
 app.add_typer(identify_app, name="identify", rich_help_panel="Your own drive")

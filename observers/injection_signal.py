@@ -1,0 +1,100 @@
+"""How well injection sees the rotor: its signal against noise and converter, over the current."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sensorless.machine.magnetics import Floats, mtpa
+from sensorless.machine.motor import Motor
+from sensorless.machine.saliency import principal
+
+NOISE = 0.0012
+"""Current noise expected of a sensor, RMS over rated current: the middle of suite ``stress``."""
+NOISE_DEG = 1.0
+"""RMS angle noise that a voltage is chosen for, at the worst current up to rated [deg]."""
+STEP_DEG = 10.0
+"""The same for the angle of one step of the converter [deg]; the loop averages over steps."""
+LINK_SHARE = 0.2
+"""Largest injection over the DC link, as the source paper limits it."""
+RIPPLE_SHARE = 0.2
+"""Largest injected current over rated current: beyond, it is a load of its own."""
+DEAD_TIME_SHARE = 2.0
+"""Least injection over the voltage that dead time takes: below, it falls into the dead band."""
+
+
+@dataclass(frozen=True)
+class InjectionSignal:
+    """What the loop of injection sees along the operating line, one row a current."""
+
+    i: Floats
+    """(n, 2) currents from zero to ``i_max`` [A]"""
+    ratio: Floats
+    """(n,) incremental inductance of the weak over that of the strong magnetic axis"""
+    slope: Floats
+    """(n,) current across the injected axis a radian of angle error [A/rad]"""
+    noise_deg: Floats
+    """(n,) RMS of the estimated angle [deg]"""
+    step_deg: Floats
+    """(n,) angle error of one step of the converter [deg]"""
+    amplitude: float
+    """largest amplitude of the injected current [A]"""
+
+
+def injection_signal(motor: Motor, pll_hz: float) -> InjectionSignal:
+    """Signal and noise of square-wave injection at currents of maximum torque per ampere.
+
+    Voltage u along an axis for one period moves the current by u T_s / L of that axis, half of it
+    to either side; an angle error turns ``u T_s / 2 (1 / L_small - 1 / L_large)`` an ampere a
+    radian of it onto the other axis. White noise sigma of each sample, and the converter's step
+    as noise of step / sqrt(12), pass the loop of noise bandwidth B = 0.53 w_n as
+    ``sigma sqrt(2 B T_s) / slope``.
+
+    Parameters
+    ----------
+    pll_hz : float
+        Natural frequency of the injection loop [Hz].
+    """
+    i = np.stack(mtpa(motor), axis=-1)
+    small, large = principal(motor, i).T
+    half = 0.5 * motor.u_inj * motor.T_s
+    slope = half * (1.0 / small - 1.0 / large)
+    lsb = adc_step(motor)
+    sigma = math.hypot(NOISE * motor.i_rated, lsb / math.sqrt(12.0))
+    band = 0.53 * 2.0 * math.pi * pll_hz
+    tiny = np.finfo(float).tiny
+    per_ampere = np.rad2deg(1.0 / np.maximum(slope, tiny))
+    return InjectionSignal(
+        i=i,
+        ratio=large / small,
+        slope=slope,
+        noise_deg=sigma * math.sqrt(2.0 * band * motor.T_s) * per_ampere,
+        step_deg=lsb * per_ampere,
+        amplitude=float(np.max(half / small)),
+    )
+
+
+def adc_step(motor: Motor) -> float:
+    """One step of the current measurement [A]."""
+    return motor.adc_range * 2.0 ** (1 - motor.adc_bits)
+
+
+def suggested_injection(motor: Motor, pll_hz: float) -> float:
+    """Injected voltage [V]: enough for ``NOISE_DEG``, ``STEP_DEG`` and dead time, then its limits.
+
+    The limits are ``LINK_SHARE`` of the DC link and ``RIPPLE_SHARE`` of rated current; two digits.
+    """
+    one = injection_signal(replace(motor, u_inj=1.0), pll_hz)
+    rated = np.hypot(*one.i.T) <= motor.i_rated
+    wanted = max(
+        float(one.noise_deg[rated].max()) / NOISE_DEG,
+        float(one.step_deg[rated].max()) / STEP_DEG,
+        DEAD_TIME_SHARE * dead_time_voltage(motor),
+    )
+    most = min(LINK_SHARE * motor.u_dc, RIPPLE_SHARE * motor.i_rated / one.amplitude)
+    return float(f"{min(wanted, most):.2g}")
+
+
+def dead_time_voltage(motor: Motor) -> float:
+    """Mean voltage that dead time takes from a leg [V]."""
+    return motor.u_dc * motor.dead_time / motor.T_s

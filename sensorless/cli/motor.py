@@ -1,0 +1,24 @@
+"""The commands ``sensorless motor ...``: from what people have to a motor file they can trust."""
+
+import typer
+
+from sensorless.cli.motor_check import check_command
+from sensorless.cli.motor_new import new_command
+from sensorless.cli.plain import Command, Group
+
+app = typer.Typer(cls=Group, no_args_is_help=True, rich_markup_mode="markdown")
+
+
+@app.callback()
+def motor() -> None:
+    """Write a motor file from a data sheet or a flux map, and check whether the motor suits.
+
+    For example:
+
+        sensorless motor new --name mine --out mine.toml
+        sensorless motor check mine.toml --out mine.html
+    """
+
+
+for _name, _function in (("new", new_command), ("check", check_command)):
+    app.command(_name, cls=Command)(_function)

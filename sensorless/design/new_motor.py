@@ -1,0 +1,107 @@
+"""The motor file of a data sheet: what it gives, and what is chosen or assumed beside it."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from sensorless.errors import UserError
+from sensorless.machine.datasheet import Datasheet, Number, machine_numbers
+from sensorless.machine.motor import Motor
+from sensorless.machine.motor_file import tables
+from sensorless.machine.saliency import require_saliency
+from sensorless.observers.injection_signal import suggested_injection
+from sensorless.units import RPM_TO_RAD_S
+
+LOW_VOLTAGE = 150.0
+"""Below, inverters have MOSFETs with short dead times [V]."""
+OVERLOAD, TRIP = 1.5, 3.0
+"""Current limit of the control and trip over rated current, unless the converter is smaller."""
+ADC_ROOM = 0.9
+"""Largest controlled current over the range of the converter: room for injection and ripple."""
+START_TIME = 0.2
+"""J omega / tau of rated values that stands in for an unknown inertia [s]."""
+
+
+def new_motor(
+    name: str,
+    sheet: Datasheet,
+    *,
+    u_dc: float,
+    pwm_hz: float,
+    adc_range: float | None = None,
+    adc_bits: int = 12,
+    dead_time: float | None = None,
+    u_inj: float | None = None,
+    pll_hz: float,
+) -> dict[str, Any]:
+    """Tables of a motor file, see ``motor_file.tables``.
+
+    Parameters
+    ----------
+    name : str
+    sheet : Datasheet
+    u_dc, pwm_hz, adc_range, adc_bits, dead_time, u_inj : float
+        The inverter: link voltage [V], switching frequency [Hz], largest measurable current [A],
+        resolution, dead time [s], injected voltage [V]; none: chosen, and the file says so.
+    pll_hz : float
+        Natural frequency of the injection loop that the injected voltage is chosen for [Hz].
+
+    Raises
+    ------
+    UserError
+        Numbers that contradict each other, are missing or out of range, or no saliency.
+    """
+    if not (math.isfinite(pwm_hz) and pwm_hz > 0.0):
+        raise UserError(f"pwm: {pwm_hz!r}; allowed: a frequency above 0 [Hz]")
+    for label, value in (("speed", sheet.speed_rpm), ("current", sheet.current_rms)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise UserError(f"{label}: {value!r}; allowed: above 0")
+    numbers = machine_numbers(sheet)
+    tau, i_rated = numbers["tau_rated"].value, numbers["i_rated"].value
+    omega = sheet.speed_rpm * RPM_TO_RAD_S
+    numbers.setdefault("J", Number(START_TIME * tau / omega,
+        f"assumed: {START_TIME:g} s from rest to rated speed at rated torque"))  # fmt: skip
+    numbers["B"] = Number(0.01 * tau / omega, "assumed: 1 % of rated torque at rated speed")
+    numbers["u_dc"] = Number(u_dc, "given")
+    numbers |= _inverter(i_rated, u_dc, 1.0 / pwm_hz, adc_range, adc_bits, dead_time)
+    numbers["u_inj"] = Number(u_inj if u_inj is not None else 0.1 * u_dc, "given")
+    what = f"{tau * omega:.3g} W at {sheet.speed_rpm:g} r/min, from data-sheet numbers, linear"
+    motor = Motor.from_tables(plain(tables(name, what, numbers)), name)
+    require_saliency(motor)
+    if u_inj is None:
+        volt = suggested_injection(motor, pll_hz)
+        why = "chosen: angle noise and converter step at rated current, dead time, u_dc / 5"
+        numbers["u_inj"] = Number(volt, why)
+    return tables(name, what, numbers)
+
+
+def _inverter(
+    i_rated: float,
+    u_dc: float,
+    T_s: float,
+    adc_range: float | None,
+    adc_bits: int,
+    dead_time: float | None,
+) -> dict[str, Number]:
+    low = u_dc < LOW_VOLTAGE
+    span = adc_range if adc_range is not None else 2.0 * i_rated
+    i_max = min(OVERLOAD * i_rated, ADC_ROOM * span)
+    usual = min(0.5e-6 if low else 2e-6, 0.02 * T_s)
+    switches = "MOSFETs" if low else "IGBTs"
+    return {
+        "T_s": Number(T_s, "given: PWM frequency"),
+        "adc_range": Number(span, "given" if adc_range is not None else "assumed: twice rated"),
+        "adc_bits": Number(adc_bits, "given, or usual for a motor-control microcontroller"),
+        "dead_time": Number(dead_time, "given")
+        if dead_time is not None
+        else Number(usual, f"assumed: usual for {switches}, at most 2 % of T_s"),
+        "i_max": Number(i_max, f"chosen: {OVERLOAD:g} times rated, within {ADC_ROOM:g} adc_range"),
+        "i_trip": Number(TRIP * i_rated, f"chosen: {TRIP:g} times rated"),
+    }  # fmt: skip
+
+
+def plain(data: Mapping[str, Any]) -> dict[str, Any]:
+    """A copy that ``Motor.from_tables`` may take apart."""
+    return {
+        key: dict(value) if isinstance(value, Mapping) else value for key, value in data.items()
+    }

@@ -1,0 +1,57 @@
+"""A motor file written: tables, units, and the source of every number."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from sensorless.machine.datasheet import Number
+from sensorless.machine.motor import Motor
+from sensorless.settings import settings_of
+
+TABLES = {
+    "machine": ("n_p", "R_s", "L_d", "L_q", "psi_f", "J", "B"),
+    "rating": ("tau_rated", "i_rated", "n_rated_rpm", "u_dc"),
+    "drive": ("T_s", "u_inj", "i_max", "i_trip", "dead_time", "adc_range", "adc_bits"),
+}
+WHOLE = ("n_p", "adc_bits")
+
+
+def tables(name: str, description: str, numbers: Mapping[str, Number]) -> dict[str, Any]:
+    """Tables of a motor file as ``Motor.from_tables`` takes them; values of five digits."""
+    return {
+        "name": name,
+        "description": description,
+        **{table: {f: _value(f, numbers[f]) for f in fields} for table, fields in TABLES.items()},
+        "source": {f: numbers[f].source for fields in TABLES.values() for f in fields},
+    }
+
+
+def _value(field: str, number: Number) -> float:
+    return round(number.value) if field in WHOLE else float(f"{number.value:.5g}")
+
+
+def written(data: Mapping[str, Any], head: str) -> str:
+    """TOML of a motor file's tables: ``head`` on top, meaning and unit behind each number."""
+    meaning = {
+        s.name: s.meaning if s.unit in ("", "1") else f"{s.meaning} [{s.unit}]"
+        for s in settings_of(Motor).values()
+    }
+    lines = [*(f"# {line}".rstrip() for line in head.splitlines()), ""]
+    for name, value in data.items():
+        if not isinstance(value, Mapping):
+            lines.append(f"{name} = {toml_value(value)}")
+    for table, fields in data.items():
+        if not isinstance(fields, Mapping):
+            continue
+        lines += ["", f"[{table}]"]
+        for field, value in fields.items():
+            line = f"{field} = {toml_value(value)}"
+            lines.append(f"{line:<22} # {meaning[field]}" if table in TABLES else line)
+    return "\n".join(lines) + "\n"
+
+
+def toml_value(value: object) -> str:
+    """A number or a text as TOML writes it."""
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)  # a TOML basic string has JSON's escapes
+    return repr(value)

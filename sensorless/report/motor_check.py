@@ -1,0 +1,166 @@
+"""A machine checked: examined on paper, then run in short; one screen or one page."""
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from rich.table import Table
+
+from sensorless.design.drive import DriveDesign
+from sensorless.evaluation.evaluate import evaluate
+from sensorless.files import write_atomic
+from sensorless.machine.motor import Motor
+from sensorless.plots.figure import png
+from sensorless.plots.suitability import reach, signal
+from sensorless.policies.registry import make_policy
+from sensorless.report.page import Figure
+from sensorless.suitability.examine import Examination, examine
+from sensorless.suitability.finding import LIMIT, NO, Finding
+
+SUITE, SEED, SIZE = "stress", 1, 100
+"""Of the quick run."""
+LOST = (0.05, 0.5)
+"""Lost share of the quick run: above, a limit; above the second, no drive."""
+INFEASIBLE = 0.05
+"""Share of the quick run that not even the sensored twin follows, above which it is a limit."""
+
+
+@dataclass(frozen=True)
+class QuickRun:
+    """Eq. 25 on the default drive over some ``stress`` scenarios."""
+
+    size: int
+    lost: float
+    """share of the feasible scenarios"""
+    infeasible: float
+    """share in which the sensored twin itself trips or runs away"""
+    torque_dev: float
+    """mean torque deviation from the twin of the survivors, over rated torque"""
+
+
+@dataclass(frozen=True)
+class Check:
+    """All that the check found."""
+
+    examination: Examination
+    run: QuickRun | None
+
+
+def check(motor: Motor, design: DriveDesign, size: int = SIZE) -> Check:
+    """Examine a machine, and run it if nothing speaks against it; ``size`` 0: examine only."""
+    e = examine(motor, design.hfi_pll_hz)
+    if e.verdict.word == "no" or size == 0:
+        return Check(e, None)
+    policies = {"eq25": make_policy("eq25", motor)}
+    result = evaluate(motor, design, SUITE, SEED, size, policies).policies["eq25"]
+    run = QuickRun(size, result["lost_rate"], result["infeasible_rate"], result["torque_dev_rms"])
+    return Check(replace(e, findings=(*e.findings, *_judged(run))), run)
+
+
+def _judged(run: QuickRun) -> list[Finding]:
+    found = []
+    if run.infeasible > INFEASIBLE:
+        text = f"{run.infeasible:.0%} of suite {SUITE} is beyond the machine even with an encoder"
+        found.append(Finding(LIMIT, "run", text))
+    if not run.lost <= LOST[0]:
+        text = f"the default drive under Eq. 25 loses {run.lost:.0%} of suite {SUITE}"
+        found.append(Finding(NO if not run.lost <= LOST[1] else LIMIT, "run", text))
+    return found
+
+
+def rows(c: Check) -> list[tuple[str, str, str]]:
+    """What was asked, what was found, and what is suggested, in words."""
+    e, m = c.examination, c.examination.motor
+    out = []
+    if e.point is not None:
+        p = e.point
+        least = f"{p.current:.3g} A" if math.isfinite(p.current) else "beyond i_max"
+        out += [
+            ("rated torque", f"{m.tau_rated:g} N m: {least} of {m.i_rated:g} A", ""),
+            (
+                "rated speed",
+                f"{m.n_rated_rpm:g} r/min: {p.torque_at_speed:.3g} N m within {m.u_dc:g} V; "
+                f"field weakening from {p.base_speed:.0f} r/min",
+                "",
+            ),
+            ("speed without load", f"{p.top_speed:.0f} r/min without field weakening", ""),
+        ]
+    if e.seen is not None and e.suggested is not None:
+        s, k, hint = e.seen.signal, e.seen.rated, e.suggested
+        cross = np.abs(e.seen.cross_deg)
+        out += [
+            (
+                "L_q / L_d, incremental",
+                f"{s.ratio[0]:.2f} at rest, {s.ratio[k]:.2f} at rated current, "
+                f"{s.ratio[-1]:.2f} at i_max",
+                "",
+            ),
+            ("cross-coupling", f"{cross[k]:.1f}° at rated current, at most {cross.max():.1f}°", ""),
+            (
+                "injection",
+                f"{m.u_inj:g} V, {s.amplitude:.3g} A; one degree is "
+                f"{1e3 * np.deg2rad(s.slope[: k + 1].min()):.3g} mA",
+                f"u_inj = {hint['u_inj']:g} V",
+            ),
+            (
+                "angle noise to expect",
+                f"{s.noise_deg[: k + 1].max():.2f}° RMS; one step of the converter "
+                f"{s.step_deg[: k + 1].max():.1f}°",
+                "",
+            ),
+            ("trip", f"{m.i_trip:g} A", f"i_trip = {hint['i_trip']:g} A"),
+            ("converter", f"{m.adc_range:g} A, {m.adc_bits} bits",
+             f"adc_range of at least {hint['adc_range']:g} A"),
+            ("PWM period", f"{1e6 * m.T_s:g} µs, "
+             f"{2.0 * math.pi / (m.omega_rated * m.T_s):.0f} a turn at rated speed",
+             f"T_s of at most {1e6 * hint['T_s']:g} µs"),
+        ]  # fmt: skip
+    if c.run is not None:
+        out.append(
+            (
+                f"quick run, {c.run.size} of suite {SUITE}",
+                f"lost {c.run.lost:.0%}, torque deviation {100 * c.run.torque_dev:.2f} %, "
+                f"beyond the machine {c.run.infeasible:.0%}",
+                "",
+            )
+        )
+    return out
+
+
+def screen(c: Check) -> Table:
+    """All of it as a table for the terminal."""
+    m = c.examination.motor
+    table = Table(
+        title=f"{m.name}: {m.description}", title_justify="left", box=None, padding=(0, 1)
+    )
+    for heading in ("what", "found"):
+        table.add_column(heading, no_wrap=heading == "what")
+    for what, found, hint in rows(c):
+        table.add_row(what, found + (f"; suggested: {hint}" if hint else ""))
+    for finding in c.examination.findings:
+        table.add_row(f"[bold]{finding.weight}: {finding.field}[/]", finding.text)
+    return table
+
+
+def write_page(c: Check, path: Path, command: str) -> None:
+    """All of it as one HTML page that needs no other file. Needs the extra ``plot``."""
+    e = c.examination
+    figures = []
+    if e.point is not None:
+        caption = "Within current and voltage; resistance included."
+        figures.append(Figure("reach", "Torque over speed", caption, png(reach(e.motor))))
+    if e.seen is not None:
+        caption = "Along maximum torque per ampere; dashed: rated current."
+        picture = png(signal(e.motor, e.seen))
+        figures.append(Figure("signal", "What injection sees", caption, picture))
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    page = environment.get_template("motor_page.html.j2").render(
+        motor=e.motor, verdict=str(e.verdict), word=e.verdict.word, rows=rows(c),
+        findings=e.findings, figures=figures, command=command,
+    )  # fmt: skip
+    write_atomic(path, page)

@@ -1,0 +1,49 @@
+"""A machine examined on paper: everything that can be said without running a drive."""
+
+from dataclasses import dataclass
+
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+from sensorless.machine.rated_point import RatedPoint, rated_point
+from sensorless.suitability.finding import LIMIT, NO, Finding, Verdict, verdict
+from sensorless.suitability.plausible import plausible
+from sensorless.suitability.seen import Seen, look, objections, suggestions
+
+
+@dataclass(frozen=True)
+class Examination:
+    """What is known of a machine; the parts are missing where its flux map has no inverse."""
+
+    motor: Motor
+    findings: tuple[Finding, ...]
+    point: RatedPoint | None = None
+    seen: Seen | None = None
+    suggested: dict[str, float] | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """Of the findings so far."""
+        return verdict(self.findings)
+
+
+def examine(motor: Motor, pll_hz: float) -> Examination:
+    """Plausibility, rated point, saliency and signal of a machine.
+
+    Parameters
+    ----------
+    pll_hz : float
+        Natural frequency of the injection loop [Hz].
+    """
+    try:
+        found = list(plausible(motor))
+        point = rated_point(motor)
+        seen = look(motor, pll_hz)
+    except UserError as error:
+        return Examination(motor, (Finding(NO, "saturation", str(error)),))
+    objection = point.objection(motor)
+    if objection is not None:
+        found.append(Finding(LIMIT if point.torque_at_speed > 0.0 else NO, "rating", objection))
+    salient = motor.L_q > motor.L_d
+    found += objections(motor, seen) if salient else ()
+    suggested = suggestions(motor, seen, pll_hz) if salient else None
+    return Examination(motor, tuple(found), point, seen, suggested)

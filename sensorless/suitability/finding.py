@@ -1,0 +1,41 @@
+"""What a check finds, how much it weighs, and the verdict of all of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+NOTE, LIMIT, NO = "note", "limit", "no"
+"""Good to know; the drive runs with a limit; the drive does not run."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One sentence about a machine."""
+
+    weight: str
+    """``NOTE``, ``LIMIT`` or ``NO``"""
+    field: str
+    """number of the motor file that it is about, or the part of the check"""
+    text: str
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Yes, with limits, or no, and why."""
+
+    word: str
+    because: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Return the sentence that a check ends with."""
+        return f"suitable: {self.word}" + (
+            f", because {'; '.join(self.because)}" if self.because else ""
+        )
+
+
+def verdict(findings: Sequence[Finding]) -> Verdict:
+    """Verdict of all findings: the heaviest decides, and those of its weight are the reasons."""
+    for weight, word in ((NO, "no"), (LIMIT, "with limits")):
+        reasons = tuple(f.text for f in findings if f.weight == weight)
+        if reasons:
+            return Verdict(word, reasons)
+    return Verdict("yes", ())

@@ -1,0 +1,100 @@
+"""Numbers of a motor file in per-unit terms: slips of unit, factor and axis stand out."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from sensorless.machine.magnetics import flux
+from sensorless.machine.motor import Motor
+from sensorless.machine.saliency import LEAST, principal
+from sensorless.observers.injection_signal import LINK_SHARE, dead_time_voltage
+from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
+
+BEYOND = 3.0
+"""A value this factor outside its usual range is an error, not an odd machine."""
+TURN = (20.0, 8.0)
+"""PWM periods an electrical turn at rated speed: fewer limit the drive, or are too few."""
+SAME = 0.05
+"""[saturation] at zero current meets L_d, L_q and psi_f within this share."""
+
+
+def plausible(motor: Motor) -> Iterator[Finding]:
+    """What is odd about the numbers, each alone and beside the others."""
+    yield from _per_unit(motor)
+    yield from _axes(motor)
+    yield from _saturation(motor)
+    yield from _inverter(motor)
+
+
+def _per_unit(m: Motor) -> Iterator[Finding]:
+    """Base values: u_dc / sqrt(3), rated current, rated speed."""
+    u, w = m.u_dc / math.sqrt(3.0), m.omega_rated
+    z = u / m.i_rated
+    start = m.J * w / m.n_p / m.tau_rated
+    for field, value, low, high, what in (
+        ("psi_f", w * m.psi_f / u, 0.1, 1.6, "no-load EMF at rated speed over the DC link's"),
+        ("R_s", m.R_s / z, 3e-4, 0.25, "voltage of rated current in R_s over the DC link's"),
+        ("L_d", w * m.L_d / z, 0.02, 1.5, "voltage of rated current in L_d over the DC link's"),
+        ("L_q", w * m.L_q / z, 0.03, 4.0, "voltage of rated current in L_q over the DC link's"),
+        ("J", start, 0.004, 15.0, "seconds from rest to rated speed at rated torque"),
+    ):  # fmt: skip
+        if low <= value <= high:
+            continue
+        far = max(low / value, value / high) > BEYOND
+        yield Finding(
+            NO if far and field != "J" else LIMIT,
+            field,
+            f"{field} = {getattr(m, field):g}: {what} is {value:.3g}, usual {low:g} to {high:g}: "
+            "unit, factor or pole pairs?",
+        )
+
+
+def _axes(m: Motor) -> Iterator[Finding]:
+    if m.L_d > LEAST * m.L_q:
+        yield Finding(NO, "L_q", f"L_d = {m.L_d:g} H is above L_q = {m.L_q:g} H: swapped?")
+    elif m.L_q < LEAST * m.L_d:
+        text = f"no saliency: L_d = {m.L_d:g} H, L_q = {m.L_q:g} H give injection no angle"
+        yield Finding(NO, "L_q", text)
+
+
+def _saturation(m: Motor) -> Iterator[Finding]:
+    zero = np.zeros((1, 2))
+    L_d, L_q = sorted(principal(m, zero)[0], reverse=m.L_d > m.L_q)
+    found = {"L_d": L_d, "L_q": L_q, "psi_f": flux(m.saturation, zero)[0, 0]}
+    for field, value in found.items():
+        said = getattr(m, field)
+        if abs(value / said - 1.0) > SAME:
+            text = (
+                f"[saturation] gives {field} = {value:.4g} at zero current, the file says {said:g}"
+            )
+            yield Finding(LIMIT, field, text)
+
+
+def _inverter(m: Motor) -> Iterator[Finding]:
+    turn = 2.0 * math.pi / (m.omega_rated * m.T_s)
+    if turn < TURN[0]:
+        weight = NO if turn < TURN[1] else LIMIT
+        text = f"rated speed has {turn:.1f} PWM periods an electrical turn, wanted {TURN[0]:g}"
+        yield Finding(weight, "T_s", text)
+    if m.i_max < m.i_rated:
+        text = f"i_max = {m.i_max:g} A is below i_rated = {m.i_rated:g} A"
+        yield Finding(LIMIT, "i_max", text)
+    if m.i_max > m.adc_range:
+        text = f"i_max = {m.i_max:g} A is above what the converter measures, {m.adc_range:g} A"
+        yield Finding(NO, "adc_range", text)
+    elif m.i_trip > m.adc_range:
+        text = f"i_trip = {m.i_trip:g} A is above adc_range = {m.adc_range:g} A: trip in hardware"
+        yield Finding(NOTE, "i_trip", text)
+    if m.u_inj >= m.u_dc / math.sqrt(3.0):
+        text = f"u_inj = {m.u_inj:g} V is beyond the DC link, {m.u_dc / math.sqrt(3.0):.4g} V"
+        yield Finding(NO, "u_inj", text)
+    elif m.u_inj > 1.01 * LINK_SHARE * m.u_dc:
+        text = f"u_inj = {m.u_inj:g} V is above a fifth of the DC link, {LINK_SHARE * m.u_dc:g} V"
+        yield Finding(LIMIT, "u_inj", text)
+    elif m.u_inj < dead_time_voltage(m):
+        text = f"u_inj = {m.u_inj:g} V is below what dead time takes, {dead_time_voltage(m):.3g} V"
+        yield Finding(LIMIT, "u_inj", text)
+    if m.dead_time > 0.1 * m.T_s:
+        weight = NO if m.dead_time > 0.5 * m.T_s else LIMIT
+        yield Finding(weight, "dead_time", f"dead time is {m.dead_time / m.T_s:.0%} of T_s")

@@ -1,0 +1,89 @@
+"""What the flux map and the sensors let injection see, and what to choose for both."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from sensorless.machine.magnetics import Floats, cross_angle
+from sensorless.machine.motor import Motor
+from sensorless.observers.injection_signal import (
+    RIPPLE_SHARE,
+    InjectionSignal,
+    injection_signal,
+    suggested_injection,
+)
+from sensorless.suitability.finding import LIMIT, NO, Finding
+from sensorless.suitability.plausible import TURN
+
+RATIO = (1.15, 1.05)
+"""Inductance ratio under load: below, a limit; below the second, no signal worth the name."""
+NOISE = (3.0, 10.0)
+"""RMS of the angle from noise [deg]."""
+CROSS = (25.0, 40.0)
+"""Turn of the magnetic axes [deg]: compensation must be right to a part of it."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Injection along the operating line."""
+
+    signal: InjectionSignal
+    cross_deg: Floats
+    """(n,) turn of the magnetic axes [deg]"""
+    rated: int
+    """index of the last current within rated"""
+
+
+def look(motor: Motor, pll_hz: float) -> Seen:
+    """Signal, saliency and cross-coupling from zero current to ``i_max``."""
+    signal = injection_signal(motor, pll_hz)
+    size = np.hypot(*signal.i.T)
+    last = int(np.flatnonzero(size <= (1.0 + 1e-9) * motor.i_rated)[-1])
+    return Seen(signal, np.rad2deg(cross_angle(motor, signal.i)), last)
+
+
+def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
+    """What limits injection, within rated current and up to ``i_max``."""
+    s, size = seen.signal, np.hypot(*seen.signal.i.T)
+    for field, values, (limit, bad), unit, what in (
+        ("L_q", -s.ratio, (-RATIO[0], -RATIO[1]), "", "inductance ratio"),
+        ("u_inj", s.noise_deg, NOISE, " degrees", "angle noise of injection"),
+        ("saturation", np.abs(seen.cross_deg), CROSS, " degrees", "turn by cross-coupling"),
+    ):
+        worst = float(values[: seen.rated + 1].max())
+        beyond = np.flatnonzero(values > limit)
+        if not len(beyond):
+            continue
+        upto = float(size[max(beyond[0] - 1, 0)])
+        weight = NO if worst > bad else LIMIT
+        where = "within rated current" if worst > limit else f"above {upto:.3g} A: lower i_max"
+        top = worst if worst > limit else float(values.max())
+        text = f"{what} {abs(top):.3g}{unit} {where}, wanted {abs(limit):g}"
+        yield Finding(weight, field, text)
+    if s.amplitude > 2.5 * RIPPLE_SHARE * motor.i_rated:
+        text = f"injected current {s.amplitude:.3g} A is {s.amplitude / motor.i_rated:.0%} of rated"
+        yield Finding(LIMIT, "u_inj", text)
+
+
+def suggestions(motor: Motor, seen: Seen, pll_hz: float) -> dict[str, float]:
+    """Values that follow from the machine.
+
+    The trip lies above the limit by what the current rises in two periods, until control answers;
+    the converter sees the limit with the injection on top; an electrical turn at rated speed has
+    ``TURN`` periods.
+    """
+    u_inj = suggested_injection(motor, pll_hz)
+    ripple = seen.signal.amplitude * u_inj / motor.u_inj
+    small = float(np.min(0.5 * motor.u_inj * motor.T_s / seen.signal.amplitude))
+    rise = 2.0 * (2.0 / 3.0) * motor.u_dc * motor.T_s / small
+    return {
+        "u_inj": u_inj,
+        "i_trip": _two(motor.i_max + ripple + min(rise, motor.i_max)),
+        "adc_range": _two(1.15 * (motor.i_max + ripple)),
+        "T_s": min(motor.T_s, _two(2.0 * np.pi / (TURN[0] * motor.omega_rated))),
+    }
+
+
+def _two(value: float) -> float:
+    return float(f"{value:.2g}")

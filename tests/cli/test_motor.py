@@ -1,0 +1,100 @@
+"""From a data sheet to a checked motor file, and what the check says on screen and page."""
+
+import re
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from sensorless.cli.app import app
+from sensorless.machine.motor import MOTORS, Motor
+from tests.helpers.command import run
+
+SHEET = {
+    "name": "mine", "out": "mine.toml", "poles": "6", "speed": "1500", "torque": "14",
+    "current": "4.3", "ke": "209.7", "r": "7.2", "l-d": "0.072", "l-q": "0.102",
+    "inertia": "150 kg cm2", "u-dc": "540", "pwm": "5000", "size": "8",
+}  # fmt: skip
+"""The machine of ipmsm_2200w as a data sheet would put it."""
+
+
+def words(**changes: str | None) -> list[str]:
+    given = {**SHEET, **{key.replace("_", "-"): value for key, value in changes.items()}}
+    return [w for key, value in given.items() if value is not None for w in (f"--{key}", value)]
+
+
+def test_a_sheet_becomes_the_machine_it_describes(tmp_path: Path) -> None:
+    done = run("motor", "new", *words(), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    made, known = Motor.load(tmp_path / "mine.toml"), Motor.load("ipmsm_2200w")
+    for name in ("n_p", "R_s", "L_d", "L_q", "psi_f", "J", "tau_rated", "i_rated", "T_s"):
+        assert getattr(made, name) == pytest.approx(getattr(known, name), rel=2e-3), name
+    assert made.i_max == pytest.approx(1.5 * made.i_rated, rel=1e-4)
+    assert made.u_inj == pytest.approx(known.u_inj, rel=0.1)
+    assert "suitable: yes" in done.stdout
+    text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    assert 'psi_f = "data sheet: Ke = 209.7 V/krpm line to line rms"' in text
+    assert 'dead_time = "assumed: usual for IGBTs' in text
+    assert len(re.findall(r"^\w+ += ", text, re.MULTILINE)) == 2 + 2 * 18, "a source each"
+
+
+def test_what_is_missing_is_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    given = words(poles=None, ke=None, torque=None, size="0")
+    done = CliRunner().invoke(app, ["motor", "new", *given], input="6\n209.7\n14\n")
+    assert done.exit_code == 0, done.output
+    assert Motor.load(tmp_path / "mine.toml").psi_f == pytest.approx(0.545, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"kt": "5"}, "Kt = 5 N m/A"),
+        ({"power": "5000"}, "5000 W at 1500 r/min"),
+        ({"l-q": "0.072"}, "without saliency"),
+        ({"l-q": "0.05"}, "L_q must exceed L_d"),
+        ({"u-dc": "-1"}, "u_dc"),
+        ({"pwm": "0"}, "pwm"),
+        ({"speed": "0"}, "speed"),
+        ({"inertia": "much"}, "inertia"),
+        ({"out": "no/such/mine.toml"}, "no/such"),
+        ({"poles": None}, "--poles"),
+    ],
+)
+def test_a_wrong_sheet_is_one_line_and_no_file(
+    changes: dict[str, str | None], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", open("/dev/null", encoding="utf-8"))
+    done = run("motor", "new", *words(**changes), cwd=tmp_path)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_page_has_all_that_the_screen_has(tmp_path: Path) -> None:
+    done = run("motor", "check", "paper", "--size", "16", "--out", "page.html", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    for text in ("suitable: yes", "4.54 at rest", "u_inj = 53 V", "quick run, 16 of suite stress"):
+        assert text in " ".join(done.stdout.split())
+        assert text in page
+    assert page.count("data:image/png") == 2
+    assert len(done.stdout.splitlines()) < 40, "one screen"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("psi_f = 0.545 ", "psi_f = 8.0 ", "psi_f = 8"),
+        ("L_q = 0.051 ", "L_q = 0.036 ", "no saliency"),
+        ("u_dc = 540.0 ", "u_dc = 300.0 ", "beyond 300 V"),
+    ],
+)
+def test_the_verdict_names_the_reason(old: str, new: str, said: str, tmp_path: Path) -> None:
+    text = (MOTORS / "ipmsm_2200w.toml").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(text.replace(old, new), encoding="utf-8")
+    done = run("motor", "check", "mine.toml", "--size", "0", "--out", "page.html", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "suitable: yes" not in done.stdout
+    assert said in " ".join(done.stdout.split())
+    assert (tmp_path / "page.html").exists()

@@ -1,0 +1,83 @@
+"""Data sheets to machine numbers: units, kinds, and contradictions that are named."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from sensorless.errors import UserError
+from sensorless.machine.datasheet import Datasheet, inertia_from, machine_numbers
+
+SHEET = Datasheet(
+    poles=8, speed_rpm=3000.0, current_rms=3.6, R=1.6, ke=40.0, L_d=0.011, L_q=0.017, torque=2.4
+)
+
+
+def values(sheet: Datasheet) -> dict[str, float]:
+    return {name: number.value for name, number in machine_numbers(sheet).items()}
+
+
+def test_a_star_between_two_terminals() -> None:
+    """psi_f: 40 V RMS line to line at 1000 r/min is 32.66 V peak a phase at 418.88 rad/s."""
+    v = values(SHEET)
+    assert (v["n_p"], v["R_s"], v["L_d"], v["L_q"]) == (4, 0.8, 0.0055, 0.0085)
+    assert v["psi_f"] == pytest.approx(40.0 * math.sqrt(2.0 / 3.0) / (4 * 1000 * math.pi / 30))
+    assert v["i_rated"] == pytest.approx(5.0912, abs=1e-4)
+
+
+def test_peak_voltage_phase_values_and_average_inductance() -> None:
+    v = values(
+        replace(SHEET, ke_kind="peak", between="phase", L_d=None, L_q=None, L=9e-3, ratio=2.0)
+    )
+    assert v["psi_f"] == pytest.approx(40.0 / math.sqrt(3.0) / (4 * 1000 * math.pi / 30))
+    assert [v["R_s"], v["L_d"], v["L_q"]] == pytest.approx([1.6, 6e-3, 12e-3])
+
+
+def test_kt_alone_and_its_tie_to_ke() -> None:
+    """In SI, Kt per peak ampere is 1.5 times Ke as peak phase volts by mechanical rad/s."""
+    v = values(replace(SHEET, ke=None, kt=0.6))
+    assert v["psi_f"] == pytest.approx(0.6 / math.sqrt(2.0) / (1.5 * 4))
+    both = values(replace(SHEET, kt=1.5 * 4 * values(SHEET)["psi_f"] * math.sqrt(2.0)))
+    assert both == values(SHEET)
+
+
+def test_power_instead_of_torque() -> None:
+    assert values(replace(SHEET, torque=None, power=754.0))["tau_rated"] == pytest.approx(
+        2.4, rel=1e-3
+    )
+    assert values(replace(SHEET, power=750.0))["tau_rated"] == 2.4
+
+
+@pytest.mark.parametrize(
+    ("text", "kg_m2"),
+    [("320 g cm2", 3.2e-5), ("1.6kg cm²", 1.6e-4), ("1.2e-4 kg·m^2", 1.2e-4), ("0.01", 0.01),
+     ("2 g m2", 2e-3)],
+)  # fmt: skip
+def test_inertia_has_its_unit(text: str, kg_m2: float) -> None:
+    assert inertia_from(text) == pytest.approx(kg_m2)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"kt": 1.6}, ["Ke = 40 V/krpm", "Kt = 1.6 N m/A", "0.07797 Vs", "0.1886 Vs"]),
+        ({"kt": 0.936}, ["RMS and peak"]),
+        ({"power": 1500.0}, ["1500 W at 3000 r/min is 4.775 N m", "2.4 N m"]),
+        ({"torque": None}, ["power, torque: none given"]),
+        ({"ke": None}, ["ke, kt: none given"]),
+        ({"L_q": None}, ["inductance: incomplete"]),
+        ({"L": 0.01}, ["one of the two pairs"]),
+        ({"poles": 7}, ["poles: 7"]),
+        ({"ke_kind": "mean"}, ["ke-kind: 'mean'"]),
+        ({"between": "delta"}, ["between: 'delta'"]),
+    ],
+)
+def test_contradictions_and_gaps_are_named(changes: dict[str, object], said: list[str]) -> None:
+    with pytest.raises(UserError) as error:
+        machine_numbers(replace(SHEET, **changes))  # type: ignore[arg-type]
+    assert all(part in str(error.value) for part in said), str(error.value)
+
+
+def test_inertia_in_an_unknown_unit() -> None:
+    with pytest.raises(UserError, match=r"inertia: '3 oz in s2'.*gcm2"):
+        inertia_from("3 oz in s2")

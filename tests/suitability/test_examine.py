@@ -1,0 +1,110 @@
+"""The check on paper: what it lets through, and what it says about slips."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sensorless.envs.scenarios.machine_family import family
+from sensorless.machine.motor import MOTORS, Motor, Saturation
+from sensorless.suitability.examine import Examination, examine
+from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding, verdict
+
+SHIPPED = sorted(path.stem for path in MOTORS.glob("*.toml"))
+LINEAR = Motor.load("ipmsm_2200w")
+PAPER = Motor.load("paper")
+
+
+def changed(motor: Motor, **changes: Any) -> Examination:
+    """A linear machine stays one with the inductances and the flux that it is given."""
+    out = replace(motor, **changes)
+    if motor is LINEAR:
+        out = replace(out, saturation=Saturation.linear(out.L_d, out.L_q, out.psi_f))
+    return examine(out, 15.0)
+
+
+@pytest.mark.parametrize("name", ["paper", "ipmsm_2200w", "pmsyrm_5600w"])
+def test_the_first_machines_are_suitable(name: str) -> None:
+    assert examine(Motor.load(name), 15.0).verdict.word == "yes"
+
+
+def test_random_machines_are_suitable() -> None:
+    """Consistent by construction: a threshold that refuses them is wrong."""
+    words = [examine(motor, 15.0).verdict for motor in family(3, 40)]
+    assert sum(v.word == "yes" for v in words) >= 36
+    assert all(v.word != "no" for v in words), [str(v) for v in words if v.word == "no"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "word", "said"),
+    [
+        ({"psi_f": 8.0}, "no", "psi_f = 8"),
+        ({"L_d": 36.0, "L_q": 51.0}, "no", "L_d = 36"),
+        ({"L_d": 36e-6, "L_q": 51e-6}, "no", "L_d = 3.6e-05"),
+        ({"J": 3.0}, "with limits", "J = 3"),
+        ({"L_d": 0.051, "L_q": 0.036}, "no", "swapped"),
+        ({"L_d": 0.05, "L_q": 0.05}, "no", "no saliency"),
+        ({"i_max": 13.0, "i_trip": 20.0}, "no", "i_max = 13 A is above what the converter"),
+        ({"u_inj": 400.0}, "no", "beyond the DC link, 311.8 V"),
+        ({"u_inj": 200.0}, "with limits", "above a fifth of the DC link, 108 V"),
+        ({"u_inj": 3.0}, "no", "angle noise"),
+        ({"R_s": 360.0}, "no", "R_s = 360"),
+        ({"n_p": 30}, "no", "PWM periods an electrical turn"),
+        ({"u_dc": 300.0}, "with limits", "beyond 300 V: rated torque is reached up to"),
+        ({"tau_rated": 30.0}, "with limits", "rated torque 30 N m needs more than i_max"),
+        ({"dead_time": 3e-5}, "with limits", "dead time is 15% of T_s"),
+        ({"i_max": 5.0}, "with limits", "i_max = 5 A is below i_rated"),
+    ],
+)
+def test_slips_are_found(changes: dict[str, Any], word: str, said: str) -> None:
+    e = changed(LINEAR, **changes)
+    texts = [f.text for f in e.findings]
+    assert e.verdict.word == word, texts
+    assert any(said in text for text in texts), texts
+
+
+def test_inductances_that_contradict_the_flux_map() -> None:
+    e = changed(PAPER, L_q=0.35)
+    assert "[saturation] gives L_q = 0.286 at zero current, the file says 0.35" in str(e.verdict)
+
+
+def test_cross_coupling_beyond_a_current_asks_for_a_lower_limit() -> None:
+    """A q axis that saturates suddenly turns the axes: the current from where on is named."""
+    steep = replace(PAPER.saturation, a_qq=1.0, T=4)
+    e = examine(replace(PAPER, saturation=steep, i_max=14.0, i_trip=60.0, adc_range=40.0), 15.0)
+    (found,) = (f for f in e.findings if f.text.startswith("turn by cross-coupling"))
+    assert found.weight == LIMIT
+    at = float(found.text.split("above ")[1].split(" A")[0])
+    assert found.text.endswith(f"above {at:.3g} A: lower i_max, wanted 25")
+    assert e.seen is not None
+    size = np.hypot(*e.seen.signal.i.T)
+    assert np.interp(at, size, np.abs(e.seen.cross_deg)) == pytest.approx(25.0, abs=4.0)
+
+
+@pytest.mark.parametrize(("ratio", "weight"), [(1.04, NO), (1.1, LIMIT), (1.2, None)])
+def test_weak_saliency_weighs(ratio: float, weight: str | None) -> None:
+    e = changed(LINEAR, L_q=ratio * LINEAR.L_d, u_inj=108.0)
+    found = [f for f in e.findings if f.text.startswith("inductance ratio")]
+    assert [f.weight for f in found] == ([weight] if weight else [])
+
+
+def test_suggestions_of_the_papers_machine_lie_near_its_choices() -> None:
+    e = examine(PAPER, 15.0)
+    assert e.suggested is not None
+    assert e.suggested["u_inj"] == pytest.approx(50.0, rel=0.1)
+    assert PAPER.i_max < e.suggested["i_trip"] < PAPER.i_trip
+    assert PAPER.i_max < e.suggested["adc_range"] < PAPER.adc_range
+    assert e.suggested["T_s"] == PAPER.T_s
+
+
+def test_the_heaviest_finding_decides() -> None:
+    a, b, c = (Finding(w, "x", w) for w in (NOTE, LIMIT, NO))
+    assert str(verdict([a])) == "suitable: yes"
+    assert str(verdict([a, b])) == "suitable: with limits, because limit"
+    assert str(verdict([c, b, a])) == "suitable: no, because no"
+
+
+def test_a_flux_map_without_inverse_is_a_verdict_not_an_error() -> None:
+    e = examine(replace(LINEAR, saturation=Saturation(a_d0=1e-11, a_q0=1e11, i_f=1.0)), 15.0)
+    assert e.verdict.word == "no"
