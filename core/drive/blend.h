@@ -7,7 +7,8 @@
  * There are other ways to one estimate, chosen by drive_params_t.estimator. ESTIMATE_ERRORS weighs
  * the error signals, not the angles: one loop runs on k_s err_hfi + (1 - k_s) err_smo (after Piippo
  * and Luomi, adaptive observer combined with HF signal injection, IEMDC 2005). A PLL is linear in
- * its error, so stepping two from the same state and blending them is that loop.
+ * its error, so stepping two from the same state and blending them is that loop. ESTIMATE_COUPLED
+ * has one state for both, see coupled_observer.h.
  */
 #ifndef SENSORLESS_BLEND_H
 #define SENSORLESS_BLEND_H
@@ -18,7 +19,8 @@ enum {
     ESTIMATE_SMO = 0,       /* the weighted angle above, sliding-mode observer */
     ESTIMATE_UNWRAPPED = 1, /* Eq. 26 as printed, for comparison */
     ESTIMATE_ERRORS = 2,    /* weighted error signals in one loop */
-    ESTIMATE_FLUX = 3       /* the weighted angle, flux observer instead of sliding mode */
+    ESTIMATE_FLUX = 3,      /* the weighted angle, flux observer instead of sliding mode */
+    ESTIMATE_COUPLED = 4    /* one observer that injection corrects with the weight */
 };
 
 typedef struct {

@@ -13,6 +13,7 @@
 
 #include "blend.h"
 #include "curve.h"
+#include "dead_time.h"
 #include "trig.h"
 
 typedef struct {
@@ -60,17 +61,6 @@ CORE_INLINE float speed_control(const control_params_t *p, control_state_t *x, f
     float i_q = clamp_f(x->i_ref.q + step, -i_q_max, i_q_max);
     x->i_int += T_s * p->k_i_speed * (omega_ref - omega + (i_q - want) / p->k_p_speed);
     return i_q;
-}
-
-/* Dead-time voltage of three legs for the current i_ab, to be added to the command [V]. */
-CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
-    float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
-    float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
-    float a = clamp_f(i_ab.a * inv_i, -1.0f, 1.0f);
-    float b = clamp_f(i_b * inv_i, -1.0f, 1.0f);
-    float c = clamp_f(i_c * inv_i, -1.0f, 1.0f);
-    ab_t u = {u_dt * 0.333333333f * (2.0f * a - b - c), u_dt * INV_SQRT3_F * (b - c)};
-    return u;
 }
 
 /* Takes in sample k [A] in the frame r of the estimate at k; x->i: its mean with the one before. */

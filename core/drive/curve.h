@@ -32,4 +32,11 @@ CORE_INLINE float curve_at(const curve_t *c, curve_pos_t pos) {
     return y0 + pos.f * (y1 - y0);
 }
 
+/* d(|i_q| y) / d|i_q|: of an apparent inductance the incremental one. */
+CORE_INLINE float curve_incremental(const curve_t *c, curve_pos_t pos) {
+    float y0 = pick_f(c->y, pos.j, CURVE_N - 1);
+    float y1 = pick_f(c->y + 1, pos.j, CURVE_N - 1);
+    return y0 + ((float)pos.j + 2.0f * pos.f) * (y1 - y0);
+}
+
 #endif

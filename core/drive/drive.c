@@ -35,6 +35,17 @@ static void emf_clear(emf_estimate_t *x) {
     x->valid = 0.0f;
 }
 
+static void coupled_clear(coupled_state_t *x) {
+    x->psi.a = 0.0f;
+    x->psi.b = 0.0f;
+    x->i_1.a = 0.0f;
+    x->i_1.b = 0.0f;
+    x->load = 0.0f;
+    x->drift = 0.0f;
+    x->eps_f = 0.0f;
+    x->err_hfi = 0.0f;
+}
+
 static void control_clear(control_state_t *x) {
     x->i_1.d = 0.0f;
     x->i_1.q = 0.0f;
@@ -66,6 +77,7 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float om
     smo_clear(&x->smo);
     x->flux.psi.a = 0.0f;
     x->flux.psi.b = 0.0f;
+    coupled_clear(&x->coupled);
     control_clear(&x->control);
     signal_clear(&x->signal);
     x->u_1.a = 0.0f;

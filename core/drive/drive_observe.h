@@ -4,6 +4,23 @@
 
 #include "drive_types.h"
 
+/* One observer on both sources. cross: from the injection's axis to the angle [rad]. What injection
+ * and flux say each is the angle and the error that they see. */
+CORE_INLINE void drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float cross,
+                              curve_pos_t pos) {
+    x->est.theta = x->emf.pll.theta;
+    x->est.omega = x->emf.pll.omega;
+    rot_t r = rot_of(x->est.theta);
+    hfi_demodulate(&p->hfi, &x->hfi, i_ab, rot_turn(r, -cross));
+    coupled_observe(&p->coupled, &x->coupled, &x->emf, r, i_ab, x->u_2, curve_at(&p->L_q, pos),
+                    curve_incremental(&p->L_q, pos), curve_at(&p->coupled.psi_d, pos), x->k_s,
+                    x->hfi.err, p->T_s);
+    x->theta_hfi = wrap_pi(x->est.theta + x->coupled.err_hfi);
+    x->theta_smo = wrap_pi(x->est.theta + x->emf.err);
+    x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);
+    x->hfi.pll.omega = x->emf.pll.omega;
+}
+
 /* Both observers and their blend; x->est is the result for instant k. */
 CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
                                float k_s_ref) {
@@ -12,6 +29,10 @@ CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i
     float L_q = curve_at(&p->L_q, pos);
 
     x->k_s = ks_slew(x->k_s, k_s_ref, p->k_s_step);
+    if (p->estimator == ESTIMATE_COUPLED) {
+        drive_couple(p, x, i_ab, cross, pos);
+        return;
+    }
     if (p->estimator == ESTIMATE_ERRORS) {
         x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);
         x->hfi.pll.omega = x->emf.pll.omega;

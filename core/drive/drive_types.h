@@ -8,6 +8,7 @@
 
 #include "blend.h"
 #include "control.h"
+#include "coupled_observer.h"
 #include "curve.h"
 #include "flux_observer.h"
 #include "hf_injection.h"
@@ -30,6 +31,7 @@ typedef struct {
     hfi_params_t hfi;
     smo_params_t smo;
     flux_params_t flux;
+    coupled_params_t coupled;
     control_params_t control;
     signal_params_t signal;
     curve_t L_q;         /* apparent q inductance of the observer over |i_q| [H] */
@@ -39,9 +41,10 @@ typedef struct {
 
 typedef struct {
     hfi_state_t hfi;
-    emf_estimate_t emf; /* of the sliding-mode observer, or of the flux observer in its place */
+    emf_estimate_t emf; /* of the sliding-mode observer, or of another one in its place */
     smo_state_t smo;
     flux_state_t flux;
+    coupled_state_t coupled;
     control_state_t control;
     signal_state_t signal;
     start_state_t start;

@@ -1,5 +1,5 @@
 /* What every second estimator gives the drive: the one that needs no injection, and so leads at
- * speed. It is the sliding-mode observer or the flux observer; the rest of the drive cannot tell. */
+ * speed. It is the sliding-mode, the flux or the coupled observer; the rest of the drive cannot tell. */
 #ifndef SENSORLESS_EMF_ESTIMATE_H
 #define SENSORLESS_EMF_ESTIMATE_H
 

@@ -50,12 +50,9 @@ typedef struct {
     float valid;     /* 1 when the last error came from a full alternating window */
 } hfi_state_t;
 
-/* Demodulates one sample and advances the PLL. i_ab: measured current at k [A].
- * theta_idle, omega_idle: what to follow while there is no injection to measure, already referred
- * to this estimator's uncompensated frame and to instant k [rad, rad/s]. */
-CORE_INLINE void hfi_observe(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, float theta_idle,
-                             float omega_idle, float T_s) {
-    rot_t r = rot_of(x->pll.theta);
+/* Demodulates one sample. i_ab: measured current at k [A]; r: direction of the estimator's axis at
+ * k. */
+CORE_INLINE void hfi_demodulate(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, rot_t r) {
     dq_t i = ab_to_dq(i_ab, r);
     dq_t step = {i.d - 2.0f * x->i_1.d + x->i_2.d, i.q - 2.0f * x->i_1.q + x->i_2.q};
     if (SCALAR_ONLY(p->scheme == HFI_STATIONARY)) {
@@ -70,11 +67,20 @@ CORE_INLINE void hfi_observe(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, f
     x->amplitude = sqrt_f(x_d * x_d + x_q * x_q);
     x->err = valid ? x_q / max_f(x->amplitude, p->i_floor) : 0.0f;
     x->valid = valid ? 1.0f : 0.0f;
+    x->i_2 = x->i_1;
+    x->i_1 = i;
+}
+
+/* Demodulates one sample and advances the PLL. i_ab: measured current at k [A].
+ * theta_idle, omega_idle: what to follow while there is no injection to measure, already referred
+ * to this estimator's uncompensated frame and to instant k [rad, rad/s]. */
+CORE_INLINE void hfi_observe(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, float theta_idle,
+                             float omega_idle, float T_s) {
+    hfi_demodulate(p, x, i_ab, rot_of(x->pll.theta));
+    int valid = x->valid > 0.0f;
     x->pll.theta = valid ? x->pll.theta : theta_idle;
     x->pll.omega = valid ? x->pll.omega : omega_idle;
     pll_step(&p->pll, &x->pll, x->err, T_s);
-    x->i_2 = x->i_1;
-    x->i_1 = i;
 }
 
 /* Direction of the voltage that is injected over [k+1, k+2], at k after hfi_observe. */

@@ -20,8 +20,10 @@ static int lane_fits(const sim_t *s, const sim_t *first) {
 }
 
 int batch_fits(const sim_t *sims, int32_t count, int most) {
-    int fits = count >= LANES_WORTH && (sims->control.estimator == ESTIMATE_SMO ||
-                                        sims->control.estimator == ESTIMATE_FLUX);
+    int estimator = sims->control.estimator;
+    int known =
+        estimator == ESTIMATE_SMO || estimator == ESTIMATE_FLUX || estimator == ESTIMATE_COUPLED;
+    int fits = count >= LANES_WORTH && known;
     for (int l = 0; l < count; l++) {
         fits = fits && lane_fits(&sims[l], sims);
     }

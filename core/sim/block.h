@@ -51,10 +51,21 @@ CORE_APART void block_period_flux_alone(block_t *restrict block, const float *re
     block_period(block, k_s_ref, 0, ESTIMATE_FLUX);
 }
 
+CORE_APART void block_period_coupled_twin(block_t *restrict block, const float *restrict k_s_ref) {
+    block_period(block, k_s_ref, 1, ESTIMATE_COUPLED);
+}
+
+CORE_APART void block_period_coupled_alone(block_t *restrict block, const float *restrict k_s_ref) {
+    block_period(block, k_s_ref, 0, ESTIMATE_COUPLED);
+}
+
 typedef void (*period_t)(block_t *restrict, const float *restrict);
 
 /* The loop for drives that are all like this one, see batch_fits. */
 static period_t block_loop(const sim_t *s) {
+    if (s->control.estimator == ESTIMATE_COUPLED) {
+        return s->with_twin ? block_period_coupled_twin : block_period_coupled_alone;
+    }
     if (s->control.estimator == ESTIMATE_FLUX) {
         return s->with_twin ? block_period_flux_twin : block_period_flux_alone;
     }

@@ -13,6 +13,7 @@ from sensorless.errors import UserError
 from sensorless.machine.magnetics import flux_map_record
 from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import require_saliency
+from sensorless.observers.coupled_design import design_coupled
 from sensorless.observers.flux_design import design_flux
 from sensorless.observers.hfi_design import design_hfi, hf_current
 from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
@@ -54,6 +55,12 @@ class DriveDesign:
         60.0, "Hz", 0.5, 200, "natural frequency of the flux observer's speed estimate"
     )
     flux_gain: float = number(0.2, "1", 0, 5, "how fast the flux correction rises with speed")
+    coupled_L_q_bias: float = number(
+        0.85, "1", 0.3, 1.5, "coupled observer's q inductance over the apparent one"
+    )
+    coupled_linear: bool = switch(
+        False, "coupled observer's flux correction without the sigmoid, in proportion to the error"
+    )
     speed_bound: float = number(
         2.5, "1", 0.5, math.inf, "bound on estimated speeds over rated speed", endless=True
     )
@@ -91,6 +98,7 @@ class DriveDesign:
             "unwrapped": "the same without wrap, as printed (Eq. 26)",
             "errors": "sliding-mode observer and injection in one loop, error signals weighed",
             "flux": "flux observer, angles weighed",
+            "coupled": "one observer of flux and speed, corrected by injection with the weight",
         },
         renamed=RENAMED,
     )
@@ -184,6 +192,17 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
         floor_rpm=design.smo_floor_rpm,
         omega_max=omega_max,
     )
+    coupled = design_coupled(
+        motor,
+        line,
+        speed_hz=design.speed_hz,
+        linear=design.coupled_linear,
+        u_dt=control["u_dt"],
+        inv_i_comp=control["inv_i_dt"],
+        floor_rpm=design.smo_floor_rpm,
+        omega_max=omega_max,
+    )
+    bias = design.coupled_L_q_bias if design.estimator == "coupled" else design.L_q_bias
     alpha = 2.0 * math.pi * design.signal_hz
     fill(
         record,
@@ -194,6 +213,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
             "hfi": hfi,
             "smo": smo,
             "flux": flux,
+            "coupled": coupled,
             "control": {**control, "i_d_mtpa": {"y": i_d}},
             "signal": {
                 "alpha": low_pass(design.signal_hz, motor.T_s),
@@ -203,7 +223,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
                 "inv_e": 1.0 / (motor.omega_rated * motor.psi_f),
                 "inv_i_hf": 1.0 / hf_current(motor),
             },
-            "L_q": {"y": design.L_q_bias * L_q},
+            "L_q": {"y": bias * L_q},
             "theta_cross": {"y": cross},
             "start": design_start(motor, hfi, smo),
         },

@@ -16,7 +16,7 @@ from sensorless.machine.motor import Motor
 Bytes = Callable[[Array], bytes]
 Call = Callable[..., None]
 
-IN_BLOCKS = ("smo", "flux")
+IN_BLOCKS = ("smo", "flux", "coupled")
 ODD = {
     ("sensored",): 1,
     ("with_twin",): 0,

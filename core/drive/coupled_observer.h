@@ -1,0 +1,116 @@
+/* Rotor angle from flux and injection together: one angle, one speed, one flux.
+ *
+ * The voltage model carries the fast part. In the estimated rotor frame the flux that the measured
+ * current stands for, less the integrated one, is the error
+ *   e = (its own error) - j delta psi_a,   delta = theta_e - theta_e_hat,
+ *   psi_a = psi_d - L_qq i_d + j (psi_q - L_d i_q),   L_qq = d psi_q / d i_q.
+ * Its part across the auxiliary flux psi_a, eps, drives angle, speed and load (a load torque is a
+ * third state beside the torque that currents and flux make); its part along psi_a corrects the
+ * flux through a sigmoid with a boundary layer: sliding mode far from the model, linear near it.
+ *
+ * Injection carries the slow part with weight k_s: its error e_h turns angle and flux by the same
+ * amount, so eps and the speed never see its noise; a slow state turns the flux on for what the
+ * voltages are always wrong by. Derivation, poles and gains: docs/coupled-observer.md.
+ */
+#ifndef SENSORLESS_COUPLED_OBSERVER_H
+#define SENSORLESS_COUPLED_OBSERVER_H
+
+#include "curve.h"
+#include "dead_time.h"
+#include "emf_estimate.h"
+#include "trig.h"
+
+typedef struct {
+    float R_s;         /* stator resistance of the model [ohm] */
+    float L_d;         /* [H] */
+    curve_t psi_d;     /* d flux at no d current over |i_q| [Vs] */
+    float psi_sq_min;  /* least square of the auxiliary flux to divide by [(Vs)^2] */
+    float gain_0;      /* correction of the flux at standstill [1/s] times T_s */
+    float gain_w;      /* its rise with speed, times T_s [s] */
+    float layer;       /* boundary layer of the correction, over the auxiliary flux */
+    float inv_layer;   /* its inverse; 0: no sigmoid */
+    float k_p;         /* from eps to angle [1/s] */
+    float k_i;         /* from eps to speed [1/s^2] */
+    float k_l;         /* from eps to load [1/s^3] */
+    float k_tau;       /* share of the flux-current product that accelerates [rad/(s^2 Vs A)] */
+    float load_max;    /* bound on the load [rad/s^2] */
+    float alpha_rise;  /* low-pass on eps for the bandwidth's rise [rad/s] times T_s */
+    float eps_rise;    /* |eps| from which on the bandwidth rises [rad] */
+    float rise;        /* its rise with |eps| beyond [1/rad] */
+    float rise_max;    /* most that it rises by, over 1 */
+    float inv_slope;   /* 1 / slope of the injection's error signal [rad] */
+    float k_h;         /* from injection to angle and flux [1/s] times T_s */
+    float k_b;         /* from injection to drift [1/s^2] times T_s */
+    float drift_max;   /* bound on the drift [rad/s] */
+    float u_dt;        /* dead-time voltage a leg that the drive compensates [V] */
+    float inv_i_comp;  /* slope of its transition through zero current [1/A] */
+    float inv_i_true;  /* the same of the inverter's own [1/A] */
+    float omega_floor; /* below this speed the flux is not trusted alone, electrical [rad/s] */
+    float omega_max;   /* bound on the speed estimate, electrical [rad/s] */
+} coupled_params_t;
+
+typedef struct {
+    ab_t psi;      /* estimated stator flux [Vs] */
+    ab_t i_1;      /* sample k-1 [A] */
+    float load;    /* acceleration by load and friction [rad/s^2] */
+    float drift;   /* turn of the flux for what the voltages are always wrong by [rad/s] */
+    float eps_f;   /* low-passed error across the auxiliary flux [rad] */
+    float err_hfi; /* angle error by injection, truth minus estimate near lock [rad] */
+} coupled_state_t;
+
+/* Weight below which injection no longer carries the flux where its own floor ends [1]. */
+#define COUPLED_LED 0.01f
+
+/* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] without dead-time
+ * compensation [V]; L_q, L_qq: apparent and incremental [H]; psi_0: psi_d of the curve [Vs]; k_s:
+ * weight of injection; err: its error signal. y: angle and speed for k+1, r = rot_of(its angle at
+ * k). */
+CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
+                                 rot_t r, ab_t i_ab, ab_t u_ab, float L_q, float L_qq, float psi_0,
+                                 float k_s, float err, float T_s) {
+    int led = abs_f(y->pll.omega) >= p->omega_floor || k_s > COUPLED_LED;
+    int fresh = !led || !(y->valid > 0.0f);
+    ab_t i_m = {0.5f * (i_ab.a + (fresh ? i_ab.a : x->i_1.a)),
+                0.5f * (i_ab.b + (fresh ? i_ab.b : x->i_1.b))};
+    ab_t u_x = dead_time_excess(p->u_dt, p->inv_i_comp, p->inv_i_true, i_m);
+    ab_t psi_ab = {x->psi.a + T_s * (u_ab.a + u_x.a - p->R_s * i_m.a),
+                   x->psi.b + T_s * (u_ab.b + u_x.b - p->R_s * i_m.b)};
+
+    dq_t i = ab_to_dq(i_ab, r);
+    dq_t model = {psi_0 + p->L_d * i.d, L_q * i.q};
+    dq_t aux = {model.d - L_qq * i.d, model.q - p->L_d * i.q};
+    float inv = 1.0f / max_f(aux.d * aux.d + aux.q * aux.q, p->psi_sq_min);
+    dq_t psi = ab_to_dq(psi_ab, r);
+    psi.d = fresh ? model.d : psi.d;
+    psi.q = fresh ? model.q : psi.q;
+    dq_t e = {model.d - psi.d, model.q - psi.q};
+    float eps = clamp_f(inv * (e.d * aux.q - e.q * aux.d), -1.0f, 1.0f);
+    float along = inv * (e.d * aux.d + e.q * aux.q);
+    float slide = p->inv_layer > 0.0f ? p->layer * tanh_f(along * p->inv_layer) : along;
+    float gain = 2.0f * (p->gain_0 + p->gain_w * abs_f(y->pll.omega)) * slide;
+
+    x->err_hfi = clamp_f(p->inv_slope * err, -1.0f, 1.0f);
+    float e_h = k_s * x->err_hfi;
+    float drift = clamp_f(x->drift + p->k_b * e_h, -p->drift_max, p->drift_max);
+    float load = clamp_f(x->load + T_s * p->k_l * eps, -p->load_max, p->load_max);
+    x->drift = fresh ? 0.0f : drift;
+    x->load = fresh ? 0.0f : load;
+    x->eps_f += p->alpha_rise * (eps - x->eps_f);
+    float f = 1.0f + clamp_f(p->rise * (abs_f(x->eps_f) - p->eps_rise), 0.0f, p->rise_max);
+
+    float motion = p->k_tau * (psi.d * i.q - psi.q * i.d) + x->load;
+    float omega = y->pll.omega + T_s * (p->k_i * f * f * eps + motion);
+    float turn = p->k_h * e_h;
+    y->pll.omega = clamp_f(omega, -p->omega_max, p->omega_max);
+    y->pll.theta = wrap_pi(y->pll.theta + T_s * (y->pll.omega + p->k_p * f * eps) + turn);
+    dq_t next = {psi.d + gain * aux.d, psi.q + gain * aux.q};
+    x->psi = dq_to_ab(next, rot_turn(r, turn + T_s * x->drift));
+    x->i_1 = i_ab;
+
+    dq_t emf = {0.0f, y->pll.omega * aux.d};
+    y->e = dq_to_ab(emf, r);
+    y->err = eps;
+    y->valid = led ? 1.0f : 0.0f;
+}
+
+#endif

@@ -1,0 +1,157 @@
+"""Coupled observer: from the machine, its inverter and its sensors to ``coupled_params_t``.
+
+Where each formula comes from: docs/coupled-observer.md. None of its constants was found on one
+machine; those below say how a drive is used and how good its parts are.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from sensorless.machine.magnetics import Floats, flux
+from sensorless.machine.motor import Motor
+from sensorless.observers.hfi_design import error_slope, hf_current
+from sensorless.observers.smo_design import low_pass
+
+CHANGES = 1.0
+"""Rated changes of the load, and full changes of the dead time's voltage, per second [1/s]."""
+SENSOR_LSB = 3.0
+"""What a current sample is wrong by, in steps of the converter: noise, offset, gain. Injection,
+which sees second differences, is wrong by one step."""
+INERTIA_SHARE = 2.0 / 3.0
+"""Torque that is fed forward: the middle of 1/3 and 1, for inertias of one to three times the
+machine's own."""
+LOAD_OVER_SPEED = 2.0
+"""Pole of the load's estimate over the natural frequency of the speed loop, which must not wait for
+it."""
+DAMPING = 0.3
+"""Damping of the flux error, over its frequency, which is the electrical one."""
+RISE = (1.0 / 6.0, 1.0 / 2.0)
+"""Part of the error that a rated load step leaves, from which on the bandwidth rises and at which
+it has risen by ``RISE_MAX``."""
+RISE_MAX = 0.75
+ZERO_SHARE = 0.02
+"""Current over the rated one up to which the inverter's dead time depends on its magnitude."""
+LAYER_SPEED = 0.05
+"""Speed over the rated one at which an uncompensated dead time displaces the flux by one boundary
+layer: the sigmoid is to saturate at what no model explains."""
+
+
+@dataclass(frozen=True)
+class Bandwidths:
+    """Frequencies of the coupled observer [rad/s]."""
+
+    flux: float
+    """of the voltage model's double pole"""
+    load: float
+    """of the load's pole"""
+    injection: float
+    """of the injection's double pole"""
+
+
+def rated_acceleration(motor: Motor) -> float:
+    """Acceleration by rated torque on the machine's own inertia, electrical [rad/s^2]."""
+    return motor.n_p * motor.tau_rated / motor.J
+
+
+def converter_step(motor: Motor) -> float:
+    """One step of the current measurement [A]."""
+    return float(2.0 * motor.adc_range / 2**motor.adc_bits)
+
+
+def voltage_drift(motor: Motor) -> float:
+    """Turn of the flux by dead time that nothing compensates [rad/s]."""
+    return motor.u_dc * motor.dead_time / motor.T_s / motor.psi_f
+
+
+def bandwidths(motor: Motor, speed_hz: float) -> Bandwidths:
+    """Steady-state Kalman gains of the two loops, for white noise and steps at random.
+
+    The voltage model: accelerations of ``rated_acceleration`` change ``CHANGES`` times a second,
+    the flux angle has noise of sigma = L_q ``SENSOR_LSB`` steps / psi_f a sample:
+    W^3 = a sqrt(CHANGES) / (sigma sqrt(T_s)).
+    The injection: drifts of ``voltage_drift`` change as often, its angle has noise of one step over
+    the slope of the injected current: W^2 = v sqrt(CHANGES) / (sigma sqrt(T_s)) / 2.
+
+    Parameters
+    ----------
+    speed_hz : float
+        Natural frequency of the speed loop [Hz].
+    """
+    step, often = converter_step(motor), math.sqrt(CHANGES / motor.T_s)
+    by_flux = motor.L_q * SENSOR_LSB * step / motor.psi_f
+    by_injection = step / (hf_current(motor) * error_slope(motor.L_d, motor.L_q))
+    return Bandwidths(
+        flux=(rated_acceleration(motor) * often / by_flux) ** (1.0 / 3.0),
+        load=LOAD_OVER_SPEED * 2.0 * math.pi * speed_hz,
+        injection=math.sqrt(0.5 * voltage_drift(motor) * often / by_injection),
+    )
+
+
+def flux_at_no_d_current(motor: Motor, line: Floats) -> Floats:
+    """psi_d - L_d i_d along the operating line (CURVE_N, 2) [A]: what is not linear in i_d [Vs]."""
+    return flux(motor.saturation, line)[:, 0] - motor.L_d * line[:, 0]
+
+
+def design_coupled(
+    motor: Motor,
+    line: Floats,
+    *,
+    speed_hz: float,
+    linear: bool,
+    u_dt: float,
+    inv_i_comp: float,
+    floor_rpm: float,
+    omega_max: float,
+) -> dict[str, Any]:
+    """Fields of ``coupled_params_t``.
+
+    Parameters
+    ----------
+    line : array, shape (CURVE_N, 2)
+        Currents of the operating line [A].
+    speed_hz : float
+        Natural frequency of the speed loop [Hz].
+    linear : bool
+        Correct the flux in proportion to its error, without the sigmoid.
+    u_dt, inv_i_comp : float
+        Dead-time compensation of the drive: voltage of a leg [V], slope through zero [1/A].
+    floor_rpm : float
+        Speed below which the flux is not used without injection [r/min].
+    omega_max : float
+        Bound on the speed estimate, electrical [rad/s].
+    """
+    at = bandwidths(motor, speed_hz)
+    acceleration, drift = rated_acceleration(motor), voltage_drift(motor)
+    left = acceleration / at.flux**2
+    low, high = (share * left for share in RISE)
+    b = 0.5 * motor.R_s * (motor.L_d + motor.L_q) / (motor.L_d * motor.L_q)
+    layer = drift / (LAYER_SPEED * motor.omega_rated)
+    return {
+        "R_s": motor.R_s,
+        "L_d": motor.L_d,
+        "psi_d": {"y": flux_at_no_d_current(motor, line)},
+        "psi_sq_min": (0.25 * motor.psi_f) ** 2,
+        "gain_0": b * motor.T_s,
+        "gain_w": DAMPING * motor.T_s,
+        "layer": layer,
+        "inv_layer": 0.0 if linear else 1.0 / layer,
+        "k_p": 2.0 * at.flux + at.load,
+        "k_i": at.flux**2 + 2.0 * at.flux * at.load,
+        "k_l": at.flux**2 * at.load,
+        "k_tau": INERTIA_SHARE * 1.5 * motor.n_p**2 / motor.J,
+        "load_max": 4.0 * acceleration,
+        "alpha_rise": low_pass(at.flux / (2.0 * math.pi), motor.T_s),
+        "eps_rise": low,
+        "rise": RISE_MAX / (high - low),
+        "rise_max": RISE_MAX,
+        "inv_slope": 1.0 / error_slope(motor.L_d, motor.L_q),
+        "k_h": 2.0 * at.injection * motor.T_s,
+        "k_b": at.injection**2 * motor.T_s,
+        "drift_max": drift + 0.5 * motor.R_s * motor.i_rated / motor.psi_f,
+        "u_dt": u_dt,
+        "inv_i_comp": inv_i_comp,
+        "inv_i_true": 1.0 / (ZERO_SHARE * motor.i_rated),
+        "omega_floor": motor.rpm_to_electrical(floor_rpm),
+        "omega_max": omega_max,
+    }
