@@ -1,4 +1,4 @@
-"""n drives side by side, advanced by decisions: the one implementation behind both environments."""
+"""n drives advanced together, decision by decision: what both environments are built on."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ Flags = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 
 LOST_TWIN: int = lib.LOST_TWIN
-"""Bit of ``lost``, see core/sim/sim.h: even the sensored twin tripped, no policy is to blame."""
+"""Bit of ``lost``, see core/sim/sim.h: even the sensored twin tripped, so no policy is to blame."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Outcome:
     lost: Flags
     """Lock was lost: the episode terminated."""
     ended: Flags
-    """The scenario is over, or even its twin tripped: the episode is truncated."""
+    """The scenario is over, or even its sensored twin tripped: the episode is truncated."""
 
 
 @dataclass(frozen=True)
@@ -58,11 +58,11 @@ class BatchState:
 
 
 AT_ONCE = 512
-"""Drives made or copied at a time, so that it takes little memory beside them."""
+"""Drives made or copied at a time, to bound the memory that this takes."""
 
 _BYTES = {name: (f[1], f[1] + f[0].itemsize) for name, f in (SIM.fields or {}).items()}
-_TOLD = np.r_[: -(-_BYTES["drive"][0] // 8), _BYTES["sums"][1] // 8 : SIM.itemsize // 8]
-"""Words of SIM that tell drives apart before they start; ``sim_start`` makes the others of them."""
+_GIVEN = np.r_[: -(-_BYTES["drive"][0] // 8), _BYTES["sums"][1] // 8 : SIM.itemsize // 8]
+"""Words of SIM that a drive is given before it starts; ``sim_start`` derives the others."""
 
 Prepared = tuple[Array, Values]
 """Those words, and the fixed true quantities, of some drives."""
@@ -90,8 +90,8 @@ class BlendBatch:
         self._sims = np.zeros(n, dtype=SIM)
         self._signals: Observation = np.zeros((n, SIGNAL_N), dtype=np.float32)
         self._constant: Values = np.zeros((n, len(FIXED)), dtype=np.float32)
-        # One prepared episode a drive: drawing scenarios costs the same for one row and for all.
-        self._next: Prepared = (np.zeros((n, len(_TOLD)), dtype=np.uint64), self._constant.copy())
+        # One prepared episode per drive: drawing scenarios costs as much for one row as for all.
+        self._next: Prepared = (np.zeros((n, len(_GIVEN)), dtype=np.uint64), self._constant.copy())
         self._ready = np.zeros(n, dtype=bool)
         self._sums = self._copied_sums()
 
@@ -106,7 +106,7 @@ class BlendBatch:
         self._ready[rows] = False
 
     def begin(self, rows: Rows, given: Scenarios | None = None) -> None:
-        """Start the next episode of some drives, with ``given`` in place of their streams' own."""
+        """Start the next episode of some drives: the next of their streams, or ``given``."""
         fresh = self._next
         if given is not None:
             fresh = self._prepared(given)
@@ -138,12 +138,12 @@ class BlendBatch:
         limit = self.settings.max_episode_steps
         if limit is not None:
             sims["k_end"] = np.minimum(sims["k_end"], limit * self.periods)
-        return words(sims)[:, _TOLD], fixed(scenarios, self.motor)
+        return words(sims)[:, _GIVEN], fixed(scenarios, self.motor)
 
-    def _start(self, rows: Rows, told: Array) -> None:
+    def _start(self, rows: Rows, given: Array) -> None:
         """Start some drives, and read their first signals."""
         sims = np.zeros(len(rows), dtype=SIM)
-        words(sims)[:, _TOLD] = told
+        words(sims)[:, _GIVEN] = given
         sim_start(sims)
         signals = np.zeros((len(rows), SIGNAL_N), dtype=np.float32)
         sim_signals(sims, signals)
@@ -151,17 +151,17 @@ class BlendBatch:
         self._signals[rows] = signals
 
     def advance(self, actions: Any) -> None:
-        """One decision of every drive; those lost or at their end stay where they are.
+        """Advance every drive by one decision; those lost or at their end stay where they are.
 
         Parameters
         ----------
         actions : array, shape (n,) or (n, 1)
-            -1 (all sliding mode) to 1 (all injection).
+            -1 (k_s = 0, all observer) to 1 (k_s = 1, all injection).
 
         Raises
         ------
         UserError
-            Names the first action that is not a number from -1 to 1.
+            An action is not a number from -1 to 1; the message names the first one.
         """
         n = len(self)
         action = np.asarray(actions, dtype=np.float32)

@@ -19,23 +19,25 @@ class BlendEnv(gymnasium.Env[Observation, Any]):
 
     **Description**
     An interior permanent-magnet motor runs under field-oriented control without a position sensor.
-    High-frequency injection finds the rotor at low speed, a sliding-mode observer finds it from the
-    back-EMF at speed; the drive runs on
+    High-frequency injection (hfi) finds the rotor at low speed. At higher speed an observer finds
+    it from the back-EMF: a sliding-mode observer (smo) by default, or the one that
+    ``design.estimator`` names. The drive runs on
 
         theta = theta_smo + k_s wrap(theta_hfi - theta_smo)
 
-    Machine (saturation, cross-coupling), inverter (dead time, DC link), sampling (noise, offset,
-    gain, ADC, one period of delay), both estimators and the control are simulated at every PWM
-    period by the code that runs on the target. A sensored twin, the same controller fed by the true
-    angle, runs the same scenario and is what deviations are measured against.
+    Machine (saturation, cross-coupling), inverter (dead time, DC link) and sampling (noise, offset,
+    gain, ADC, one period of delay) are simulated at every PWM period; estimators and control are
+    the code that runs on the target. Deviations are measured against the sensored twin: the same
+    controller in the same scenario, fed by the true angle and speed.
 
     **Action**
-    ``Box(-1, 1, (1,), float32)``, mapped to the weight wanted: k_s = (action + 1) / 2. 1 is all
-    injection. The drive limits the slope of the weight in force. Any other value is refused.
+    ``Box(-1, 1, (1,), float32)``, mapped to the wanted weight k_s = (action + 1) / 2: 1 is all
+    injection, 0 all observer. The drive limits the slope of the weight in force. Actions outside
+    -1 to 1 are refused.
 
     **Observation**
-    ``Box((12,), float32)``; only what the firmware measures or estimates, low-passed and divided by
-    a fixed scale. "Ahead" means: positive in the direction of motion.
+    ``Box((12,), float32)``, bounds in the table: only what the firmware measures or estimates,
+    low-passed and divided by a fixed scale. "Ahead" means positive in the direction of motion.
 
     | Num | Observation    | Unit    | Value 1 is                         | Min  | Max |
     |-----|----------------|---------|------------------------------------|------|-----|
@@ -54,35 +56,35 @@ class BlendEnv(gymnasium.Env[Observation, Any]):
 
     **Reward**
     The sum of named terms, none above 0, each also in ``info``: torque_deviation, torque_ripple,
-    speed_deviation, angle, activity, injection (running costs, at most 0.1 per 1 ms together) and
-    lost_penalty (-40, once). ``sensorless.envs.reward`` has the formulas.
+    speed_deviation, angle, activity, injection (running costs, together at most 1.08 per 1 ms) and
+    lost_penalty (-1000, once). ``sensorless.envs.reward`` has the formulas.
 
     **Info**
     The terms, ``lost`` (bool), and ``privileged``: true quantities for a critic, see
     ``sensorless.envs.privileged``. A policy must not see them.
 
     **Start**
-    The next scenario of a stream that ``reset(seed=...)`` starts; a scenario is a profile of speed,
-    load and DC-link voltage, a starting point, and the mismatch between machine and controller. By
-    default `stress_scenarios`: all of it at random, from rest or on a spinning shaft.
-    ``reset(options={"scenario": s})`` takes a `Scenarios` of one row instead.
+    A scenario is a profile of speed, load and DC-link voltage, a starting point, and the mismatch
+    between machine and controller. ``reset(seed=...)`` starts a stream of scenarios, and every
+    reset takes the next one. By default they are `stress_scenarios`: everything at random, from
+    rest or on a spinning shaft. ``reset(options={"scenario": s})`` runs a `Scenarios` of one row.
 
     **End**
-    Terminated when lock is lost: angle error beyond 60 degrees for more than 10 ms, over-current,
-    or a state that is not finite. Truncated at the end of the scenario (2 s by default), after
-    ``max_episode_steps``, or when the sensored twin itself trips.
+    Terminated when lock is lost: an angle error beyond 60 degrees for more than 10 ms,
+    over-current, or a state that is not finite. Truncated at the end of the scenario (2 s by
+    default), after ``max_episode_steps``, or when the sensored twin itself trips.
 
     Parameters
     ----------
     render_mode : None
-        There is nothing to render; ``sensorless simulate`` draws.
+        There is nothing to render; use ``sensorless simulate`` for pictures.
     **settings
         Fields of `BlendSettings`: motor, design, scenarios, weights, decision_period [s] and
         max_episode_steps.
 
     Notes
     -----
-    Version 0. For many drives ``gymnasium.make_vec`` gives `BlendVectorEnv`, the same to the bit.
+    Version 0. ``gymnasium.make_vec`` gives `BlendVectorEnv`: many drives, the same to the bit.
     """
 
     def __init__(self, *, render_mode: None = None, **settings: Any) -> None:

@@ -1,4 +1,4 @@
-"""What a user sets or hands to the environments, and the checks on it."""
+"""What a user hands to the environments, and the checks on it."""
 
 import operator
 from collections.abc import Callable, Sequence
@@ -25,18 +25,18 @@ class BlendSettings:
     """What an environment simulates and rewards; the keywords of both environments."""
 
     motor: Motor | str | Path = "paper"
-    """Machine: shipped name, TOML file, or Motor."""
+    """Machine: the name of a shipped one, a TOML file, or a `Motor`."""
     design: DriveDesign = field(default_factory=DriveDesign)
     """Bandwidths of observers and control."""
     scenarios: Sampler = stress_scenarios
-    """Function (motor, seeds (n,)) to n scenarios, row i from seed i alone."""
+    """Function of (motor, seeds (n,)) that draws n scenarios, row i from seed i alone."""
     weights: RewardWeights = field(default_factory=RewardWeights)
-    """Reward."""
+    """Weights of the reward's terms."""
     decision_period: float = number(
         1e-3, "s", 1e-6, 1, "time between decisions, rounded to whole PWM periods"
     )
     max_episode_steps: int | None = None
-    """Decisions until truncation; None: the scenario's end."""
+    """Decisions until truncation; None: run to the scenario's end."""
 
     def __post_init__(self) -> None:
         """Check the numbers.
@@ -53,12 +53,12 @@ class BlendSettings:
 
 
 def checked_count(n: Any) -> int:
-    """Number of drives.
+    """Return the number of drives.
 
     Raises
     ------
     UserError
-        If it is not a whole number above 0.
+        It is not a whole number above 0.
     """
     if not _whole(n) or n < 1:
         raise UserError(f"num_envs: {n!r}; give a whole number above 0")
@@ -66,7 +66,7 @@ def checked_count(n: Any) -> int:
 
 
 def checked_seeds(seed: Any, n: int) -> list[int | None]:
-    """Seeds of n drives: s, s + 1, ... from one, or as they stand in a sequence of n.
+    """Return the seeds of n drives: s, s + 1, ... from one seed s, or those of a list of n.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def checked_seeds(seed: Any, n: int) -> list[int | None]:
 
 
 def checked_scenario(options: dict[str, Any] | None, n: int) -> Scenarios | None:
-    """The n scenarios in the options of a reset, if there are any.
+    """Return the n scenarios in the options of a reset, if there are any.
 
     Raises
     ------

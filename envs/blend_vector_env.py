@@ -32,20 +32,20 @@ def spaces() -> tuple[gymnasium.Space[Any], gymnasium.Space[Any]]:
 
 
 class BlendVectorEnv(VectorEnv[Observation, Any, Any]):
-    """``sensorless/Blend-v0`` for n drives; `BlendEnv` is its datasheet.
+    """``sensorless/Blend-v0`` for n drives; `BlendEnv` describes action, observation and reward.
 
-    With seed s, drive i is exactly the single environment with seed s + i, to the bit.
+    With seed s, drive i equals the single environment with seed s + i, to the bit.
 
-    Every step returns in ``info`` the terms of the reward (``reward.TERMS``), ``lost`` and
+    The ``info`` of a step has the terms of the reward (``reward.TERMS``), ``lost`` and
     ``privileged`` (n, N_PRIVILEGED), true quantities for a critic that no policy may see. Each key
-    has its mask ``_key`` of the drives it applies to, as in Gymnasium's own vector environments.
+    has a mask ``_key`` of the drives it applies to, as in Gymnasium's own vector environments.
 
     A drive whose episode ended begins its next scenario by itself, in one of two modes:
 
     - ``NEXT_STEP`` (default): in the following step, whose action it ignores and whose reward is 0.
-    - ``SAME_STEP``: at once. The observation is the new episode's first, as is ``privileged``; the
-      last of the old one are ``info["final_obs"]`` and ``info["final_info"]``. Terms and ``lost``
-      belong to the reward returned with them.
+    - ``SAME_STEP``: at once. Observation and ``privileged`` are the first of the new episode; the
+      last of the old one are in ``info["final_obs"]`` and ``info["final_info"]``. Terms and
+      ``lost`` belong to the reward returned with them.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class BlendVectorEnv(VectorEnv[Observation, Any, Any]):
     autoreset_mode : AutoresetMode or str
         ``"NextStep"`` or ``"SameStep"``.
     render_mode : None
-        There is nothing to render; ``sensorless simulate`` draws.
+        There is nothing to render; use ``sensorless simulate`` for pictures.
     **settings
         Fields of `BlendSettings`: motor, design, scenarios, weights, decision_period [s] and
         max_episode_steps.
@@ -90,10 +90,10 @@ class BlendVectorEnv(VectorEnv[Observation, Any, Any]):
         Parameters
         ----------
         seed : int, list or None
-            s seeds the drives with s, s + 1, ...; a list has one seed a drive. None goes on with
-            the streams there are.
+            s seeds the drives with s, s + 1, ...; a list has one seed per drive. With None the
+            streams continue.
         options : dict, optional
-            ``{"scenario": Scenarios}`` with one row a drive replaces the streams' own this time.
+            ``{"scenario": Scenarios}``, one row per drive, replaces the streams' next scenarios.
         """
         seeds = checked_seeds(seed, self.num_envs)
         scenario = checked_scenario(options, self.num_envs)
@@ -171,12 +171,12 @@ def _checked_mode(mode: AutoresetMode | str) -> AutoresetMode:
 
 
 def _masked(info: dict[str, Any], mask: Flags | None = None) -> dict[str, Any]:
-    """Info with Gymnasium's mask of the drives each key applies to; by default all."""
+    """Add Gymnasium's mask to each key of an info: the drives it applies to, by default all."""
     if mask is None:
         mask = np.ones(len(info["privileged"]), dtype=bool)
     return info | {f"_{name}": mask for name in info}
 
 
 def _first(seed: int | None, drawn: Any) -> int:
-    """The seed given, or one drawn."""
+    """Return the given seed, or the drawn one without it."""
     return int(drawn) if seed is None else seed

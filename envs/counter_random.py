@@ -1,4 +1,4 @@
-"""Random numbers as a pure function of (seed, column): the same for any batch they are drawn in."""
+"""Random numbers as a pure function of (seed, column), whatever batch they are drawn in."""
 
 from typing import Any
 

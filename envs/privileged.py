@@ -1,6 +1,6 @@
 """True quantities for a critic. No policy may see them: they are not part of the observation.
 
-Signed quantities are taken in the direction of motion, as in the observation.
+Quantities with a sign count as positive in the direction of motion, as in the observation.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ _TRUTH = {
         "theta_e_err_hfi", "30 degrees", "angle error of the injection estimator, mean"
     ),
     "err_smo": Privileged(
-        "theta_e_err_smo", "30 degrees", "angle error of the sliding-mode observer, mean"
+        "theta_e_err_smo", "30 degrees", "angle error of the observer (sliding-mode or flux), mean"
     ),
     "omega_m_dev": Privileged("omega_m_dev", "10 % of rated speed", "speed minus the twin's, mean"),
     "tau_dev": Privileged("tau_dev", "rated torque", "torque minus the twin's, mean"),
@@ -46,11 +46,11 @@ _TRUTH = {
     "omega_m": Privileged("omega_m", "rated speed", "true speed"),
     "u_dc": Privileged("u_dc", "10 % of nominal", "DC-link voltage minus the nominal one"),
     "err_count": Privileged(
-        "lost_count", "lost", "time the error has been beyond its limit over that allowed"
+        "lost_count", "lost", "time spent beyond the limit of the angle error, over that until lost"
     ),
 }
 MOVING = tuple(_TRUTH[name] for name in TRUTH_NAMES)
-"""What ``core/sim/truth.h`` reads."""
+"""What ``core/sim/truth.h`` reads from a running drive."""
 FIXED = (
     Privileged("R_s", "25 %", "plant's resistance over the controller's, minus 1"),
     Privileged("L_q_hat", "10 %", "observer's q inductance over its design value, minus 1"),

@@ -1,22 +1,22 @@
-r"""Reward: the negative of what a decision cost, as a sum of named terms.
+r"""Reward: the negative cost of a decision, as a sum of named terms.
 
 Running costs are integrated over time, so a return does not depend on the decision period. Each is
-brought to 0 ... 1: with v the root mean square over the decision and s its scale below,
+mapped to 0 ... 1: with v the root mean square over the decision and s its scale below,
 
     cost = v^2 / (v^2 + s^2)
 
 which is quadratic while small, as the metrics are, and cannot exceed 1 in a disturbance. Activity
-is v / (v + s) with v the movement of k_s; injection is the share of time. The angle costs nothing
-while its error is one that a loaded drive lives with, then the square of the way from there to lost
-lock: few scenarios are lost, many more come near, and these tell an agent where the danger is. So
-no decision costs more than ``RewardWeights.worst_running`` per 1 ms.
+is v / (v + s) with v the movement of k_s; injection is its share of the time. The angle costs
+nothing up to an error that a loaded drive lives with, and beyond it the square of the share of the
+way to lost lock: few scenarios are lost, but many come near, and those show an agent where the
+danger is. So no decision costs more than ``RewardWeights.worst_running`` per 1 ms.
 
-The weights are chosen so that, near good schedules, one percent less of torque deviation or of
-ripple gains roughly in the proportion in which it does in ``objective.OBJECTIVE``.
+The weights are chosen so that, near good schedules, torque deviation and ripple are worth about the
+same relative to each other as in ``objective.OBJECTIVE``.
 
-Losing lock ends an episode and with it all running costs. It must never pay to lose lock early: the
-penalty is above the worst running costs of 333 ms, and above those of a whole scenario of 2 s
-without the angle's, which only counts on the way to losing lock.
+Losing lock ends an episode and with it all running costs. It must never pay to lose lock early, so
+the penalty exceeds the worst running costs of 333 ms. It also exceeds those of a whole scenario of
+2 s without the angle's cost, which only counts on the way to losing lock.
 """
 
 import dataclasses
@@ -36,25 +36,25 @@ Term = NDArray[np.float32]
 INF = math.inf
 
 HORIZON_MS = 333.0
-"""Time whose worst running costs, the angle's included, the default penalty dominates [ms]."""
+"""The default penalty exceeds the worst running costs of this time, the angle's included [ms]."""
 
 SCALE_TORQUE = 0.20
-"""Torque deviation that costs half [rated torque]."""
+"""Torque deviation at which the cost is one half [rated torque]."""
 SCALE_RIPPLE = 0.02
-"""Torque ripple that costs half [rated torque]."""
+"""Torque ripple at which the cost is one half [rated torque]."""
 SCALE_SPEED = 0.05
-"""Speed deviation that costs half [rated speed]."""
+"""Speed deviation at which the cost is one half [rated speed]."""
 ANGLE_FREE = math.radians(20.0)
-"""Angle error that costs nothing yet [rad]: steady errors of a loaded drive are below it."""
+"""Largest angle error without cost [rad]; steady errors of a loaded drive are smaller."""
 ANGLE_LOST = math.radians(60.0)
-"""Angle error that costs all [rad]: beyond it, lock counts as lost."""
+"""Angle error at which the cost is one [rad]; beyond it, lock counts as lost."""
 SCALE_ACTIVITY = 0.05
-"""Movement of k_s in 1 ms that costs half."""
+"""Movement of k_s in 1 ms at which the cost is one half."""
 
 
 @dataclass(frozen=True)
 class RewardWeights:
-    """What each cost is worth at its worst."""
+    """Largest value of each cost."""
 
     torque_deviation: float = number(
         0.050, "1/ms", 0, INF, "torque minus the sensored twin's, without the injection band"
@@ -89,7 +89,7 @@ class RewardWeights:
 
 
 TERMS = (*(f.name for f in dataclasses.fields(RewardWeights) if f.name != "lost"), "lost_penalty")
-"""Names of the terms, in the order in which they are added up."""
+"""Names of the terms, in the order in which they are added."""
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -111,7 +111,7 @@ def terms(
     Returns
     -------
     dict of str to array of float32, shape (n,)
-        One array a name of ``TERMS``, none above 0; the reward is their sum.
+        One array per name of ``TERMS``, none above 0; the reward is their sum.
     """
     n = sums["n"]
     x = np.empty((5, len(n)), dtype=np.float32)
@@ -122,7 +122,7 @@ def terms(
     np.subtract(sums["tau_max"], sums["tau_min"], out=x[4])
     x[:4] /= np.maximum(n, np.float32(1.0))
     x[3:] *= x[3:]
-    np.fmin(x, np.float32(1e12), out=x)  # also turns NaN of a broken state into a number
+    np.fmin(x, np.float32(1e12), out=x)  # also replaces the NaN of a broken state by a number
 
     weight, scale, ms = _constants(weights, motor)
     above = (np.sqrt(x[1]) - ANGLE_FREE) / (ANGLE_LOST - ANGLE_FREE)
@@ -144,7 +144,7 @@ def terms(
 
 
 def total(parts: dict[str, Term]) -> Term:
-    """Reward: the terms added up in the order of ``TERMS``."""
+    """Reward: the sum of the terms, added in the order of ``TERMS``."""
     reward = parts[TERMS[0]] + parts[TERMS[1]]
     for name in TERMS[2:]:
         reward += parts[name]
@@ -155,7 +155,7 @@ def total(parts: dict[str, Term]) -> Term:
 def _constants(weights: RewardWeights, motor: Motor) -> tuple[Array, Array, np.float32]:
     """Negative weights and scales of the rows of x in `terms`, both (5, 1), and a period in ms.
 
-    A swing from peak to peak of a sine is sqrt(8) times its root mean square.
+    The peak-to-peak swing of a sine is sqrt(8) times its root mean square.
     """
     ms = 1e3 * motor.T_s
     rows = (

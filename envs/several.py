@@ -1,4 +1,4 @@
-"""Vector environments of different machines side by side as one."""
+"""Vector environments of different machines joined into one."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -17,8 +17,8 @@ FINAL = ("final_obs", "_final_obs", "final_info", "_final_info")
 class SeveralMachines(VectorEnv[Observation, Any, Any]):
     """Drives of the first environment, then those of the second, and so on.
 
-    Each row is what its own environment returns, to the bit. Sixteen drives of a machine, or a
-    multiple of that, use the core best.
+    Each row is what its own environment returns, to the bit. The core is fastest with a multiple of
+    sixteen drives per machine.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class SeveralMachines(VectorEnv[Observation, Any, Any]):
     Raises
     ------
     UserError
-        No environment, or one that restarts episodes in any other mode.
+        There is no environment, or one with another autoreset mode.
     """
 
     def __init__(self, envs: Sequence[BlendVectorEnv]) -> None:
@@ -89,7 +89,7 @@ class SeveralMachines(VectorEnv[Observation, Any, Any]):
 
 
 def _joined(infos: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Infos of all environments as one, with what ended where any did."""
+    """Join the infos of all environments, with final observations if any episode ended."""
     now = [{name: x for name, x in info.items() if name not in FINAL} for info in infos]
     joined: dict[str, Any] = {name: np.concatenate([info[name] for info in now]) for name in now[0]}
     if any("final_obs" in info for info in infos):
@@ -101,7 +101,7 @@ def _joined(infos: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _nothing_ended(info: dict[str, Any]) -> dict[str, Any]:
-    """What ended where no episode did: every mask is false."""
+    """Final observations of an environment where no episode ended: every mask is false."""
     none = np.zeros(len(info["lost"]), dtype=bool)
     final = {name: none if name.startswith("_") else x for name, x in info.items()}
     return {"final_obs": np.full(len(none), None, dtype=object), "_final_obs": none,

@@ -1,8 +1,8 @@
-"""The observation: one table of its components, read by the environment, the exporter and the docs.
+"""The observation: one table of its components for the environment, the exporter and the docs.
 
 The values come from ``core/drive/signals.h``, which also runs on the target; each is a quantity
 that the firmware measures or estimates, divided by a fixed scale of the machine. Quantities with a
-sign are taken in the direction of motion, so that both directions of rotation look the same.
+sign count as positive in the direction of motion, so both directions of rotation look the same.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ SIGNALS = (
     Signal("torque_current", "A", "rated current, peak", -4, 4,
            "measured q current; positive when motoring"),
     Signal("disagreement", "rad", "30 degrees", -6, 6,
-           "angle of the injection estimator minus that of the sliding-mode observer"),
+           "angle of the injection estimator minus that of the observer"),
     Signal("acceleration", "rad/s^2", "rated electrical speed in 1 s", -200, 200,
            "slope of the estimated speed"),
     Signal("speed_error", "rad/s", "rated electrical speed", -6, 6,
@@ -50,9 +50,9 @@ SIGNALS = (
     Signal("hfi_residual", "1", "0.5", 0, 4,
            "RMS of the injection estimator's error signal"),
     Signal("smo_residual", "1", "0.5", 0, 4,
-           "RMS of the sliding-mode estimator's error signal"),
+           "RMS of the observer's error signal"),
     Signal("voltage", "V", "voltage limit", 0, 20,
-           "voltage that the current control wants"),
+           "voltage that the current controller asks for"),
 )  # fmt: skip
 N_SIGNALS = len(SIGNALS)
 

@@ -1,4 +1,4 @@
-"""A grid of speed and load, for the map of what holds lock."""
+"""A grid of speed and load, for the map of where a policy holds lock."""
 
 import numpy as np
 from numpy.typing import NDArray

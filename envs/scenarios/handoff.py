@@ -14,10 +14,12 @@ Indices = NDArray[np.int64]
 
 
 def handoff_scenarios(motor: Motor, seeds: Seeds, indices: Indices, _: int) -> Scenarios:
-    """Crossings of the hand-over band, one family after the other; noise differs by seed.
+    """Crossings of the hand-over band, one kind after the other; the seed draws the noise.
 
-    Up, dwell at the band's centre with a load step, and down again at three ramps, motoring and
-    regenerating 0 to 100 %; reversals through zero; load steps at standstill; fast decelerations.
+    The hand-over band is the range of speeds where the lead passes from one estimator to the other.
+    The drive crosses it upwards, dwells at its centre with a load step, and returns, at three ramps
+    and 0 to 100 % of rated torque, motoring and regenerating. Then come reversals through zero,
+    load steps at standstill and fast decelerations.
     """
     s = Scenarios.nominal(motor, seeds, 3.0)
     base = motor.n_rated_rpm * RPM_TO_RAD_S

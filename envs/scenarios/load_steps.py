@@ -1,4 +1,4 @@
-"""Loads that come and go at once, and stops under load: ``impact``, ``stop`` and ``unload``."""
+"""Loads that come and go suddenly, and stops under load: ``impact``, ``stop`` and ``unload``."""
 
 import numpy as np
 from numpy.typing import NDArray

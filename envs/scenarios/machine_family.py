@@ -1,7 +1,7 @@
-"""Random interior-magnet machines to train on: consistent, and none of the shipped ones.
+"""Random interior-magnet machines to train on: each consistent, none a shipped one.
 
 A machine is drawn in per-unit values of its own rated current, speed and voltage, u_dc / sqrt(3),
-from ``RANGES``. One that contradicts itself is drawn again, see ``_objection``.
+from ``RANGES``. A machine that contradicts itself is drawn again, see ``_objection``.
 """
 
 import hashlib
@@ -20,15 +20,15 @@ from sensorless.machine.motor import Motor
 from sensorless.units import RPM_TO_RAD_S
 
 NAME = "ipmsm-1"
-"""Of these ranges and checks; another draw needs another name."""
+"""Name of these ranges and checks; if they change, the name has to change."""
 
 MOST_MACHINES = 256
-"""Machines of a family at most."""
+"""Largest number of machines of a family."""
 
 
 @dataclass(frozen=True)
 class Range:
-    """Bounds of one number, and why they are where they are."""
+    """Bounds of one number, and the reason for them."""
 
     low: float
     high: float
@@ -128,7 +128,7 @@ def _drawn(name: str, d: Draws) -> Motor | None:
 
 
 def _number(d: Draws, r: Range) -> float:
-    """One number as a data sheet would have it."""
+    """Draw one number, rounded as on a data sheet."""
     if r.log:
         return _rounded(float(np.exp(d.uniform(math.log(r.low), math.log(r.high)))[0]))
     return _rounded(float(d.uniform(r.low, r.high)[0]))
@@ -164,7 +164,7 @@ def _line(motor: Motor) -> tuple[Floats, Floats]:
 
 
 def _objection(motor: Motor) -> str | None:
-    """What is wrong with a machine; limits are those of machines that drives are sold for."""
+    """Say what is wrong with a machine, by the limits of machines that drives are sold for."""
     if motor.u_inj > motor.u_dc / 5.0:
         return "injection takes more than a fifth of the DC link"
     line, tau = _line(motor)

@@ -1,4 +1,4 @@
-"""What a schedule is made on: the one machine asked for, or random ones."""
+"""What a schedule is trained or tuned on: one machine, or random ones."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,16 +13,16 @@ class Machines:
 
     motors: tuple[Motor, ...]
     seed: int | None
-    """Of the family; none for the one machine."""
+    """Seed of the family; None for a single machine."""
 
     @classmethod
     def of(cls, motor: Motor, n: int, seed: int) -> "Machines":
-        """n random machines of a seed, or the motor if n is 0; errors as in ``family``."""
+        """Return n random machines of a seed, or the motor if n is 0; errors as in ``family``."""
         return cls(family(seed, n), seed) if n else cls((motor,), None)
 
     @property
     def name(self) -> str:
-        """What a person calls them."""
+        """Name for people."""
         if self.seed is None:
             return self.motors[0].name
         return f"{len(self.motors)} machines of {NAME}, seed {self.seed}"
@@ -33,7 +33,7 @@ class Machines:
         return self.motors[0].digest if self.seed is None else family_digest(self.motors)
 
     def origin(self) -> dict[str, Any]:
-        """What a schedule says about them. One of several machines names none as its own."""
+        """What a schedule records about them; one from several machines names no motor digest."""
         if self.seed is None:
             return {"motor": self.name, "motor_digest": self.digest}
         facts = {"family": NAME, "seed": self.seed, "n": len(self.motors), "digest": self.digest}

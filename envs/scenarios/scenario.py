@@ -29,7 +29,7 @@ and by default the estimators are bounded there too."""
 class Scenarios:
     """A batch of n scenarios; every field has n rows. Speeds are mechanical, torques in N m.
 
-    Profile arrays have ``PROFILE_N`` columns, one a segment; a segment whose ``t`` is infinite
+    Profile arrays have ``PROFILE_N`` columns, one per segment; a segment whose ``t`` is infinite
     never starts. Each quantity runs to its target with its own rate (infinite: a step).
     """
 
@@ -152,14 +152,15 @@ class SimFactory:
         twin: bool = True,
         estimator: str | None = None,
     ) -> Array:
-        """Drives at the start of their scenarios, array of ``SIM`` with shape (n,).
+        """Drives at the start of their scenarios, an array of ``SIM`` with shape (n,).
 
-        ``estimator`` takes the place of the design's own, if given.
+        ``estimator``, if given, replaces the design's.
 
         Raises
         ------
         UserError
-            A start from an unknown angle on a machine whose poles saturation cannot tell apart.
+            A start from an unknown angle, on a machine whose saturation does not tell its poles
+            apart.
         """
         motor = self.motor
         if np.any(s.seek) and not knows_poles(motor):
@@ -198,7 +199,7 @@ class SimFactory:
 
 
 def _fill_profile(profile: Array, s: Scenarios, motor: Motor) -> None:
-    """Scenario rows in SI units to ``profile_t`` in periods and electrical speed."""
+    """Convert scenarios in SI units to ``profile_t`` in periods and electrical speed."""
     n_p, T_s, top = motor.n_p, motor.T_s, np.float32(1e9)
     periods = np.where(np.isfinite(s.t), np.rint(np.where(np.isfinite(s.t), s.t, 0.0) / T_s), NEVER)
     profile["start"] = periods.astype(np.int64).clip(0, NEVER)

@@ -19,13 +19,13 @@ def starts_scenarios(
 ) -> Scenarios:
     """The rotor at any angle; every second row has its first estimate 180 degrees off.
 
-    Eight rows in turn, two of each: at rest without load; at rest with a load of up to half of
-    rated torque in either direction, which moves the shaft until the drive knows its rotor; at rest
-    with a load as large that only resists; on a shaft that spins at any speed within the rated one,
-    with such an active load. From 0.1 s on the speed runs to a target of 10 to 40 % of rated in
-    either direction, on a ramp of 30 % of rated torque. The first estimate is up to 90 degrees off,
-    or that and half a turn. Inertia, magnet, resistance, dead time and sensors are as uncertain as
-    in ``stress``.
+    Eight rows in turn, two of each kind: at rest without load; at rest with a load of up to half
+    the rated torque in either direction, which moves the shaft until the drive knows its rotor; at
+    rest with an equally large load that only resists, like friction; and on a shaft that spins at
+    up to rated speed, with a load that drives the shaft. From 0.1 s on the speed runs to a target
+    of 10 to 40 % of rated in either direction, on a ramp of 30 % of rated torque. The first
+    estimate is up to 90 degrees off, in every second row plus half a turn. Inertia, magnet,
+    resistance, dead time and sensors are as uncertain as in ``stress``.
     """
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, 1.2)

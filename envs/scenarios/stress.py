@@ -56,7 +56,7 @@ def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
 
 
 def _lay_out(s: Scenarios, events: tuple[tuple[str, Floats, Floats], ...]) -> None:
-    """Sort events (what, when, target) of every row in time and fill the profile's segments."""
+    """Sort the events (what, when, target) of every row by time and fill the profile's segments."""
     times = np.stack([when for _, when, _ in events], axis=-1)
     order = np.argsort(times, axis=-1, kind="stable")
     rows = np.arange(len(s))

@@ -1,6 +1,6 @@
-"""Named sets of scenarios, each a function of name, seed and size alone.
+"""Suites: named sets of scenarios, each a function of name, seed and size alone.
 
-A scenario is a function of these and of its own index, so any part of a set can be drawn anywhere.
+A scenario depends on these and on its own index only, so any part of a suite can be drawn anywhere.
 """
 
 import dataclasses
@@ -26,7 +26,7 @@ from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 
 ROLES = {"train": 1, "tune": 2, "test": 3}
-"""Seeds of training, tuning and judging never meet."""
+"""Keeps the seeds of training, tuning and judging apart."""
 
 
 Indices = NDArray[np.int64]
@@ -34,7 +34,7 @@ Indices = NDArray[np.int64]
 
 @dataclasses.dataclass(frozen=True)
 class SuiteRows:
-    """Scenarios of a suite that are not drawn yet: a few numbers, however many there are.
+    """Scenarios of a suite that are not drawn yet: a few numbers, however large the suite.
 
     Parameters
     ----------
@@ -44,9 +44,9 @@ class SuiteRows:
     suite_seed : int
         0 to 2^63 - 1; another seed draws other scenarios.
     size : int
-        Number of scenarios in the suite; for ``envelope``, a grid, a square number.
+        Number of scenarios in the suite; a square number for ``envelope``, which is a grid.
     role : str
-        ``train``, ``tune`` or ``test``: keeps the three apart whatever the seeds.
+        ``train``, ``tune`` or ``test``; different roles never share a scenario.
     rows : range, optional
         Indices of the scenarios; default: all.
 
@@ -81,7 +81,7 @@ class SuiteRows:
         return len(self._range)
 
     def __getitem__(self, rows: slice) -> "SuiteRows":
-        """Some of them."""
+        """Return some of the scenarios."""
         return dataclasses.replace(self, rows=self._range[rows])
 
     @property
@@ -94,15 +94,15 @@ class SuiteRows:
         return combine(ROLES[self.role], self.suite_seed, np.asarray(self._range))
 
     def draw(self) -> Scenarios:
-        """Scenarios themselves."""
+        """Draw the scenarios."""
         return SUITES[self.name](self.motor, self.seed, np.asarray(self._range), self.size)
 
 
 def motors_scenarios(motor: Motor, seeds: Seeds, indices: Indices, size: int) -> Scenarios:
     """``handoff`` (even rows) and ``stress`` (odd rows), for machines that training never saw.
 
-    All of a scenario is relative to the machine's own numbers: run it once for each of the shipped
-    machines but the one that was trained on.
+    Every scenario is relative to the machine's own numbers: run the suite once for each shipped
+    machine except the one that was trained on.
     """
     s = stress_scenarios(motor, seeds)
     even = indices % 2 == 0
@@ -129,7 +129,7 @@ SUITES: dict[str, Callable[[Motor, Seeds, Indices, int], Scenarios]] = {
     "motors": motors_scenarios,
     "starts": starts_scenarios,
 }
-"""From motor, seeds (n,), indices (n,) and the suite's size to n scenarios."""
+"""Functions of motor, seeds (n,), indices (n,) and the suite's size that draw n scenarios."""
 
 
 def suite(name: str, motor: Motor, seed: int, size: int, role: str = "test") -> Scenarios:
@@ -138,8 +138,8 @@ def suite(name: str, motor: Motor, seed: int, size: int, role: str = "test") -> 
 
 
 def scenario_word(name: str, seed: int, index: int, size: int) -> str:
-    """SUITE:SEED:INDEX[:SIZE], which names one scenario of a suite for ``sensorless simulate``.
+    """Return SUITE:SEED:INDEX[:SIZE], which names a scenario for ``sensorless simulate``.
 
-    The size is there only where a scenario depends on it: in the grid of ``envelope``.
+    The size stands only where a scenario depends on it: in the grid of ``envelope``.
     """
     return f"{name}:{seed}:{index}" + (f":{size}" if name == "envelope" else "")

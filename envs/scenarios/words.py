@@ -1,4 +1,4 @@
-"""A scenario from words: one of a suite, or plans of speed and load."""
+"""A scenario from words of the command line: one of a suite, or plans of speed and load."""
 
 import re
 
@@ -14,12 +14,13 @@ from sensorless.units import RPM_TO_RAD_S
 
 
 def scenario_from(word: str, motor: Motor) -> Scenarios:
-    """One scenario from SUITE:SEED:INDEX[:SIZE], as an evaluation lists it.
+    """Return one scenario from SUITE:SEED:INDEX[:SIZE], as an evaluation lists it.
 
     Raises
     ------
     UserError
-        Not of that form, no such suite, or a size where none is needed or none where it is.
+        The word has another form, names no suite, lacks a size that the suite needs, or has an
+        index beyond its size.
     """
     match = re.fullmatch(r"([a-z][a-z0-9-]*):(\d+):(\d+)(?::(\d+))?", word)
     if match is None:
@@ -47,16 +48,16 @@ def plan_from(
     theta_err: float = 0.0,
     spin: float = 0.0,
 ) -> Scenarios:
-    """One scenario from plans of speed [r/min] and load [N m].
+    """Return one scenario from plans of speed [r/min] and load [N m].
 
     Parameters
     ----------
     speed, load : str
-        ``TIME:VALUE`` words with commas between, in order of time [s].
+        ``TIME:VALUE,TIME:VALUE,...`` in order of time [s].
     ramp : float, optional
-        Slope of the speed reference [r/min/s]; none: steps.
+        Slope of the speed reference [r/min/s]; without it the reference steps.
     duration : float
-        [s]
+        Length [s].
     start : bool
         The drive has to find its rotor first.
     theta_err : float

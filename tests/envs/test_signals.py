@@ -1,11 +1,15 @@
+import re
+
 import numpy as np
 
 from sensorless.core.api import SIGNAL_NAMES, sim_run
 from sensorless.design.drive import DriveDesign
+from sensorless.envs import reward
 from sensorless.envs.blend_env import BlendEnv
 from sensorless.envs.counter_random import combine
-from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.reward import HORIZON_MS, TERMS, RewardWeights
+from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, LOST_TIME, SimFactory
+from sensorless.envs.scenarios.stress import DURATION, stress_scenarios
 from sensorless.envs.signals import HIGH, LOW, N_SIGNALS, SIGNALS, bounded
 from sensorless.machine.motor import Motor
 
@@ -23,6 +27,25 @@ def test_datasheet_lists_every_signal() -> None:
         (i, s.name, s.unit, s.low, s.high) for i, s in enumerate(SIGNALS)
     ]
     assert all(c[3].startswith(s.scale) for c, s in zip(cells, SIGNALS, strict=True))
+
+
+def test_datasheet_states_the_figures_of_the_code() -> None:
+    """Reward bounds, penalty, limits and sizes that the text of the environment names."""
+    text = " ".join(str(BlendEnv.__doc__).split())
+    weights = RewardWeights()
+    (bound,) = re.findall(r"together at most ([\d.]+) per 1 ms", text)
+    assert weights.worst_running <= float(bound) < weights.worst_running + 0.01
+    assert f"lost_penalty (-{weights.lost:g}, once)" in text
+    assert all(name in text for name in TERMS)
+    assert f"``Box(({N_SIGNALS},), float32)``" in text
+    lost = f"beyond {LOST_ANGLE_DEG:g} degrees for more than {1e3 * LOST_TIME:g} ms"
+    assert lost in text and f"({DURATION:g} s by default)" in text
+
+
+def test_reward_states_the_figures_of_the_code() -> None:
+    text = " ".join(str(reward.__doc__).split())
+    assert f"worst running costs of {HORIZON_MS:g} ms" in text
+    assert f"whole scenario of {DURATION:g} s" in text
 
 
 def test_signals_of_living_drives_stay_inside_the_bounds() -> None:
