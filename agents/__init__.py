@@ -1,1 +1,1 @@
-"""The policy as an interpolation table, and its training with PPO."""
+"""Policies that learn, an interpolation table or a small network, and their training with PPO."""

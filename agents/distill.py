@@ -1,7 +1,7 @@
-"""A network as a table: fitted on the states that the table itself visits (DAgger).
+"""Turns a network into a table, fitted on the states that the table itself visits (DAgger).
 
-The first round runs the network and fits a table to its decisions; every later one runs the table
-of the last round on new scenarios, asks the network what it would have done, and fits to all
+The first round runs the network and fits a table to its decisions. Every later round runs the last
+table on new scenarios, asks the network what it would have decided there, and fits a table to all
 samples so far (Ross et al. 2011, arXiv 1011.0686).
 """
 
@@ -25,7 +25,7 @@ from sensorless.policy import Policy, Signals, TablePolicy
 from sensorless.table.ks_table import Axis, KsTable
 
 STRIDE = 5
-"""Decisions from one sample of a drive to the next."""
+"""Decisions between two samples of a drive."""
 
 Progress = Callable[[int, float, Cost], None]
 """Called after a round with its number, the RMS difference of k_s and the table's cost."""
@@ -33,15 +33,15 @@ Progress = Callable[[int, float, Cost], None]
 
 @dataclass(frozen=True)
 class Distilled:
-    """A table, and what it lost."""
+    """A table, and how far it falls short of the network."""
 
     table: KsTable
     rms: float
-    """RMS of k_s minus the network's, on states that the table visits in scenarios that it was not
-    fitted on"""
+    """RMS difference between the table's k_s and the network's, in states that the table visits in
+    scenarios it was not fitted on."""
     network: Cost
     cost: Cost
-    """Both on the scenarios of validation."""
+    """Cost of the table; both costs on the scenarios of validation."""
 
     def facts(self) -> dict[str, Any]:
         """Fidelity as JSON types."""
@@ -53,7 +53,7 @@ class Distilled:
 
 
 class _Taught:
-    """Runs one policy and asks the teacher about what it sees."""
+    """Runs one policy and asks the teacher what it would decide in the same states."""
 
     sensored = False
     privileged = True
@@ -64,7 +64,7 @@ class _Taught:
         self._count, self._sum, self._n = 0, 0.0, 0
 
     def reset(self, n: int) -> None:
-        """Begin with sampling anew."""
+        """Restart policy and sampling."""
         self._policy.reset(n)
         self._count = 0
 
@@ -73,7 +73,7 @@ class _Taught:
         return self._policy.act(obs)
 
     def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
-        """Weights of the policy; only looks at ``sims`` to leave out drives at their end."""
+        """Weights of the policy; ``sims`` only serves to leave out drives at their end."""
         k_s = self._policy.act(obs)
         if self._count % STRIDE == 0:
             moving = (sims["lost"] == 0) & (sims["k"] < sims["k_end"])
@@ -108,17 +108,17 @@ def distill(
     Parameters
     ----------
     axes : tuple of Axis
-        Of the table.
+        Axes of the table.
     factory : SimFactory
         Machine and design.
     rounds : int
-        Fits; the table of the round that validates best is taken.
+        Number of fits; the table that validates best is kept.
     size : int
-        Stress scenarios of a round, role ``train``.
+        Stress scenarios per round, role ``train``.
     smoothness : float
         See ``TableFit``.
     validate_size : int
-        Stress scenarios that network and tables are judged on, role ``tune``.
+        Stress scenarios on which network and tables are judged, role ``tune``.
     """
     fit = TableFit(axes, smoothness)
     running: Policy = teacher
@@ -147,7 +147,7 @@ def _visit(
     number: int,
     size: int,
 ) -> float:
-    """Run a policy on the scenarios of a round; RMS difference to the teacher."""
+    """Run a policy on the scenarios of a round; return the RMS difference to the teacher."""
     taught = _Taught(policy, teacher, fit)
     drawn = int(combine(seed, number)[0]) >> 1
     for _ in rollouts(taught, suite("stress", factory.motor, drawn, size, "train"), factory):

@@ -1,4 +1,4 @@
-"""A trained schedule from its run folder: no pickle, no torch."""
+"""Loads a trained schedule from its run folder, without pickle or torch."""
 
 import json
 from pathlib import Path
@@ -14,14 +14,15 @@ TABLE, MLP, CONFIG = "table.json", "mlp.npz", "config.json"
 
 
 def load_run(folder: str | Path, motor: Motor) -> TablePolicy | MlpSchedule:
-    """Policy of a run folder, on the estimator and for the machine it was trained on.
+    """Return the policy of a run folder; it runs on the estimator that it was trained on.
 
-    One that was trained on random machines is for any.
+    A schedule trained on one machine runs on that machine only, one trained on random machines runs
+    on any.
 
     Raises
     ------
     UserError
-        No schedule in the folder, a damaged file, or one of another machine.
+        The folder has no schedule, a file is damaged, or the schedule is for another machine.
     """
     path, name = Path(folder), Path(folder).resolve().name
     policy: TablePolicy | MlpSchedule
@@ -46,7 +47,7 @@ def load_run(folder: str | Path, motor: Motor) -> TablePolicy | MlpSchedule:
 
 
 def _config(folder: Path) -> dict[str, Any]:
-    """What a run was made with; nothing if it has no such file."""
+    """Settings of a run; empty if it has no such file."""
     path = folder / CONFIG
     try:
         data = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}

@@ -1,12 +1,12 @@
 """Environments in pairs: the same scenario and sensor noise, opposite exploration.
 
-What scenarios cost differs far more from one to the next than anything a schedule can change, so a
-return alone says little about an action. Between the two of a pair all of that cancels out.
+The cost of scenarios differs far more from one to the next than a schedule can change it, so a
+return alone says little about an action. Within a pair these differences cancel.
 
-Exploration persists over a rollout (``NodeNoise``), so a rollout is one decision, and what it gains
-counts as a whole for each of its steps. Reward to go, as usual in PPO, would credit late steps with
-the after-effects of the same noise in early ones: it has the wrong sign where an angle that helps
-at once costs torque later.
+Exploration persists over a rollout (``NodeNoise``), so a rollout is one decision, and its whole
+gain counts for each of its steps. Reward to go, the usual choice in PPO, would credit late steps
+with the after-effects of the same noise in early ones: it has the wrong sign where an angle that
+helps at once costs torque later.
 """
 
 from typing import Any
@@ -18,27 +18,27 @@ from stable_baselines3.common.buffers import RolloutBuffer
 
 
 def paired_seeds(first: int, n: int) -> list[int]:
-    """Seeds of n environments: 2 i and 2 i + 1 are partners and share one."""
+    """Seeds of n environments: 2 i and 2 i + 1 are partners and share a seed."""
     return [first + i // 2 for i in range(n)]
 
 
 def opposite(z: torch.Tensor) -> torch.Tensor:
-    """Noise (2 n, ...) of pairs from that of the first of each (n, ...)."""
+    """Noise (2 n, ...) of n pairs from the noise (n, ...) of the first of each."""
     return torch.stack((z, -z), dim=1).flatten(0, 1)
 
 
 class PairedRolloutBuffer(RolloutBuffer):
-    """Advantage of a rollout less that of the partner's, halved, at every step of it.
+    """Advantage at every step of a rollout: half of its own minus half of its partner's.
 
-    With gae_lambda = 1 that of a rollout is what it earned plus the critic's value of its end less
-    that of its beginning. From the first step at which one of a pair begins anew, the two have
-    nothing in common any more: advantage 0.
+    With gae_lambda = 1, a rollout's own advantage is what it earned plus the critic's value of its
+    end minus that of its beginning. Once one of a pair begins a new episode, the two have nothing
+    in common any more, and the advantage is 0.
     """
 
     def compute_returns_and_advantage(
         self, last_values: torch.Tensor, dones: NDArray[np.bool_]
     ) -> None:
-        """Set advantages; the returns, for the critic, stay each environment's own."""
+        """Set the advantages; the returns, which the critic learns, stay each environment's own."""
         super().compute_returns_and_advantage(last_values, dones)
         first, second = self.advantages[0, 0::2], self.advantages[0, 1::2]
         begun = np.cumsum(self.episode_starts[1:], axis=0) > 0.0

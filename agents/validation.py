@@ -1,4 +1,4 @@
-"""The objective of training, on scenarios that neither training nor judging uses."""
+"""Cost of a policy on scenarios that neither training nor judging uses."""
 
 from collections.abc import Sequence
 from dataclasses import astuple
@@ -28,7 +28,7 @@ def validate(policy: Policy, factory: SimFactory, size: int, seed: int = 0) -> C
 
 
 def validate_all(policy: Policy, factories: Sequence[SimFactory], size: int) -> Cost:
-    """Mean cost over machines that share ``size`` scenarios, rounded up; each has its own."""
+    """Mean cost over machines that divide ``size`` scenarios among them, rounded up."""
     share = -(-size // len(factories))
     costs = [validate(policy, factory, share, seed) for seed, factory in enumerate(factories)]
     return Cost(*(float(np.mean(part)) for part in zip(*map(astuple, costs), strict=True)))

@@ -1,4 +1,4 @@
-"""Actor and critic for PPO with a network as the actor: a bound for what a table may lose."""
+"""Actor and critic for PPO with a network as the actor: what a table is measured against."""
 
 from collections.abc import Callable
 from typing import Any
@@ -20,7 +20,7 @@ from sensorless.table.ks_table import KsTable
 class SplitExtractor(nn.Module):
     """Two hidden layers for the actor, over the signals, and two for the critic, over all columns.
 
-    The actor's features carry the start's action in one more column.
+    The actor's features have one more column: the action of the start table.
     """
 
     scale: Tensor
@@ -29,7 +29,9 @@ class SplitExtractor(nn.Module):
         super().__init__()
         self.latent_dim_pi = self.latent_dim_vf = hidden
         self.actor, self.critic = _hidden(SIGNAL_N, hidden), _hidden(columns, hidden)
-        self._start = [start]  # in a list: its nodes are no parameters of this module
+        self._start = [
+            start
+        ]  # in a list, so that its nodes do not become parameters of this module
         self.register_buffer("scale", torch.tensor(SCALE), persistent=False)
 
     def forward(self, features: Tensor) -> tuple[Tensor, Tensor]:
@@ -51,19 +53,19 @@ class SplitExtractor(nn.Module):
 
 
 class MlpActorCritic(ActorCriticPolicy):
-    """Mean action: the start's plus a network of the signals, which is zero before training.
+    """Mean action: that of the start table plus a network of the signals, zero before training.
 
-    Exploration is SB3's gSDE on the actor's last hidden layer; it persists over a rollout. Columns
-    behind the signals (the truth: privileged) reach the critic only.
+    Exploration is SB3's gSDE on the actor's last hidden layer and persists over a rollout. Columns
+    behind the signals hold the truth (``privileged``) and reach the critic only.
 
     Parameters
     ----------
     table : KsTable
-        Start of the actor.
+        Schedule that the actor starts as.
     noise : float
-        Standard deviation of the exploration in k_s at the start, about.
+        Approximate standard deviation of the exploration in k_s at the start.
     value_scale : float
-        Size of a typical return: the critic's network works in units of it.
+        Size of a typical return, the unit of the critic's network.
     hidden : int
         Width of the layers.
     """
@@ -82,7 +84,7 @@ class MlpActorCritic(ActorCriticPolicy):
     ) -> None:
         self._table, self._scale, self._hidden = table, value_scale, hidden
         self.learn_actor = True
-        # gSDE adds up `hidden` tanh units of about 0.3 RMS, each with a noise of its own.
+        # gSDE adds `hidden` tanh units of about 0.3 RMS, each with its own noise.
         log_std = float(torch.log(torch.tensor(2.0 * noise / (0.3 * hidden**0.5))))
         super().__init__(
             observation_space, action_space, lr_schedule, use_sde=use_sde, log_std_init=log_std
@@ -102,7 +104,7 @@ class MlpActorCritic(ActorCriticPolicy):
         self.optimizer.register_step_pre_hook(self._before_step)
 
     def reset_noise(self, n_envs: int = 1) -> None:
-        """Draw the noise of the next rollout, opposite in the two of a pair."""
+        """Draw the noise of the next rollout, opposite in the two environments of a pair."""
         super().reset_noise(n_envs)
         noise: Any = self.action_dist
         half = noise.exploration_matrices[: (n_envs + 1) // 2]
@@ -128,7 +130,7 @@ class MlpActorCritic(ActorCriticPolicy):
         return [self._lr]
 
     def vector(self) -> Tensor:
-        """All numbers of the actor, a copy."""
+        """Copy of all numbers of the actor."""
         return torch.cat([p.detach().reshape(-1) for p in self._actor()])
 
     def schedule(self, vector: Tensor) -> MlpSchedule:

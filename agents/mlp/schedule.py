@@ -1,4 +1,4 @@
-"""A schedule that is a small network over all signals, run with numpy; its file has no pickle."""
+"""A schedule that is a small network over all signals; runs in NumPy, its file needs no pickle."""
 
 import json
 import zipfile
@@ -18,15 +18,15 @@ from sensorless.table.ks_table import KsTable
 Floats = NDArray[np.float32]
 
 BOUND = 3.0
-"""The network sees signals clipped to +-BOUND ..."""
+"""The network sees signals multiplied by SCALE and clipped to +-BOUND."""
 SCALE: Floats = np.array([0.1 if n == "acceleration" else 1.0 for n in SIGNAL_NAMES], np.float32)
-"""... after these factors."""
+"""Factors of the signals; see BOUND."""
 MARGIN = 0.02
-"""How far beyond [0, 1] the start's 0 and 1 lie before the network moves them: small jitter of the
+"""How far beyond [0, 1] a start of 0 or 1 lies before the network moves it: small jitter of the
 network must not turn the injection on."""
 ROWS = 32
-"""Rows of a matrix product: always the same, so that a row's bits do not depend on the others, and
-few, so that the library does not spread it over threads."""
+"""Rows of a matrix product: always as many, so that a row's bits do not depend on the others, and
+few, so that the library does not split the product over threads."""
 LAYERS = ("w0", "b0", "w1", "b1", "w2", "b2")
 """Names of the arrays: weights (inputs, outputs) and biases of two hidden layers and the output."""
 
@@ -42,7 +42,7 @@ class MlpSchedule:
     layers : mapping
         Arrays of ``LAYERS``, float32.
     provenance : mapping, optional
-        Where it comes from (JSON types); ``motor_digest`` names its machine.
+        Origin of the schedule (JSON types); ``motor_digest`` names its machine.
     """
 
     sensored = False
@@ -95,7 +95,7 @@ class MlpSchedule:
         Raises
         ------
         UserError
-            No such file, or a damaged one.
+            The file does not exist or is damaged.
         """
         try:
             with np.load(path, allow_pickle=False) as data:
@@ -112,5 +112,5 @@ class MlpSchedule:
 
 
 def _product(x: Floats, w: Floats) -> Floats:
-    """``x @ w`` row by row: what BLAS gives for a row depends on the row's place in the block."""
+    """``x @ w`` row by row: in BLAS the bits of a row depend on its place in the block."""
     return np.asarray(np.einsum("ri,io->ro", x, w))

@@ -1,4 +1,4 @@
-"""Least squares for the nodes of a table, with smoothness where there is little data."""
+"""Least-squares fit of a table's nodes, smooth where there is little data."""
 
 import numpy as np
 import torch
@@ -12,14 +12,14 @@ from sensorless.table.ks_table import Axis, KsTable
 Floats = NDArray[np.float64]
 
 SNAP = 0.05
-"""Nodes this near to 0 or 1 go there: where least squares leaves a trace of k_s the injection would
-run for nothing."""
+"""Nodes this near to 0 or 1 are set to 0 or 1: a trace of k_s left by the fit would keep the
+injection running for nothing."""
 
 
 class TableFit:
-    """Sums of a least-squares problem that grows: k_s wanted at signals, for the nodes of a grid.
+    """Least-squares problem that grows with its samples: node values for wanted k_s at signals.
 
-    Minimised over node values v in [0, 1], with w_i the weights of the corners at sample i:
+    It minimises over node values v in [0, 1], with w_i the weights of the corners at sample i:
 
         sum_i (w_i v - k_i)^2 / n + smoothness / N sum (second differences of v along every axis)^2
 
@@ -50,7 +50,7 @@ class TableFit:
         self._n += len(obs)
 
     def solve(self, slew_per_s: float) -> KsTable:
-        """Return the table of least squares so far, snapped to 0 and 1 (``SNAP``)."""
+        """Return the best table for the samples so far, snapped to 0 and 1 (``SNAP``)."""
         count = max(self._n, 1)
         a, b = self._square / count + self._rough, self._right / count
 

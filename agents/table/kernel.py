@@ -1,4 +1,4 @@
-"""Neighbouring nodes of a table belong together: a correlation that falls with their distance."""
+"""Correlation between the nodes of a table, which falls with their distance."""
 
 import math
 from collections.abc import Sequence
@@ -49,7 +49,7 @@ class NodeKernel:
 
     @staticmethod
     def _apply(matrices: list[Tensor], grid: Tensor) -> Tensor:
-        """Multiply every axis but the first with its matrix."""
+        """Multiply every axis except the first by its matrix."""
         for a, matrix in enumerate(matrices):
             grid = torch.movedim(torch.tensordot(grid, matrix, dims=([a + 1], [1])), -1, a + 1)
         return grid

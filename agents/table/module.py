@@ -10,21 +10,21 @@ from sensorless.core.api import SIGNAL_NAMES
 from sensorless.table.ks_table import KsTable
 
 MARGIN = 0.25
-"""How far node values may lie outside of [0, 1]."""
+"""How far node values may lie outside [0, 1]."""
 
 
 class TableModule(nn.Module):
     """Multilinear interpolation over evenly spaced, clipped axes, as in ``core/drive/ks_table.c``.
 
-    The same float32 operations in the same order: ``forward`` equals ``KsTable.evaluate`` of
-    ``table()`` to the bit, and the start is exact.
+    It does the same float32 operations in the same order: ``forward`` equals ``KsTable.evaluate``
+    of ``table()`` to the bit, and so does the start.
 
-    ``values`` are the node values without squashing, clipped to [0, 1] where they are read, with
-    the gradient of no clipping. ``project`` keeps them within ``MARGIN`` of that range after a step
-    of the optimiser, so no gradient dies; a node at a bound starts ``MARGIN`` beyond it, so that
-    exploration does not lift it off. That matters at 0, where any k_s above turns the injection on,
-    and at 1, where the other estimator may have no signal at all: noise that does either trains a
-    schedule for noise.
+    ``values`` are the node values without squashing. They are clipped to [0, 1] where they are
+    read, but their gradient is that without clipping. ``project`` keeps them within ``MARGIN`` of
+    that range after a step of the optimiser, so no gradient dies. A node at a bound starts
+    ``MARGIN`` beyond it, so that exploration does not lift it off: at 0 any higher k_s turns the
+    injection on, and at 1 the other estimator may have no signal at all. Noise that does either
+    trains a schedule for the noise.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class TableModule(nn.Module):
             The cell's corners; bit a of a corner's number says whether it is the upper node of
             axis a.
         frac (n, axes)
-            Place inside of the cell, 0 to 1.
+            Place inside the cell, 0 to 1.
         finite (n,) bool
             Whether all signals of the axes are finite.
         """
@@ -77,22 +77,22 @@ class TableModule(nn.Module):
         return nodes, pos - low, finite
 
     def at(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
-        """k_s (n,) where ``corners`` says; the table's fallback where a signal is not finite."""
+        """k_s (n,) at places from ``corners``; the table's fallback if a signal is not finite."""
         nodes_k_s = self.values.detach().clamp(0.0, 1.0) + (self.values - self.values.detach())
         k_s = self._mixed(nodes_k_s.take(nodes), frac).clamp(0.0, 1.0)
         return torch.where(finite, k_s, torch.full_like(k_s, self._table.fallback))
 
     def centre(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
-        """What exploration is drawn about (n,): k_s, or up to ``MARGIN`` beyond 0 and 1.
+        """Centre of the exploration (n,): k_s, or up to ``MARGIN`` beyond 0 and 1.
 
-        Beyond are the unclipped values where all corners are 0, or all 1.
+        It lies beyond where all corners are 0, or all are 1: there the values count unclipped.
         """
         k_s = self.at(nodes, frac, finite)
         beyond = self._mixed(self.values.take(nodes), frac)
         return torch.where(finite & ((k_s <= 0.0) | (k_s >= 1.0)), beyond, k_s)
 
     def _mixed(self, value: Tensor, frac: Tensor) -> Tensor:
-        """Interpolation (n,) between values (n, 2^axes) of the corners."""
+        """Interpolate (n,) between the values (n, 2^axes) of the corners."""
         for a in reversed(range(len(self.shape))):
             half = 1 << a
             low = value[:, :half]
@@ -105,7 +105,7 @@ class TableModule(nn.Module):
 
     @staticmethod
     def weights(frac: Tensor) -> Tensor:
-        """Weights (n, 2^axes) of the corners in the interpolation; they add up to 1."""
+        """Weights (n, 2^axes) of the corners in the interpolation; their sum is 1."""
         out = torch.ones_like(frac[:, :1])
         for upper in frac.split(1, dim=1):
             out = torch.cat((out * (1.0 - upper), out * upper), dim=1)
@@ -113,13 +113,13 @@ class TableModule(nn.Module):
 
     @torch.no_grad()
     def project(self, *, monotone: bool = False) -> None:
-        """Node values back to where they are allowed.
+        """Move node values back into their range.
 
         Parameters
         ----------
         monotone : bool
-            Also not rising along the axis of speed: the mean of the running minimum from below and
-            the running maximum from above, which leaves a falling line as it is.
+            Also keep them from rising with speed: take the mean of the running minimum from below
+            and the running maximum from above, which leaves a falling line unchanged.
         """
         self.values.clamp_(-MARGIN, 1.0 + MARGIN)
         if not monotone or self._speed not in self._columns:
@@ -131,6 +131,6 @@ class TableModule(nn.Module):
         grid.copy_(0.5 * (least + most))
 
     def table(self, values: Tensor | None = None) -> KsTable:
-        """Return the table as it stands, or with other ``values``."""
+        """Return the table with the present values, or with ``values``."""
         nodes = (self.values.detach() if values is None else values).clamp(0.0, 1.0)
         return replace(self._table, values=nodes.numpy().reshape(self.shape).copy())

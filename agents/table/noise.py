@@ -10,14 +10,14 @@ from sensorless.agents.table.kernel import NodeKernel
 
 
 class NodeNoise(DiagGaussianDistribution):
-    """Gaussian over the action whose samples come from noise on the nodes of a table.
+    """Gaussian distribution of the action whose samples come from noise on the nodes of a table.
 
-    a = mean + std (w . z) / |w|_C,   z ~ N(0, C) for every environment, held until ``draw``
+    a = mean + std (w . z) / |w|_C,   z ~ N(0, C) per environment, held until the next ``draw``
 
-    with w the weights of the corners of the cell an observation falls into and C the correlation
-    between nodes: generalised state-dependent exploration (arXiv 2005.05719) on the basis functions
-    of the table, normalised so that the standard deviation is the same everywhere. Each single
-    action is Normal(mean, std), and that is what PPO's ratio uses.
+    with w the weights of the corners of the cell that an observation falls into and C the
+    correlation between nodes. This is generalised state-dependent exploration (arXiv 2005.05719) on
+    the basis functions of the table, normalised to the same standard deviation everywhere. Each
+    single action is Normal(mean, std), and that is what PPO's ratio uses.
     """
 
     def __init__(self, kernel: NodeKernel) -> None:
@@ -27,7 +27,7 @@ class NodeNoise(DiagGaussianDistribution):
         self._offset = torch.zeros(0, 1)
 
     def draw(self, n_envs: int) -> None:
-        """Draw new noise for every pair of environments and every node, opposite in the two."""
+        """Draw new noise for every pair of environments and every node, opposite within a pair."""
         self._z = opposite(self._kernel.sample((n_envs + 1) // 2))[:n_envs]
 
     def at(
@@ -43,5 +43,5 @@ class NodeNoise(DiagGaussianDistribution):
         return self
 
     def sample(self) -> Tensor:
-        """Return the means moved by the held noise."""
+        """Return the means plus the held noise."""
         return self.distribution.mean + self._offset

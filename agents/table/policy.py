@@ -1,4 +1,4 @@
-"""Actor and critic for PPO: the schedule table acts, a small network that sees the truth judges."""
+"""Actor and critic for PPO: a schedule table acts, a small network that sees the truth judges."""
 
 from collections.abc import Callable
 from typing import Any
@@ -19,25 +19,25 @@ from sensorless.table.ks_table import KsTable
 class TableActorCritic(ActorCriticPolicy):
     """Mean action 2 k_s - 1 from a ``TableModule``; the critic is a network over all columns.
 
-    Columns behind the signals (the truth: privileged) reach the critic only. Nodes and critic have
-    learning rates of their own, in the optimiser's two parameter groups. The nodes' gradient comes
-    in units of its usual size and Adam's eps is 1 of them: nodes that matter little move little,
-    instead of as far as all others wherever chance leads.
+    Columns behind the signals hold the truth (``privileged``) and reach the critic only. Nodes and
+    critic have their own learning rates, in two parameter groups of the optimiser. The nodes'
+    gradient is scaled by its usual size, and Adam's eps is 1 in that unit: nodes that matter little
+    move little, instead of drifting as far as all others.
 
     Parameters
     ----------
     table : KsTable
-        Axes and start of the actor.
+        Axes and start values of the actor.
     lr_nodes : float
-        Step of Adam on the nodes; the critic's comes with ``lr_schedule``.
+        Step of Adam on the nodes; ``lr_schedule`` has that of the critic.
     noise : float
         Standard deviation of the exploration in k_s.
     smoothness : float
-        Distance over which nodes are explored and moved together [nodes], see ``NodeKernel``.
+        Distance over which nodes explore and move together [nodes], see ``NodeKernel``.
     monotone : bool
         Keep k_s from rising with speed.
     value_scale : float
-        Size of a typical return: the critic's network works in units of it.
+        Size of a typical return, the unit of the critic's network.
     hidden : int
         Width of the critic's two layers.
     """
@@ -130,11 +130,11 @@ class TableActorCritic(ActorCriticPolicy):
         return [self._settings["lr_nodes"], self._lr_critic]
 
     def vector(self) -> Tensor:
-        """Values of the nodes, a copy."""
+        """Copy of the node values."""
         return self.actor.values.detach().clone()
 
     def schedule(self, vector: Tensor) -> TablePolicy:
-        """Schedule with other values at the nodes."""
+        """Return the schedule with other node values."""
         return TablePolicy("table", self.actor.table(vector))
 
 

@@ -1,4 +1,4 @@
-"""The table that training starts from: a schedule of the command line on a grid of its own."""
+"""The table that training starts from: a schedule copied onto the grid of the run."""
 
 import numpy as np
 
@@ -8,14 +8,15 @@ from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import Axis, KsTable
 
 TO_RATED = 1.0
-"""Speed that a placed axis reaches at least, over rated speed."""
+"""Speed that a placed axis must reach, over rated speed."""
 
 
 def start_table(axes: str, start: str, source: KsTable, motor: Motor, slew_per_s: float) -> KsTable:
     """Copy a schedule onto a grid.
 
-    A linear ramp of the speed is copied exactly: the ends of its band have to be nodes. So is a
-    table whose own axes are taken. Any other is sampled at the nodes.
+    A linear ramp of the speed is copied exactly if the ends of its band are nodes, which is
+    required. A table is copied exactly if its own axes are taken. Any other schedule is sampled at
+    the nodes.
 
     Parameters
     ----------
@@ -27,15 +28,15 @@ def start_table(axes: str, start: str, source: KsTable, motor: Motor, slew_per_s
     source : KsTable
         The schedule.
     motor : Motor
-        Tells messages the r/min of a node.
+        Turns speeds of nodes into r/min, for messages.
     slew_per_s : float
         Largest change of k_s in the drive [1/s].
 
     Raises
     ------
     UserError
-        Bad words, or a start that looks at a signal without an axis, or that is a ramp with an end
-        between two nodes.
+        The axes cannot be read, lack a signal that the start looks at, or have no node at an end
+        of a linear start.
     """
     if axes == "start":
         return KsTable(source.axes, source.values, slew_per_s=slew_per_s)
@@ -53,18 +54,18 @@ def start_table(axes: str, start: str, source: KsTable, motor: Motor, slew_per_s
     for a, nodes in enumerate(np.meshgrid(*(axis.nodes for axis in shape), indexing="ij")):
         obs[..., SIGNAL_NAMES.index(shape[a].signal)] = nodes
     k_s = source.evaluate(obs.reshape(-1, SIGNAL_N)).reshape(obs.shape[:-1])
-    # A node of a ramp's end lies a rounding beside it: 0 has to stay 0, which turns injection off.
+    # A node may miss the end of a ramp by a rounding error: 0 must stay 0, for no injection.
     return KsTable(shape, np.round(k_s, 5), slew_per_s=slew_per_s)
 
 
 def grid(text: str, ramp: Axis | None = None) -> tuple[Axis, ...]:
-    """Axes from words as in ``start_table``.
+    """Read axes from a text as in ``start_table``.
 
     Parameters
     ----------
     text : str
     ramp : Axis, optional
-        Band whose ends ``speed:NODES`` puts on nodes.
+        Linear rule whose ends ``speed:NODES`` puts on nodes.
     """
     try:
         words = [word.split(":") for word in text.split(",")]

@@ -1,4 +1,4 @@
-"""What a training run is made with; command line and ``config.json`` are this dataclass."""
+"""Settings of a training run: the options of the command and the content of ``config.json``."""
 
 from dataclasses import dataclass
 

@@ -23,9 +23,9 @@ def training_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
 
 
 def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Motor]) -> SB3VecEnv:
-    """All environments of a run, with the truth appended for the critic.
+    """Return all environments of a run, with the truth appended for the critic.
 
-    Their pairs are shared out evenly over the machines; the first ones get what is left over.
+    Pairs are spread evenly over the machines; the first machines get what is left over.
     """
     share, more = divmod(config.n_envs // 2, len(motors))
     envs = [
@@ -44,8 +44,8 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
 
 
 def stream(seed: int, step: int) -> int:
-    """Seed of the scenario streams of a run that begins or goes on at a step.
+    """Seed of the scenario streams of a run that starts or continues at a step.
 
-    The streams of environment i follow from this plus i; hashing keeps those of two runs apart.
+    The stream of environment i follows from this seed plus i; hashing keeps two runs apart.
     """
     return int(combine(seed, step)[0] >> np.uint64(2))

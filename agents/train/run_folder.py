@@ -1,4 +1,4 @@
-"""What a training run leaves on disk, and what is needed to go on with it."""
+"""What a training run leaves on disk, and what it needs to resume."""
 
 import dataclasses
 import json
@@ -22,7 +22,7 @@ LIBRARIES = ("numpy", "torch", "stable-baselines3", "gymnasium")
 """What a trained schedule depends on."""
 PROGRESS = "progress.csv"
 START = "start.json"
-"""Schedule that training started from."""
+"""File of the schedule that training started from."""
 LATEST = "checkpoints/latest.zip"
 
 
@@ -48,7 +48,7 @@ def create(
     Raises
     ------
     UserError
-        The folder holds something already, or cannot be written to.
+        The folder is not empty, or cannot be written to.
     """
     fresh(folder)
     ensure_writable(folder / "checkpoints")
@@ -63,7 +63,7 @@ def fresh(folder: Path) -> None:
     Raises
     ------
     UserError
-        The folder holds something already, or cannot be written to.
+        The folder is not empty, or cannot be written to.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UserError(
@@ -73,7 +73,7 @@ def fresh(folder: Path) -> None:
 
 
 def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
-    """What a run was trained on.
+    """Return the design and the motor that a run was trained on.
 
     Raises
     ------

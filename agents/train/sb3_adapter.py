@@ -1,4 +1,4 @@
-"""The native vector environment as stable-baselines3 wants one. Imports torch: import it late."""
+"""Adapts the native vector environment to stable-baselines3. Imports torch: import it late."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -20,7 +20,7 @@ Floats = NDArray[np.float32]
 
 
 class SB3VecEnv(VecEnv):
-    """A `BlendVectorEnv` in ``SAME_STEP`` mode as a VecEnv, without processes or copies of it.
+    """A `BlendVectorEnv` in ``SAME_STEP`` mode as a VecEnv, without processes or copies.
 
     ``last_info`` holds the vector environment's info of the last step: every term of the reward as
     one array, for a callback to log.
@@ -29,14 +29,14 @@ class SB3VecEnv(VecEnv):
     ----------
     env : BlendVectorEnv or SeveralMachines
     privileged : bool
-        Append the N_PRIVILEGED true quantities to the observation, behind the N_SIGNALS columns of
-        the policy, for a critic; behind them, with several machines, a column for each that is 1 in
-        its own rows. The actor must not read beyond its own columns.
+        Append the N_PRIVILEGED true quantities for a critic to the N_SIGNALS columns of the policy,
+        and with several machines one more column per machine, which is 1 in its own rows. The actor
+        must not read beyond its own columns.
 
     Raises
     ------
     UserError
-        If the environment restarts episodes in any other mode.
+        The environment has another autoreset mode.
     """
 
     def __init__(self, env: BlendVectorEnv | SeveralMachines, *, privileged: bool = False) -> None:
@@ -60,11 +60,11 @@ class SB3VecEnv(VecEnv):
         return np.concatenate([observation, info["privileged"], self._which], axis=-1)
 
     def seed_each(self, seeds: Sequence[int]) -> None:
-        """Seed of every drive for the next reset."""
+        """Set the seed of every drive for the next reset."""
         self._seeds = list(seeds)
 
     def reset(self) -> Floats:
-        """Begin an episode in every drive, with the seeds and options set before."""
+        """Begin an episode in every drive, with the seeds and options that were set."""
         seeds = None if self._seeds[0] is None else self._seeds
         observation, info = self.env.reset(seed=seeds, options=self._options[0] or None)
         self._reset_seeds()
@@ -77,7 +77,7 @@ class SB3VecEnv(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Advance every drive by one decision; a drive at its end begins anew at once."""
+        """Advance every drive by one decision; a drive at its end begins a new episode at once."""
         observation, reward, terminated, truncated, info = self.env.step(self._actions)
         self.last_info = info
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
@@ -109,7 +109,7 @@ class SB3VecEnv(VecEnv):
     def env_method(
         self, method_name: str, *args: Any, indices: VecEnvIndices = None, **kwargs: Any
     ) -> list[Any]:
-        """Refuse: there are no environments of their own to call."""
+        """Refuse: there are no single environments to call."""
         raise NotImplementedError(f"call {method_name} on the vector environment itself")
 
     def env_is_wrapped(
@@ -122,7 +122,7 @@ class SB3VecEnv(VecEnv):
 
 
 def _which(env: BlendVectorEnv | SeveralMachines) -> Floats:
-    """One column a machine, 1 in its rows (n, m); none for the only one."""
+    """One column per machine, 1 in its rows (n, m); no column for a single machine."""
     if isinstance(env, BlendVectorEnv):
         return np.zeros((env.num_envs, 0), dtype=np.float32)
     sizes = [part.num_envs for part in env.envs]

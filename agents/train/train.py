@@ -1,4 +1,4 @@
-"""PPO (stable-baselines3) on the schedule table, or on a network in its place."""
+"""Trains a schedule table, or a network in its place, with PPO (stable-baselines3)."""
 
 import dataclasses
 import json
@@ -28,7 +28,7 @@ from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import KsTable
 
 VALUE_SCALE = 20.0
-"""Size of a usual return; the critic works in units of it."""
+"""Size of a typical return, the unit of the critic."""
 
 
 class TablePPO(PPO):
@@ -46,7 +46,7 @@ def train(
     *,
     report: Progress | None = None,
 ) -> Cost:
-    """Train into a new run folder; returns what the best schedule reached in validation.
+    """Train into a new run folder; return the cost of the best schedule in validation.
 
     Parameters
     ----------
@@ -54,16 +54,16 @@ def train(
     folder : Path
         New or empty.
     source : KsTable
-        The schedule of the name ``config.start``, which is copied onto the axes of the run.
+        The schedule named ``config.start``, which is copied onto the axes of the run.
     report : optional
-        Called with the share that is done, the decisions so far and what a validation found.
+        Called with the share done, the decisions so far and the cost in a new validation.
 
     Raises
     ------
     UserError
-        A setting out of range, or a folder in use.
+        A setting is out of range, or the folder is in use.
     KeyboardInterrupt
-        After checkpoint and best schedule were saved.
+        Raised after checkpoint and best schedule were saved.
     """
     reference = Motor.load(config.motor)
     machines = Machines.of(reference, config.machines, config.seed)
@@ -74,15 +74,15 @@ def train(
 
 
 def resume(config: TrainConfig, folder: Path, *, report: Progress | None = None) -> Cost:
-    """Continue the run in ``folder`` with its own settings but for ``minutes`` and ``steps``.
+    """Continue the run in ``folder`` with its own settings, except ``minutes`` and ``steps``.
 
-    It counts its steps on, but is not bit-identical to a run that was never interrupted, because
-    the environments begin new episodes. Parameters, result and errors as in `train`.
+    The count of steps continues, but the result is not bit-identical to an uninterrupted run,
+    because the environments begin new episodes. Parameters, result and errors as in `train`.
 
     Raises
     ------
     UserError
-        No run in the folder, a damaged checkpoint, or one of another motor.
+        The folder has no run, or its checkpoint is damaged or belongs to another motor.
     """
     old, design, digest, table = reopen(folder)
     motor = old.motor if config.motor == TrainConfig.motor else config.motor
@@ -154,7 +154,7 @@ def _model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
 
 
 def _restore(model: TablePPO, path: Path) -> None:
-    """Weights, optimiser and step counter of a checkpoint; nothing in it is unpickled.
+    """Load weights, optimiser and step counter of a checkpoint; nothing is unpickled.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What happens beside the updates of PPO: validation, the best schedule, checkpoints, the end."""
+"""What happens beside the updates of PPO: validation, best schedule, checkpoints and the end."""
 
 import csv
 import dataclasses
@@ -26,17 +26,17 @@ from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 
 Progress = Callable[[float, int, Cost | None], None]
-"""Called with the share done, the decisions made, and a new validation if there is one."""
+"""Called with the share done, the decisions so far, and the cost in a new validation if any."""
 
 COLUMNS = ("steps", "seconds", "lost_rate", "torque_dev", "torque_ripple", "objective", "best")
 
 
 class Watch(BaseCallback):
-    """Ends the training in time, validates, and keeps checkpoint and best schedule on disk.
+    """Ends the training in time, validates, and writes checkpoint and best schedule.
 
-    What is validated, and kept if it is the best so far, is the mean of the actor over the last
-    ``config.average`` updates: the step of the optimiser has a size of its own even where the
-    gradient is nothing but noise, and the mean takes most of that out.
+    It validates the mean of the actor over the last ``config.average`` updates and keeps the best
+    such mean: the optimiser takes steps even where the gradient is nothing but noise, and the mean
+    removes most of that.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Watch(BaseCallback):
 
     @property
     def share(self) -> float:
-        """Part of the budget that is used up."""
+        """Share of the budget that is used."""
         if self._config.steps:
             return (self.model.num_timesteps - self._first_step) / self._config.steps
         return (time.monotonic() - self._start) / max(60.0 * self._config.minutes, 1e-9)
@@ -95,7 +95,7 @@ class Watch(BaseCallback):
             self._report(min(self.share, 1.0), self.model.num_timesteps, None)
 
     def judge(self) -> None:
-        """Validate the mean actor, unless it just was, keep the best, and save a checkpoint."""
+        """Validate the mean actor unless it just was, keep the best, and save a checkpoint."""
         if self._judged == self._updates:
             return
         self._judged = self._updates
@@ -114,7 +114,7 @@ class Watch(BaseCallback):
         self._last_step = self.model.num_timesteps
 
     def _log(self, found: Cost, better: bool) -> None:
-        """Add a row to the learning curve: TensorBoard, and a file that a resumed run keeps."""
+        """Add a row to the learning curve: TensorBoard, and a file that a resumed run continues."""
         values = {**dataclasses.asdict(found), "objective": found.objective}
         for name, value in values.items():
             self.logger.record(f"validation/{name}", value)
