@@ -91,7 +91,7 @@ def test_every_link_leads_somewhere(page: Path) -> None:
 @pytest.mark.parametrize("page", [p for p in PAGES if p.name not in GONE], ids=lambda p: p.stem)
 def test_every_file_that_is_named_exists(page: Path) -> None:
     missing = [word for word in named_paths(prose(page)) if not exists(word, page)]
-    assert not missing
+    assert not missing, "named on the page, but nowhere in the repository"
 
 
 def test_what_is_missing_is_found() -> None:
@@ -163,7 +163,8 @@ def test_the_layers_are_those_of_the_test() -> None:
     )
     page = prose(ROOT / "docs" / "layout.md")
     told = re.findall(r"^\d+\. (.*)$", page, re.MULTILINE)
-    assert [tuple(re.findall(r"`(\w+)`", line)) for line in told] == list(layers)
+    listed = [tuple(re.findall(r"`(\w+)`", line)) for line in told]
+    assert listed == list(layers), "list the layers of tests/test_layers.py in docs/layout.md"
 
 
 def test_the_tree_has_every_folder() -> None:
@@ -175,7 +176,7 @@ def test_the_tree_has_every_folder() -> None:
     assert all(folder.is_dir() for folder in told)
     packages = {init.parent for name in TOP for init in (ROOT / name).glob("*/__init__.py")}
     links = {path for path in packages if path.is_symlink()}
-    assert packages - links <= told
+    assert packages - links <= told, "add a line to the tree of docs/layout.md"
 
 
 def test_the_citation_has_the_version() -> None:
