@@ -55,6 +55,12 @@ def exported(
     return export(table, motor, design, folder, policy="trial")
 
 
+@pytest.fixture
+def without_selftest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exports are written as where there is no compiler; the target runs their tests, or others."""
+    monkeypatch.setattr(selftest, "find_compiler", lambda: None)
+
+
 @pytest.fixture(autouse=True)
 def selftest_without_optimisation(monkeypatch: pytest.MonkeyPatch) -> None:
     """Self tests of other exports compile in half the time; ``identity`` compares the levels."""

@@ -8,24 +8,15 @@ import pytest
 from typer.testing import CliRunner
 
 from sensorless.cli.app import app
-from sensorless.envs.scenarios.scenario import Scenarios
-from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
-from sensorless.machine.motor import Motor
 from sensorless.tuning import tune as tuning
+from tests.helpers.scenarios import lasting
 
 RUN = CliRunner()
 
 
-def short(name: str, motor: Motor, seed: int, size: int, role: str) -> Scenarios:
-    """Scenarios of 50 ms."""
-    scenarios = suite(name, motor, seed, size, role)
-    scenarios.duration[:] = 0.05
-    return scenarios
-
-
 def test_a_result_is_a_policy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tuning, "suite", short)
+    monkeypatch.setattr(tuning, "suite", lasting(0.05))
     out = tmp_path / "mine.json"
     words = ["tune", "quadratic", "--budget", "20", "--seed", "2", "--out", str(out)]
     monkeypatch.setattr(sys, "argv", ["sensorless", *words])
@@ -43,7 +34,7 @@ def test_a_result_is_a_policy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 def test_ctrl_c_writes_the_best_and_tells_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(tuning, "suite", short)
+    monkeypatch.setattr(tuning, "suite", lasting(0.05))
 
     def stop(*args: object) -> None:
         raise KeyboardInterrupt

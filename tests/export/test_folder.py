@@ -30,6 +30,7 @@ def test_the_json_is_the_table_and_its_origin(
     }
 
 
+@pytest.mark.usefixtures("without_selftest")
 def test_the_same_policy_gives_the_same_files(
     exported: Exported, tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
 ) -> None:
@@ -38,6 +39,7 @@ def test_the_same_policy_gives_the_same_files(
         assert (again.folder / name).read_bytes() == (exported.folder / name).read_bytes(), name
 
 
+@pytest.mark.usefixtures("without_selftest")
 def test_an_earlier_export_is_replaced_and_nothing_else(
     exported: Exported, copied: Path, table: KsTable, motor: Motor, design: DriveDesign
 ) -> None:

@@ -70,7 +70,7 @@ def test_the_report_can_be_read(report: Report, tmp_path: Path) -> None:
     assert "control periods compared" in console.export_text()
 
 
-@pytest.mark.usefixtures("target")
+@pytest.mark.usefixtures("target", "without_selftest")
 def test_three_axes_stay_within_130_instructions(motor: Motor) -> None:
     axes = (
         Axis("speed", 0.0, 0.5, 11),

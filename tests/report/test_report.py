@@ -157,7 +157,10 @@ def test_commands_and_versions_are_there(run: Path, page: Page) -> None:
         assert text in page.text
 
 
-def test_a_rule_without_a_table_has_a_report_too(tmp_path: Path) -> None:
+def test_a_rule_without_a_table_has_a_report_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sensorless.report.report.png", lambda figure: b"a picture")
     report = Report("hysteresis", MOTOR, DESIGN, others=["eq25"])
     written = report.write(tmp_path / "new", ["nominal"], 1, 3, 2, "sensorless report hysteresis")
     files = {path.name for path in (tmp_path / "new").iterdir()}

@@ -1,5 +1,7 @@
 """Crossing the band: hard switch against blend, and Eq. 25 on the hand-over suite."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -10,8 +12,6 @@ from sensorless.evaluation.rollout import rollout
 from sensorless.evaluation.steady import steady
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
-from sensorless.reproduce.case import Case
-from sensorless.reproduce.switching import switching
 
 
 @pytest.mark.parametrize(
@@ -27,21 +27,16 @@ def test_each_estimator_holds_its_range(
     assert run.held.all()
 
 
-@pytest.fixture(scope="module")
-def crossing(motor: Motor) -> Case:
-    return switching(motor)
-
-
 @pytest.mark.parametrize(
     "sensors", ["exact sensors", "12 bits and dead time", "real sensors, mean run"]
 )
-def test_blend_takes_the_step_out_of_the_torque(crossing: Case, sensors: str) -> None:
+def test_blend_takes_the_step_out_of_the_torque(data: dict[str, Any], sensors: str) -> None:
     """Published estimators at 4 N m: peak to peak less by 40 % up and by 80 % down.
 
     With the noise of real sensors that is so for the mean of many runs; a single one is noise.
     """
-    rows = {row.quantity: row.published for row in crossing.rows}
-    up, down = (rows[f"{sensors}: blend less by, {way}"] for way in ("up", "down"))
+    rows = data["cases"]["switching"]["rows"]
+    up, down = (rows[f"{sensors}: blend less by, {way}"]["published"] for way in ("up", "down"))
     assert isinstance(up, float) and up > 40.0
     assert isinstance(down, float) and down > 80.0
 

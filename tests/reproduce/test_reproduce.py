@@ -1,7 +1,7 @@
 """The page of the reproduction: all of it there, three columns, nothing that is not a number."""
 
-import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -23,16 +23,8 @@ CASES = [
 DRAWN = CASES[:6]
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("paper")
-    assert all(path.is_file() for path in reproduce(folder))
-    return folder
-
-
-def test_data(folder: Path) -> None:
+def test_data(data: dict[str, Any]) -> None:
     """Every row has the paper and both of ours; every case says why."""
-    data = json.loads((folder / "paper.json").read_text(encoding="utf-8"))
     assert list(data["cases"]) == CASES
     for case in data["cases"].values():
         assert len(case["why"]) > 40
@@ -41,9 +33,8 @@ def test_data(folder: Path) -> None:
             assert row["corrected"] is not None
 
 
-def test_signum_and_sigmoid(folder: Path) -> None:
+def test_signum_and_sigmoid(data: dict[str, Any]) -> None:
     """In the order of Fig. 12: −24 degrees by the signum, −8 by the sigmoid, which is lag."""
-    data = json.loads((folder / "paper.json").read_text(encoding="utf-8"))
     rows = data["cases"]["fig12"]["rows"]
     published = {name: row["published"] for name, row in rows.items()}
     assert -36.0 < published["largest error, signum"] < -12.0
@@ -51,9 +42,8 @@ def test_signum_and_sigmoid(folder: Path) -> None:
     assert published["chatter, signum, ±"] > 10.0 * published["chatter, sigmoid, ±"]
 
 
-def test_published_is_published(folder: Path) -> None:
+def test_published_is_published(data: dict[str, Any]) -> None:
     """The published column runs Eqs. 7, 9 and 26 and the plain sigmoid, not the corrected core."""
-    data = json.loads((folder / "paper.json").read_text(encoding="utf-8"))
     design = data["designs"]["published"]
     assert design["hfi_scheme"] == "stationary" and not design["hfi_delay_cure"]
     assert not design["lag_cure"] and not design["L_q_table"] and design["cross"] == "none"

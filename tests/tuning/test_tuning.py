@@ -10,12 +10,12 @@ from sensorless.baselines.linear import RULE
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machine_family import family, family_digest
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.evaluation.objective import Cost
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, TablePolicy
 from sensorless.tuning import tune as tuning
+from tests.helpers.scenarios import lasting
 
 PAPER = Motor.load("paper")
 DESIGN = DriveDesign()
@@ -81,13 +81,8 @@ def test_ctrl_c_keeps_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_same_words_give_the_same_result_on_real_drives(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def short(name: str, motor: Motor, seed: int, size: int, role: str) -> Scenarios:
-        scenarios = suite(name, motor, seed, size, role)
-        scenarios.duration[:] = 0.1
-        return scenarios
-
     monkeypatch.setattr(tuning, "FEWEST_SCENARIOS", 2)
-    monkeypatch.setattr(tuning, "suite", short)
+    monkeypatch.setattr(tuning, "suite", lasting(0.1))
     state = np.random.get_state()[1].copy()  # type: ignore[index]
     first, second = (tuning.tune("linear", PAPER, DESIGN, 8.0, 7) for _ in range(2))
     assert first == second

@@ -1,6 +1,7 @@
 """Training over random machines: repeatable, gone on with, and usable on any machine."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -89,6 +90,7 @@ def test_a_run_says_which_machines_and_is_usable_on_any(run: Path) -> None:
     assert provenance(policy)["motor"] == f"3 machines of {machine_family.NAME}, seed 1"
 
 
+@pytest.mark.usefixtures("without_selftest")
 def test_its_schedule_is_exported_for_the_machine_asked_for(run: Path, tmp_path: Path) -> None:
     table = KsTable.load(run / "table.json")
     for name in NAMES[1:]:
@@ -112,10 +114,9 @@ def test_the_same_seed_gives_the_same_schedule(run: Path, tmp_path: Path) -> Non
 
 
 def test_a_run_goes_on_with_its_own_machines(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder = tmp_path / "run"
-    train(SMALL, DriveDesign(), folder, START)
+    folder = shutil.copytree(run, tmp_path / "run")
     before = len((folder / "progress.csv").read_text().splitlines())
     resume(TrainConfig(steps=512), folder)
     assert len((folder / "progress.csv").read_text().splitlines()) > before

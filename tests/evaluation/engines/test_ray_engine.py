@@ -9,8 +9,6 @@ from typing import Any
 import pytest
 
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.scenarios.scenario import Scenarios
-from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.evaluation.engines import ray_engine
 from sensorless.evaluation.engines.code import code
@@ -21,6 +19,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies
 from sensorless.tuning import tune as tuning
 from tests.helpers.command import process, run
+from tests.helpers.scenarios import lasting
 
 MOTOR = Motor.load("paper")
 DESIGN = DriveDesign()
@@ -99,27 +98,22 @@ def test_a_lost_node_costs_its_chunk_and_nothing_else(
 def test_the_file_is_the_same_to_the_byte_with_a_node_killed_half_way(
     cluster: Any, engine: Engine, second: Any, tmp_path: Path
 ) -> None:
-    words = (MOTOR, DESIGN, "envelope", 7, 45**2, make_policies(["eq25"], MOTOR))
+    words = (MOTOR, DESIGN, "envelope", 7, 31**2, make_policies(["eq25"], MOTOR))
     evaluate(*words, out=tmp_path / "local")
     seen: list[float] = []
 
     def kill(_: str, done: float) -> None:
         seen.append(done)
-        if len(seen) == 3:
+        if len(seen) == 2:
             cluster.remove_node(second, allow_graceful=False)
 
     evaluate(*words, out=tmp_path / "ray", engine=engine, progress=kill)
-    assert len(seen) == 8 and seen == sorted(seen) and seen[-1] == 1.0
+    assert len(seen) == 4 and seen == sorted(seen) and seen[-1] == 1.0
     assert (tmp_path / "local").read_bytes() == (tmp_path / "ray").read_bytes()
 
 
 def test_tuning_finds_the_same(engine: Engine, monkeypatch: pytest.MonkeyPatch) -> None:
-    def short(name: str, motor: Motor, seed: int, size: int, role: str) -> Scenarios:
-        scenarios = suite(name, motor, seed, size, role)
-        scenarios.duration[:] = 0.1
-        return scenarios
-
-    monkeypatch.setattr(tuning, "suite", short)
+    monkeypatch.setattr(tuning, "suite", lasting(0.1))
     monkeypatch.setattr("sensorless.tuning.batch.DRIVES", 32)
     local = tuning.tune("linear", MOTOR, DESIGN, 60.0, 7)
     assert local.provenance["generations"] >= tuning.CHECK
