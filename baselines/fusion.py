@@ -42,6 +42,7 @@ class InnovationFusion:
     """
 
     sensored = False
+    estimator: str | None = None
 
     def __init__(self, name: str, floor: float, bias: float, slope: float) -> None:
         self.name = name

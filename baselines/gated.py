@@ -55,6 +55,7 @@ class Gated:
     """
 
     sensored = False
+    estimator: str | None = None
 
     def __init__(
         self,

@@ -37,6 +37,7 @@ class Hysteresis:
     """
 
     sensored = False
+    estimator: str | None = None
 
     def __init__(self, name: str, low: float, high: float, signal: str = "speed") -> None:
         self.name = name

@@ -39,6 +39,7 @@ class Oracle:
     """
 
     sensored = False
+    estimator: str | None = None
     privileged = True
 
     def __init__(self, name: str, inertia: float, wake: float) -> None:

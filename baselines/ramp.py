@@ -31,6 +31,7 @@ class TimeRamp:
     """
 
     sensored = False
+    estimator: str | None = None
 
     def __init__(self, name: str, low: float, high: float, step: float) -> None:
         self.name = name

@@ -12,6 +12,7 @@ class Sensored:
 
     name = "sensored"
     sensored = True
+    estimator: str | None = None
 
     def reset(self, n: int) -> None:
         """Nothing to forget."""

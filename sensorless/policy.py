@@ -34,6 +34,9 @@ class Policy(Protocol):
     name: str
     sensored: bool
     """The drive runs on its true angle instead of an estimate, and k_s is without effect."""
+    estimator: str | None
+    """Estimator that the policy runs on whatever the design says, as in ``DriveDesign``; None: the
+    design's."""
 
     def reset(self, n: int) -> None:
         """Forget the past; n drives are about to start."""
@@ -52,29 +55,9 @@ class PrivilegedPolicy(Policy, Protocol):
         """Weights wanted (n,) at the signals and the simulated drives themselves (SIM)."""
 
 
-@runtime_checkable
-class EstimatorPolicy(Policy, Protocol):
-    """A policy that belongs to one way to one estimate: it runs on it whatever the design says."""
-
-    estimator: str | None
-    """As in ``DriveDesign``; None: the design's."""
-
-
-def estimator_of(policy: Policy) -> str | None:
-    """Estimator that a policy asks for; None if it takes the design's."""
-    return policy.estimator if isinstance(policy, EstimatorPolicy) else None
-
-
 def design_for(policy: Policy, design: DriveDesign) -> DriveDesign:
     """Design with the estimator that a policy asks for."""
-    return dataclasses.replace(design, estimator=estimator_of(policy) or design.estimator)
-
-
-def with_estimator(policy: Policy, estimator: str | None) -> Policy:
-    """The policy itself, on that estimator from now on unless it asks for one already."""
-    if estimator is not None and estimator_of(policy) is None:
-        vars(policy)["estimator"] = estimator
-    return policy
+    return dataclasses.replace(design, estimator=policy.estimator or design.estimator)
 
 
 def trained_estimator(provenance: Mapping[str, Any]) -> str | None:
@@ -98,7 +81,7 @@ class TablePolicy:
     name : str
     table : KsTable
     estimator : str, optional
-        See ``EstimatorPolicy``.
+        See ``Policy``.
     """
 
     sensored = False

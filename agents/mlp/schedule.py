@@ -47,7 +47,6 @@ class MlpSchedule:
 
     sensored = False
     estimator: str | None = None
-    """See ``EstimatorPolicy``."""
 
     def __init__(
         self,

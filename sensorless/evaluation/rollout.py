@@ -18,7 +18,7 @@ from sensorless.core.api import (
 )
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
-from sensorless.policy import Policy, decide, decision_periods, estimator_of
+from sensorless.policy import Policy, decide, decision_periods
 
 CHUNK = 256
 """Scenarios at a time: with ``sums_t`` of 80 bytes, 2 s of them keep 41 MB."""
@@ -77,7 +77,7 @@ def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollou
     """All scenarios at once, each beside its sensored twin."""
     n = len(scenarios)
     periods = decision_periods(factory.motor)
-    sims = factory.build(scenarios, sensored=policy.sensored, estimator=estimator_of(policy))
+    sims = factory.build(scenarios, sensored=policy.sensored, estimator=policy.estimator)
     decisions = -(-int(sims["k_end"].max(initial=0)) // periods)
     sums = np.zeros((decisions, n), dtype=SIM["sums"])
     rows, now = sums.view(np.float32).reshape(decisions, n, -1), sums_matrix(sims)

@@ -12,7 +12,7 @@ from sensorless.errors import UserError
 from sensorless.evaluation.rollout import CAUSES
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
-from sensorless.policy import Policy, decide, decision_periods, estimator_of
+from sensorless.policy import Policy, decide, decision_periods
 
 Trace = dict[str, Array]
 """Columns of ``TRACE_NAMES`` (``core/sim/simulate.h``), each (periods,): SI units, rad, rad/s."""
@@ -39,7 +39,7 @@ def trace(
     if len(scenario) != 1:
         raise UserError(f"scenario: {len(scenario)} rows; trace one at a time")
     sim = SimFactory(motor, design).build(
-        scenario, sensored=policy.sensored, estimator=estimator_of(policy)
+        scenario, sensored=policy.sensored, estimator=policy.estimator
     )
     if change is not None:
         change(sim)

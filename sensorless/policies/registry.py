@@ -26,7 +26,7 @@ from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
 from sensorless.policies.tuned import Tuned
-from sensorless.policy import Policy, TablePolicy, trained_estimator, with_estimator
+from sensorless.policy import Policy, TablePolicy, trained_estimator
 from sensorless.table.ks_table import KsTable
 
 RULES: dict[str, Rule] = {
@@ -185,4 +185,6 @@ def load_tuned(path: Path, motor: Motor) -> Policy:
             "its range"
         )
     policy = rule.build(path.stem, tuned.parameters, motor)
-    return with_estimator(policy, trained_estimator(tuned.provenance))
+    if policy.estimator is None:
+        policy.estimator = trained_estimator(tuned.provenance)
+    return policy

@@ -14,7 +14,7 @@ from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.objective import Cost
 from sensorless.evaluation.rollout import Floats, rollout
-from sensorless.policy import Policy, Signals, decide, estimator_of
+from sensorless.policy import Policy, Signals, decide
 
 DRIVES = 512
 """Drives at a time."""
@@ -32,7 +32,7 @@ class SideBySide:
 
     def __init__(self, policies: Sequence[Policy]) -> None:
         self.policies = policies
-        (self.estimator,) = {estimator_of(policy) for policy in policies}
+        (self.estimator,) = {policy.estimator for policy in policies}
         self._n = 0
 
     def reset(self, n: int) -> None:

@@ -17,7 +17,7 @@ from sensorless.export.provenance import motor_hash
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES, make_policy
 from sensorless.policies.tuned import Tuned
-from sensorless.policy import decision_periods, design_for, estimator_of
+from sensorless.policy import decision_periods, design_for
 from sensorless.table.ks_table import KsTable
 from sensorless.tuning.batch import SideBySide
 
@@ -30,7 +30,7 @@ PAPER = Motor.load("paper")
 def test_it_is_eq25_on_that_design(name: str, estimator: str) -> None:
     """The same to the bit, and not the same as Eq. 25 on the design's own estimator."""
     policy, eq25 = make_policy(name, PAPER), make_policy("eq25", PAPER)
-    assert estimator_of(policy) == estimator and estimator_of(eq25) is None
+    assert policy.estimator == estimator and eq25.estimator is None
     scenarios = suite("stress", PAPER, 3, 4)
     own, other = (
         SimFactory(PAPER, DriveDesign()),
@@ -50,7 +50,7 @@ def test_a_trace_has_it_too() -> None:
 
 def test_side_by_side_is_one_estimator() -> None:
     flux = make_policy("flux_observer", PAPER)
-    assert estimator_of(SideBySide([flux, flux])) == "flux"
+    assert SideBySide([flux, flux]).estimator == "flux"
     with pytest.raises(ValueError, match="unpack"):
         SideBySide([flux, make_policy("eq25", PAPER)])
 

@@ -42,6 +42,7 @@ class Recorder:
 
     name = "recorder"
     sensored = False
+    estimator: str | None = None
 
     def __init__(self) -> None:
         self.drives = 0

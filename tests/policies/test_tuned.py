@@ -11,7 +11,7 @@ from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES, make_policy
 from sensorless.policies.tuned import FORMAT, Tuned
-from sensorless.policy import TablePolicy, estimator_of
+from sensorless.policy import TablePolicy
 
 PAPER = Motor.load("paper")
 GOOD: dict[str, Any] = {
@@ -41,7 +41,7 @@ def test_it_runs_on_the_estimator_it_was_tuned_on(rule: str, tmp_path: Path) -> 
     path = tmp_path / "a.json"
     for design, estimator in (({"estimator": "flux"}, "flux"), ({}, None), (3, None)):
         Tuned(rule, RULES[rule].defaults(), {"design": design}).save(path)
-        assert estimator_of(make_policy(str(path), PAPER)) == estimator
+        assert make_policy(str(path), PAPER).estimator == estimator
 
 
 def test_its_speeds_are_shares_of_rated_speed_on_any_machine(tmp_path: Path) -> None:

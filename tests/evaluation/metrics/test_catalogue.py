@@ -132,6 +132,7 @@ class Half:
 
     name = "half"
     sensored = False
+    estimator: str | None = None
 
     def reset(self, n: int) -> None:
         pass
