@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 from sensorless.baselines.linear import EQ25_BAND
 from sensorless.baselines.rule import Parameter, Rule, Values, speed
 from sensorless.core.api import SIGNAL_NAMES
+from sensorless.decision import decision_time
 from sensorless.machine.motor import Motor
-from sensorless.policy import Signals, decision_time
+from sensorless.policy import Signals
 
 INJECTION, UP, OBSERVER, WAKE, DOWN = range(5)
 WAKE_K_S = np.float32(5e-4)

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from sensorless.baselines.hysteresis import GAP, Hysteresis
 from sensorless.baselines.linear import EQ25_BAND
 from sensorless.baselines.rule import Parameter, Rule, Values, speed
+from sensorless.decision import decision_time
 from sensorless.machine.motor import Motor
-from sensorless.policy import Signals, decision_time
+from sensorless.policy import Signals
 
 
 class TimeRamp:

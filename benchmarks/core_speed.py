@@ -12,13 +12,14 @@ import numpy as np
 
 from benchmarks.timing import Run, best_rates
 from sensorless.core.api import SIGNAL_N, lib, sim_run
+from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
 
-DECISION = 5
-"""Periods of a 1 ms decision."""
+DECISION = decision_periods(Motor.load("paper"))
+"""Periods of a decision."""
 
 LONG = 250
 """Periods of a long call: going into a block and back no longer counts."""

@@ -15,6 +15,8 @@ import numpy as np
 
 import sensorless  # noqa: F401  (registers the environment)
 from sensorless.core.api import SIM
+from sensorless.decision import decision_periods
+from sensorless.machine.motor import Motor
 
 DRIVES = 16384
 """For the memory of one."""
@@ -25,7 +27,7 @@ PERIODS = 100_000_000
 SIDE = 1024
 """Drives that share these periods."""
 
-DECISION = 5
+DECISION = decision_periods(Motor.load("paper"))
 """Periods of a decision."""
 
 

@@ -19,6 +19,7 @@ from sensorless.core.api import (
     sums_matrix,
     words,
 )
+from sensorless.decision import whole_periods
 from sensorless.envs.blend_settings import BlendSettings
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.privileged import FIXED, Values, fixed, privileged
@@ -83,7 +84,7 @@ class BlendBatch:
         motor = settings.motor
         self.motor = motor if isinstance(motor, Motor) else Motor.load(motor)
         self.settings = settings
-        self.periods = max(1, round(settings.decision_period / self.motor.T_s))
+        self.periods = whole_periods(settings.decision_period, self.motor)
         self._factory = SimFactory(self.motor, settings.design)
         self._seeds: Seeds = np.zeros(n, dtype=np.uint64)
         self._episode: Seeds = np.zeros(n, dtype=np.uint64)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from sensorless.decision import RUNNING
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import Seeds
 from sensorless.envs.reward import RewardWeights
@@ -33,7 +34,7 @@ class BlendSettings:
     weights: RewardWeights = field(default_factory=RewardWeights)
     """Weights of the reward's terms."""
     decision_period: float = number(
-        1e-3, "s", 1e-6, 1, "time between decisions, rounded to whole PWM periods"
+        RUNNING, "s", 1e-6, 1, "time between decisions, rounded to whole PWM periods"
     )
     max_episode_steps: int | None = None
     """Decisions until truncation; None: run to the scenario's end."""

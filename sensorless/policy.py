@@ -9,23 +9,9 @@ from numpy.typing import NDArray
 
 from sensorless.core.api import Array
 from sensorless.design.drive import DriveDesign
-from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import KsTable
 
 Signals = NDArray[np.float32]
-
-DECISION = 0.001
-"""Time between two decisions [s], rounded to whole PWM periods."""
-
-
-def decision_periods(motor: Motor) -> int:
-    """PWM periods between two decisions."""
-    return max(1, round(DECISION / motor.T_s))
-
-
-def decision_time(motor: Motor) -> float:
-    """Time between two decisions [s]."""
-    return decision_periods(motor) * motor.T_s
 
 
 class Policy(Protocol):

@@ -17,7 +17,7 @@ LAYERS = (
     ("machine", "table", "versions"),
     ("observers",),
     ("design",),
-    ("policy", "suitability"),
+    ("decision", "policy", "suitability"),
     ("envs",),
     ("evaluation",),
     ("agents", "baselines"),

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from sensorless.agents.table.start import start_table
+from sensorless.decision import TRAINING
 from sensorless.envs.scenarios.machine_family import MOST_MACHINES
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -91,7 +92,9 @@ class TrainConfig:
     monotone: bool = switch(False, "keep k_s from rising with speed; tables only")
     average: int = number(5, "1", 1, 10**6, "updates whose mean table is validated and kept")
     warm_up: int = number(2, "1", 0, 10**6, "updates of the critic alone before the table moves")
-    decision_ms: float = number(5.0, "ms", 0.1, 100, "time between two decisions in training")
+    decision_ms: float = number(
+        1e3 * TRAINING, "ms", 0.1, 100, "time between two decisions in training"
+    )
     lost_penalty: float = number(
         1000.0,
         "1",

@@ -37,7 +37,7 @@ static void work_on(share_t *share) {
 
 #include <pthread.h>
 
-#define MOST 256 /* threads, the caller's included */
+#define MOST_THREADS 256 /* the caller's included */
 
 static void *helper(void *share) {
     work_on(share);
@@ -46,10 +46,10 @@ static void *helper(void *share) {
 
 void workers_run(work_t work, void *job, int32_t pieces, int32_t threads) {
     share_t share = {work, job, pieces, 0};
-    pthread_t started[MOST - 1];
+    pthread_t started[MOST_THREADS - 1];
     int32_t wanted = (threads < pieces ? threads : pieces) - 1;
     int32_t n = 0;
-    while (n < wanted && n < MOST - 1 && pthread_create(&started[n], 0, helper, &share) == 0) {
+    while (n < wanted && n < MOST_THREADS - 1 && pthread_create(&started[n], 0, helper, &share) == 0) {
         n++;
     }
     work_on(&share);

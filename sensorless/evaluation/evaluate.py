@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
+from sensorless.decision import decision_time
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
@@ -30,7 +31,7 @@ from sensorless.evaluation.rollout import (
 )
 from sensorless.files import check_writable
 from sensorless.machine.motor import Motor
-from sensorless.policy import Policy, PrivilegedPolicy, decision_periods, design_for
+from sensorless.policy import Policy, PrivilegedPolicy, design_for
 from sensorless.versions import versions
 
 Progress = Callable[[float], None]
@@ -43,7 +44,7 @@ PolicyProgress = Callable[[str, float], None]
 WORST = 10
 """Scenarios of each policy that are listed as its worst."""
 WORST_METRICS = ("torque_dev_rms", "angle_err_max_deg")
-MOST = 2_000_000
+MOST_DECISIONS = 2_000_000
 """Decisions of all drives together that are kept at a time, 84 bytes each."""
 
 
@@ -145,10 +146,8 @@ def score(
 def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRows) -> Scores:
     """All metrics of a policy on some scenarios; long ones fewer at a time, for their memory."""
     scenarios = rows.draw() if isinstance(rows, SuiteRows) else rows
-    decision_time = decision_periods(factory.motor) * factory.motor.T_s
-    decisions = max(1.0, float(scenarios.duration.max()) / decision_time)
-    at_once = max(16, int(MOST / decisions))
-    runs = rollouts(policy, scenarios, factory, at_once)
+    decisions = max(1.0, float(scenarios.duration.max()) / decision_time(factory.motor))
+    runs = rollouts(policy, scenarios, factory, max(16, int(MOST_DECISIONS / decisions)))
     return _joined([_scores(with_twin_to_the_end(r, factory)) for r in runs])
 
 

@@ -16,9 +16,10 @@ from sensorless.core.api import (
     sim_signals,
     sums_matrix,
 )
+from sensorless.decision import decision_periods, decision_time
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
-from sensorless.policy import Policy, decide, decision_periods
+from sensorless.policy import Policy, decide
 
 CHUNK = 256
 """Scenarios at a time: with ``sums_t`` of 80 bytes, 2 s of them keep 41 MB."""
@@ -48,7 +49,7 @@ class Rollout:
     @property
     def decision_time(self) -> float:
         """Length of a decision [s]."""
-        return decision_periods(self.motor) * self.motor.T_s
+        return decision_time(self.motor)
 
     @cached_property
     def alive(self) -> NDArray[np.bool_]:

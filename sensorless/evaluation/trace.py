@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 
 from sensorless.core.api import SIGNAL_N, TRACE_NAMES, Array, sim_signals, sim_trace
+from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.rollout import CAUSES
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
-from sensorless.policy import Policy, decide, decision_periods
+from sensorless.policy import Policy, decide
 
 Trace = dict[str, Array]
 """Columns of ``TRACE_NAMES`` (``core/sim/simulate.h``), each (periods,): SI units, rad, rad/s."""

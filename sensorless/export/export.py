@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from sensorless.decision import RUNNING, whole_periods
 from sensorless.design.drive import DriveDesign, control_record
 from sensorless.errors import UserError
 from sensorless.export.cmsis import cmsis_files
@@ -51,7 +52,7 @@ def export(
     *,
     policy: str = "table",
     provenance: Mapping[str, Any] | None = None,
-    decision_time: float = 0.001,
+    decision_time: float = RUNNING,
     fit: bool = False,
 ) -> Exported:
     """Write the folder, whole or not at all, after its self test has passed on this host.
@@ -81,7 +82,7 @@ def export(
     target = Path(folder).resolve()
     check_replaceable(target)
     ensure_writable(target.parent)
-    periods = max(1, round(decision_time / motor.T_s))
+    periods = whole_periods(decision_time, motor)
     rule = two_threshold(table, motor, design) if fit else None
     if rule is not None:
         origin["two_threshold"] = rule

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.export.export import export
@@ -15,7 +16,6 @@ from sensorless.pil.device import DRIVES, Device
 from sensorless.pil.lockstep import lockstep
 from sensorless.pil.scenarios import pil_scenarios
 from sensorless.pil.tools import build, qemu_command
-from sensorless.policy import decision_periods
 from sensorless.table.ks_table import KsTable
 
 

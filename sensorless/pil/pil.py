@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from sensorless.core.api import SIGNAL_NAMES, Array, ffi, lib
+from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.evaluation.rollout import CAUSES
@@ -36,7 +37,6 @@ from sensorless.pil.tools import (
     stack_of,
     versions,
 )
-from sensorless.policy import decision_periods
 from sensorless.table.image import lookup
 from sensorless.table.ks_table import KsTable
 

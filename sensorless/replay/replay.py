@@ -7,13 +7,14 @@ import numpy as np
 from rich.table import Table
 
 from sensorless.core.api import REPLAY_NAMES, SIGNAL_N, Array, ObserverRun
+from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign, control_record
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 from sensorless.observers.ekf import run_ekf
-from sensorless.policy import Policy, PrivilegedPolicy, decision_periods, design_for
+from sensorless.policy import Policy, PrivilegedPolicy, design_for
 from sensorless.replay.log import Log, clarke, read_log
 
 SAMPLE = Path(__file__).parent / "sample_log.csv"

@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from sensorless.cli.app import app
+from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign, control_record
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
@@ -17,7 +18,7 @@ from sensorless.export.provenance import motor_hash
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES, make_policy
 from sensorless.policies.tuned import Tuned
-from sensorless.policy import decision_periods, design_for
+from sensorless.policy import design_for
 from sensorless.table.ks_table import KsTable
 from sensorless.tuning.batch import SideBySide
 

@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, Array, sim_run
+from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
@@ -20,7 +21,7 @@ from sensorless.evaluation.rollout import (
 from sensorless.evaluation.trace import outcome, trace
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
-from sensorless.policy import Signals, decision_periods
+from sensorless.policy import Signals
 
 MOTOR = Motor.load("paper")
 FACTORY = SimFactory(MOTOR, DriveDesign())
