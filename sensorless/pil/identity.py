@@ -74,12 +74,17 @@ def identity(
     with tempfile.TemporaryDirectory(prefix="sensorless-identity-") as temp:
         place = Path(temp)
         export(table, motor, design, place / "export")
-        for j, c in enumerate(configurations):
+        built: dict[tuple[str, str, str], Path] = {}
+        for c in configurations:
             if c.machine == "host" and shutil.which(c.compiler) is None:
                 continue
             began = time.monotonic()
-            what = "image" if c.machine == "target" else "host"
-            program = build(place / "export", place / f"build{j}", what, c.level, c.compiler)
+            same = (c.machine, c.level, c.compiler)
+            if same not in built:
+                what = "image" if c.machine == "target" else "host"
+                folder = place / f"build{len(built)}"
+                built[same] = build(place / "export", folder, what, c.level, c.compiler)
+            program = built[same]
             command = qemu_command(program) if c.machine == "target" else [str(program)]
             done, wrong, seed = 0, 0, 100
             with Device(command, place if c.machine == "target" else None) as device:

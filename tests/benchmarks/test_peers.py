@@ -1,6 +1,5 @@
 """The comparison with other simulators, as far as it needs neither network nor the peers."""
 
-import importlib.util
 import subprocess
 import sys
 from pathlib import Path
@@ -10,17 +9,12 @@ from typing import Any
 import pytest
 
 from sensorless.errors import UserError
-
-FILE = Path(__file__).parents[2] / "benchmarks" / "peers.py"
+from tests.helpers.script import script
 
 
 @pytest.fixture(scope="module")
 def peers() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("peers", FILE)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return script("benchmarks/peers.py")
 
 
 def found() -> dict[str, Any]:

@@ -59,37 +59,52 @@ def other_word(word: str) -> str:
     return f"0x{int(word, 16) ^ 1 << 22:08X}"
 
 
-@GCC
-@pytest.mark.parametrize(
-    ("file", "pattern", "which", "message"),
-    [
-        ("ks_table_data.c", r"^    (0\.\d+)f", 0, "float table: check: wrong CRC"),
-        ("ks_table_q15.c", r"^    32767, (32767),", 0, "Q15 table: check: wrong CRC"),
-        ("ks_table_data.c", r"\.crc_header = (0x\w+)UL", 0, "float table: check: wrong CRC"),
+def damaged(text: str) -> str:
+    """Another value in place of one that an edit has found."""
+    if text.startswith("0x"):
+        return other_word(text)
+    return "0.4" if text.startswith("0.") else {"32767": "32766"}.get(text, f"0.999f * {text}")
+
+
+CORRUPTIONS = {
+    "golden vectors": [
         ("ks_table_data.c", r"\}, (0x\w+)\},$", 20, "float table: lookups .*: 1, first 20"),
         ("ks_table_q15.c", r"\{\{(0x3\w+), 0x\w+\}", 30, "Q15 table: lookups .*: 1, first "),
         ("test/drive_vectors.h", r"(0x\w+)\},$", 4000, "control core: periods .*: 1, first 4000"),
-        ("test/drive_vectors.h", r"^    \{(0x\w+), ", 4400, "control core: periods .*: 100, first"),
-        ("params.h", r"\.k_p_speed = (0\.\d+)f", 0, "control core: periods .* golden"),
-        ("params.h", r"MOTOR_HASH (0x\w+)UL", 0, "float table: check: made for another motor"),
         ("cmsis/ks_table_cmsis.c", r"^    .*?(0\.\d+)f, ", 0, "CMSIS table: lookups"),
-        ("cmsis/ks_table_cmsis.h", r"\? low : (last);", 0, "CMSIS table: lookups"),
-        ("core/ks_table.c", r"\*f = (pos) - ", 0, "float table: lookups"),
-        ("core/frames.h", r"#define TWO_PI_F (6\.\d+)f", 0, "control core: periods"),
     ],
-)
-def test_a_folder_corrupted_by_hand_fails(
-    copied: Path, file: str, pattern: str, which: int, message: str
-) -> None:
-    def change(text: str) -> str:
-        if text.startswith("0x"):
-            return other_word(text)
-        return "0.4" if text.startswith("0.") else {"32767": "32766"}.get(text, f"0.999f * {text}")
+    "values": [
+        ("ks_table_data.c", r"^    (0\.\d+)f", 0, "float table: check: wrong CRC"),
+        ("ks_table_q15.c", r"^    32767, (32767),", 0, "Q15 table: check: wrong CRC"),
+    ],
+    "an input": [
+        ("test/drive_vectors.h", r"^    \{(0x\w+), ", 4400, "control core: periods .*: 100, first"),
+        ("cmsis/ks_table_cmsis.h", r"\? low : (last);", 0, "CMSIS table: lookups"),
+    ],
+    "a checksum": [
+        ("ks_table_data.c", r"\.crc_header = (0x\w+)UL", 0, "float table: check: wrong CRC")
+    ],
+    "a gain": [("params.h", r"\.k_p_speed = (0\.\d+)f", 0, "control core: periods .* golden")],
+    "the motor": [
+        ("params.h", r"MOTOR_HASH (0x\w+)UL", 0, "float table: check: made for another motor")
+    ],
+    "the lookup": [("core/ks_table.c", r"\*f = (pos) - ", 0, "float table: lookups")],
+    "a constant": [("core/frames.h", r"#define TWO_PI_F (6\.\d+)f", 0, "control core: periods")],
+}
+"""File, pattern, which match, what the self test then says; together where none hides another."""
 
-    edit(copied / file, pattern, change, which)
+
+@GCC
+@pytest.mark.parametrize("edits", CORRUPTIONS.values(), ids=CORRUPTIONS)
+def test_a_folder_corrupted_by_hand_fails(
+    copied: Path, edits: list[tuple[str, str, int, str]]
+) -> None:
+    for file, pattern, which, _ in edits:
+        edit(copied / file, pattern, damaged, which)
     done = selftest(copied, "CC=gcc", "CFLAGS=-O0")
     assert done.returncode != 0 and "self test passed" not in done.stdout
-    assert re.search(f"self test FAILED: {message}", done.stderr), done.stderr
+    for *_, message in edits:
+        assert re.search(f"self test FAILED: {message}", done.stderr), done.stderr
 
 
 def test_the_golden_run_crosses_over_both_ways(

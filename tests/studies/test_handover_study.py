@@ -1,7 +1,5 @@
 """The study of the hand-over window: what is paired with what, and the search for a quiet one."""
 
-import importlib.util
-from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -11,18 +9,14 @@ from sensorless.baselines.logistic import RULE
 from sensorless.design.drive import DriveDesign
 from sensorless.evaluation.evaluate import Scores
 from sensorless.machine.motor import Motor
+from tests.helpers.script import script
 
-FILE = Path(__file__).parents[2] / "studies" / "handover_study.py"
 MOTOR = Motor.load("paper")
 
 
 @pytest.fixture(scope="module")
 def study() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("handover_study", FILE)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return script("studies/handover_study.py")
 
 
 def scores(study: ModuleType, lost: list[int], ripple: list[float]) -> Scores:

@@ -1,6 +1,5 @@
 """When a learning curve passes a level, and the levels of a run's own scenarios."""
 
-import importlib.util
 import json
 import shutil
 from pathlib import Path
@@ -15,6 +14,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
+from tests.helpers.script import script
 
 ROOT = Path(__file__).parents[2]
 MOTOR = Motor.load("paper")
@@ -22,13 +22,7 @@ MOTOR = Motor.load("paper")
 
 @pytest.fixture(scope="module")
 def learning() -> ModuleType:
-    spec = importlib.util.spec_from_file_location(
-        "learning_time", ROOT / "studies" / "learning_time.py"
-    )
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return script("studies/learning_time.py")
 
 
 @pytest.mark.parametrize(

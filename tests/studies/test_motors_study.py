@@ -1,6 +1,5 @@
 """The study over the shipped machines: its verdict, its record, and going on with it."""
 
-import importlib.util
 import json
 import sys
 from pathlib import Path
@@ -10,18 +9,14 @@ import numpy as np
 import pytest
 
 from sensorless.evaluation.evaluate import Scores
+from tests.helpers.script import script
 
-PATH = Path(__file__).parents[2] / "studies" / "motors_study.py"
 N = 400
 
 
 @pytest.fixture(scope="module")
 def module() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("motors_study", PATH)
-    assert spec is not None and spec.loader is not None
-    loaded = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(loaded)
-    return loaded
+    return script("studies/motors_study.py")
 
 
 def scores(module: ModuleType, lost: int, deviation: float) -> Scores:

@@ -1,6 +1,5 @@
 """What ``make reference`` leaves in the repository."""
 
-import importlib.util
 import json
 from pathlib import Path
 
@@ -10,12 +9,9 @@ from sensorless.design.drive import DriveDesign
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies
+from tests.helpers.script import script
 
-FILE = Path(__file__).parents[2] / "studies" / "publish_reference.py"
-SPEC = importlib.util.spec_from_file_location("publish_reference", FILE)
-assert SPEC is not None and SPEC.loader is not None
-STUDY = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(STUDY)
+STUDY = script("studies/publish_reference.py")
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """What Q15 costs at a small size: metrics of a learned and of a tuned table hardly change."""
 
-import importlib.util
-from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -10,18 +8,14 @@ import pytest
 from sensorless.core.api import SIGNAL_N
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
+from tests.helpers.script import script
 
-FILE = Path(__file__).parents[2] / "studies" / "q15_study.py"
 MOTOR = Motor.load("paper")
 
 
 @pytest.fixture(scope="module")
 def q15() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("q15_study", FILE)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return script("studies/q15_study.py")
 
 
 @pytest.mark.parametrize("word", ["reference", "logistic-tuned"])

@@ -1,6 +1,5 @@
 """The recorded studies: they write what they found and go on where they stopped."""
 
-import importlib.util
 import json
 import sys
 from dataclasses import dataclass
@@ -12,8 +11,7 @@ import pytest
 from sensorless.agents.train.config import TrainConfig
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import table_named
-
-BENCHMARKS = Path(__file__).parents[2] / "studies"
+from tests.helpers.script import script
 
 
 @dataclass(frozen=True)
@@ -25,10 +23,7 @@ class Small(TrainConfig):
 
 
 def study(name: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, BENCHMARKS / f"{name}.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = script(f"studies/{name}.py")
     vars(module)["TrainConfig"] = Small
     return module
 

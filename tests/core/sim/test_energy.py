@@ -12,25 +12,10 @@ from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.plant.case import PlantCase
 from sensorless.plant.run import integrate
+from tests.helpers.machines import BRIDGE
 
 Map = Callable[[Saturation, Floats], Floats]
 
-BRIDGE = Saturation(
-    a_d0=3.96,
-    a_dd=28.5,
-    S=4,
-    a_q0=5.89,
-    a_qq=2.67,
-    T=6,
-    a_dq=41.5,
-    U=1,
-    V=1,
-    a_b=81.75,
-    a_bp=1.0,
-    k_q=0.1,
-    psi_n=0.804,
-    W=2,
-)
 H = 5e-6
 HOLD = 40
 

@@ -16,25 +16,10 @@ from sensorless.machine.magnetics import (
     torque,
 )
 from sensorless.machine.motor import Motor, Saturation
+from tests.helpers.machines import BRIDGE
 
 Map = Callable[[Saturation, Floats], Floats]
 
-BRIDGE = Saturation(
-    a_d0=3.96,
-    a_dd=28.5,
-    S=4,
-    a_q0=5.89,
-    a_qq=2.67,
-    T=6,
-    a_dq=41.5,
-    U=1,
-    V=1,
-    a_b=81.75,
-    a_bp=1.0,
-    k_q=0.1,
-    psi_n=0.804,
-    W=2,
-)
 STRESS = Saturation(
     a_d0=13.0, a_dd=0.59097761, S=4, a_q0=1.9612252, a_qq=1.90, T=2, a_dq=3.114, i_f=13.479581
 )

@@ -14,25 +14,11 @@ from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.plant.case import PlantCase
 from sensorless.plant.run import integrate, plant_arrays, run_case
+from tests.helpers.machines import BRIDGE
 
 Map = Callable[[Saturation, Floats], Floats]
 
-BRIDGE = Saturation(
-    a_d0=3.96,
-    a_dd=28.5,
-    S=4,
-    a_q0=5.89,
-    a_qq=2.67,
-    T=6,
-    a_dq=41.5,
-    U=2,
-    V=2,
-    a_b=81.75,
-    a_bp=1.0,
-    k_q=0.1,
-    psi_n=0.804,
-    W=2,
-)
+STEEP = replace(BRIDGE, U=2, V=2)
 PERIOD = 1e-3
 
 
@@ -115,7 +101,7 @@ MACHINES = ("linear", "saturated", "bridge")
 
 def machine(name: str, motor: Motor) -> Saturation:
     linear = Saturation.linear(motor.L_d, motor.L_q, motor.psi_f)
-    return {"linear": linear, "saturated": motor.saturation, "bridge": BRIDGE}[name]
+    return {"linear": linear, "saturated": motor.saturation, "bridge": STEEP}[name]
 
 
 @pytest.mark.parametrize("held", [False, True], ids=["free", "held"])

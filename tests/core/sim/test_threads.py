@@ -10,29 +10,11 @@ import numpy as np
 import pytest
 import torch
 
-from sensorless.core.api import SIGNAL_N, THREADS, Array, sim_run, threads_allowed
-from sensorless.design.drive import DriveDesign
-from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.core.api import THREADS, Array, threads_allowed
 from sensorless.errors import UserError
-from sensorless.machine.motor import Motor
+from tests.helpers.drives import advance, drives
 
 LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc and rlimits")
-
-
-def drives(n: int = 64) -> Array:
-    motor = Motor.load("paper")
-    return SimFactory(motor, DriveDesign()).build(
-        stress_scenarios(motor, np.arange(n, dtype=np.uint64))
-    )
-
-
-def advance(sims: Array, periods: int, threads: int | None, k_s: float = 0.8) -> Array:
-    """Run the drives in place."""
-    n = len(sims)
-    wanted, obs = np.full(n, k_s, np.float32), np.zeros((n, SIGNAL_N), np.float32)
-    sim_run(sims, periods, wanted, obs, threads=threads)
-    return sims
 
 
 def test_default_is_the_cores_of_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -78,7 +60,7 @@ def test_where_threads_cannot_start() -> None:
     """Without address space for a stack, the calling thread does all of the work."""
     code = """
 import resource, sys, threading
-from tests.core.sim.test_threads import advance, drives
+from tests.helpers.drives import advance, drives
 expected = advance(drives(), 1000, 1).tobytes()
 sims = drives()
 pages = int(open("/proc/self/statm").read().split()[0])

@@ -1,0 +1,24 @@
+"""Random drives of the paper's machine, and their run in the core."""
+
+import numpy as np
+
+from sensorless.core.api import SIGNAL_N, Array, sim_run
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.machine.motor import Motor
+
+
+def drives(n: int = 64) -> Array:
+    motor = Motor.load("paper")
+    return SimFactory(motor, DriveDesign()).build(
+        stress_scenarios(motor, np.arange(n, dtype=np.uint64))
+    )
+
+
+def advance(sims: Array, periods: int, threads: int | None, k_s: float = 0.8) -> Array:
+    """Run the drives in place."""
+    n = len(sims)
+    wanted, obs = np.full(n, k_s, np.float32), np.zeros((n, SIGNAL_N), np.float32)
+    sim_run(sims, periods, wanted, obs, threads=threads)
+    return sims
