@@ -1,4 +1,4 @@
-"""One weight at all times: 1 is injection alone, 0 the sliding-mode observer alone."""
+"""One weight at all times: 1 is injection alone, 0 the observer alone."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from sensorless.table.ks_table import Axis, KsTable
 
 
 def constant_table(k_s: float) -> KsTable:
-    """Table with the same weight ``k_s``, 0 to 1, at each of its nodes."""
+    """Table with the same weight ``k_s``, 0 to 1, at every node."""
     return KsTable((Axis("speed", 0.0, 1.0, 2),), np.full(2, k_s, dtype=np.float32))
 
 
@@ -31,6 +31,6 @@ HFI = Rule(
 )
 SMO = Rule(
     "smo",
-    "sliding-mode observer alone: constant:0",
+    "observer alone (sliding-mode by default): constant:0",
     lambda name, v, motor: TablePolicy(name, constant_table(0.0)),
 )

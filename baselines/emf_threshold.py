@@ -1,11 +1,11 @@
-"""Hard switch of the estimated back-EMF with a gap, in shares of the DC-link voltage.
+"""Hard switch at a threshold of the estimated back-EMF, in per cent of the DC-link voltage.
 
     k_s = 0       |e_hat| >= (threshold + band) u_dc
     k_s = 1       |e_hat| <= (threshold - band) u_dc
-    k_s = as it was between the two
+    k_s = unchanged   in the gap between the two
 
 The MESC firmware compares |u_q - R_s i_q| with 5 % of u_dc, with a gap of 1 V (2 % of 48 V). Here
-the sliding-mode observer's EMF takes the place of that difference; u_dc is the nominal one.
+the observer's EMF replaces that difference, and u_dc is the nominal voltage.
 """
 
 from math import inf
@@ -16,7 +16,7 @@ from sensorless.machine.motor import Motor
 
 
 def emf_threshold(name: str, threshold: float, band: float, motor: Motor) -> Hysteresis:
-    """Switch for a threshold and half a gap in per cent of the DC-link voltage."""
+    """Switch at a threshold +- half a gap, both in per cent of the DC-link voltage."""
     unit = 0.01 * motor.u_dc / (motor.omega_rated * motor.psi_f)
     low = max(threshold - band, 0.1 * threshold)
     return Hysteresis(name, low * unit, (threshold + band) * unit, "emf")

@@ -5,11 +5,11 @@
     k_s   = r_smo / (r_hfi + r_smo)
 
 This is the update of a Kalman filter that measures one angle twice without prior knowledge: its
-gains are (k_s, 1 - k_s). The residuals are the RMS of the error signals that lead the two phase
-locked loops, their innovations [rad]. An innovation does not show what both the estimate and its
-measurement share, so each variance gets the part that physics gives: cross-coupling for the
-injection (floor), voltage errors over the EMF for the observer (bias). A weight below CUT is 0, so
-that the injection can stop.
+gains are (k_s, 1 - k_s). The residuals are the RMS of the error signals of the two phase-locked
+loops, their innovations [rad]. An innovation does not show errors that estimate and measurement
+share, so each variance has a second part that follows from physics: cross-coupling for the
+injection (floor), voltage errors over the EMF for the observer (bias). A weight below CUT counts as
+0, so that the injection can stop.
 """
 
 import numpy as np
@@ -22,13 +22,13 @@ from sensorless.policy import Signals
 
 CUT = 0.02
 RESIDUAL = 0.5
-"""What the value 1 of the residual signals stands for."""
+"""Error signal that the value 1 of the residual signals stands for."""
 
 EMF, HFI, SMO = (SIGNAL_NAMES.index(name) for name in ("emf", "hfi_residual", "smo_residual"))
 
 
 class InnovationFusion:
-    """The rule above, without memory. Signals that are not numbers mean injection.
+    """The rule above, without memory. A signal that is not a number gives all injection.
 
     Parameters
     ----------

@@ -1,13 +1,14 @@
 """Fuzzy schedule: a Takagi-Sugeno rule base over speed, acceleration and disagreement.
 
-The source paper calls its schedule fuzzy and prints a linear ramp; no rule base is published. This
-one is ours. Triangular terms that add up to 1 and the product for AND make it multilinear between
-the peaks of the terms, so the table with its nodes at the peaks *is* the system (deviation below
-1e-6, rounding only). simpful evaluates it, once a process (doi 10.2991/ijcis.d.201012.002).
+The source paper calls its schedule fuzzy but prints a linear ramp and no rule base; this rule base
+is ours. Its triangular terms add up to 1 and AND is the product, so it is multilinear between the
+peaks of the terms: a table with its nodes at the peaks *is* the system (but for rounding, below
+1e-6). simpful evaluates it once per process (doi 10.2991/ijcis.d.201012.002).
 
-The reasoning: stay on the injection while slow; hand over early when speeding up, late when slowing
-down, because the injection is needed soon; hand over late when the estimators disagree, because at
-these speeds voltage errors weigh more on the observer than cross-coupling does on the injection.
+Why these rules: stay on the injection at low speed; hand over early when speeding up, and late when
+slowing down, because the injection will soon be needed; hand over late when the estimators
+disagree, because at these speeds voltage errors hurt the observer more than cross-coupling hurts
+the injection.
 """
 
 from contextlib import redirect_stdout
@@ -60,11 +61,11 @@ RULES = (
     " THEN (k_s IS little)",
     "IF (speed IS fast) THEN (k_s IS none)",
 )
-"""Complete and without overlap: the weights of all rules add up to 1 at every input."""
+"""Complete and without overlap: at every input the weights of all rules add up to 1."""
 
 
 class FuzzySystem:
-    """The rule base over variables from 0 to 1 each, evaluated by the library.
+    """The rule base over three variables from 0 to 1, evaluated by the library.
 
     Raises
     ------
@@ -85,7 +86,7 @@ class FuzzySystem:
         for name, terms in TERMS.items():
             sets = simpful.AutoTriangle(len(terms), terms=list(terms))
             self._system.add_linguistic_variable(name, sets)
-        with redirect_stdout(StringIO()):  # the library tells which kind of system it found
+        with redirect_stdout(StringIO()):  # the library prints which kind of system it found
             for name, level in LEVELS.items():
                 self._system.set_crisp_output_value(name, level)
             self._system.add_rules(list(RULES))

@@ -1,18 +1,18 @@
-"""Gated state machine: hand over only while both estimators are at work and agree.
+"""Gated state machine: hand over only while both estimators work and agree.
 
     INJECTION  k_s = 1. To UP at speed >= high after ``hold`` decisions in a row in which both are
-               warm and |disagreement| <= gate; at speed >= force in any case.
+               warm and |disagreement| <= gate; at speed >= force anyway.
     UP         k_s falls at 1 / ramp. Back to DOWN when |disagreement| > release or speed <= low;
                to OBSERVER at k_s = 0.
     OBSERVER   k_s = 0, injection off. To WAKE at speed <= (low + high) / 2.
-    WAKE       k_s = WAKE_K_S: injection runs at full amplitude, the drive still on the observer.
-               To DOWN at speed <= low after ``hold`` decisions in a row of agreement within
-               release, or at half of low in any case; back to OBSERVER at speed >= high.
+    WAKE       k_s = WAKE_K_S: the injection runs at full amplitude, but the drive still follows
+               the observer. To DOWN at speed <= low after ``hold`` decisions in a row of agreement
+               within release, or at half of low anyway; back to OBSERVER at speed >= high.
     DOWN       k_s rises at 1 / ramp; to INJECTION at k_s = 1, to UP at speed >= force.
 
-Warm: the injected current answers with at least WARM_HF of its value without load, and the EMF
-estimated is at least WARM_EMF of what the magnets induce at the speed estimated. The drive's core
-aligns the idle estimator with the one in use. MathWorks' and ST's libraries hand over in this way.
+Warm: the answer to the injection is at least WARM_HF of its value without load, and the estimated
+EMF is at least WARM_EMF of what the magnets induce at the estimated speed. The drive's core aligns
+the idle estimator with the one in use. The libraries of MathWorks and ST hand over in this way.
 """
 
 from math import inf
@@ -46,13 +46,13 @@ class Gated:
     ----------
     name : str
     low, high, force : float
-        Over rated speed [-], low < high.
+        Speeds over rated speed [-], low < high.
     gate, release : float
         Disagreement [30 degrees].
     hold : int
         Decisions, at least 1.
     step : float
-        Change of k_s a decision.
+        Change of k_s per decision.
     """
 
     sensored = False

@@ -1,7 +1,7 @@
-"""Coarse table over speed, torque current and disagreement, each node a number of its own.
+"""Coarse table over speed, torque current and disagreement whose node values are the parameters.
 
-Made for tuning: what an optimiser finds without reinforcement learning. Starts as a ramp over
-the whole range of speed.
+Made for tuning: it shows what an optimiser finds without reinforcement learning. It starts as a
+ramp over the whole speed axis.
 """
 
 from itertools import product

@@ -1,8 +1,8 @@
-"""Hard switch of the estimated speed with a gap, as the VESC firmware and many others ship it.
+"""Hard switch at a threshold of the estimated speed, as VESC and many other firmwares ship it.
 
     k_s = 0       |omega_hat| >= high
     k_s = 1       |omega_hat| <= low
-    k_s = as it was between the two
+    k_s = unchanged   in the gap between the two
 
 The drive's slew limit on k_s still applies.
 """
@@ -23,9 +23,9 @@ SPEED = SIGNAL_NAMES.index("speed")
 
 
 class Hysteresis:
-    """Switch with memory, one bit a drive.
+    """Switch with one bit of memory per drive.
 
-    A drive starts on injection, and returns to it when its signal is not a number.
+    A drive starts on injection and returns to it when its signal is not a number.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class Hysteresis:
     low, high : float
         Gap in the signal's own unit, for the speed over rated speed [-]; low < high.
     signal : str
-        Another signal than the speed to compare with the gap.
+        Signal that is compared with the gap.
     """
 
     sensored = False
@@ -66,11 +66,11 @@ def _build(name: str, v: Values, motor: Motor) -> Hysteresis:
 
 RULE = Rule(
     "hysteresis",
-    "hard switch, up at HI, down at LO; centre of the paper's band +-5 % by default",
+    "hard switch, up at HI, down at LO; by default at the centre of the paper's band, +-5 %",
     _build,
     (
         speed("lo", (1.0 - GAP) * _CENTRE, (0.0, 0.9), "switches down to injection"),
-        speed("hi", (1.0 + GAP) * _CENTRE, (0.02, 1.2), "switches up to the sliding-mode observer"),
+        speed("hi", (1.0 + GAP) * _CENTRE, (0.02, 1.2), "switches up to the observer"),
     ),
     rising=(("lo", "hi"),),
 )

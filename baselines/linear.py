@@ -4,8 +4,8 @@
     k_s = (high - |omega_hat|) / (high - low)   low <= |omega_hat| <= high
     k_s = 0                                     high <= |omega_hat|
 
-Eq. 25 of doi 10.12177/emca.2025.011 with what it lacks: the magnitude (printed, every negative
-speed gives k_s = 1) and the cases of equality.
+This is Eq. 25 of doi 10.12177/emca.2025.011 with what the print lacks: the magnitude (as printed,
+every negative speed gives k_s = 1) and the cases of equality.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ EQ25_BAND = (300.0 / 1500.0, 400.0 / 1500.0)
 
 
 def linear_table(low: float, high: float) -> KsTable:
-    """Table of two nodes on the speed axis: exactly the ramp, since a table is clipped outside.
+    """Table of two nodes on the speed axis: exactly the ramp, because a table is constant outside.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ RULE = Rule(
     _build,
     (
         speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
-        speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it the sliding-mode observer alone"),
+        speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it the observer alone"),
     ),
     rising=(("lo", "hi"),),
 )

@@ -1,11 +1,11 @@
-"""Logistic schedule of speed, torque current and disagreement: seven numbers that make a table.
+"""Logistic schedule of speed, torque current and disagreement: seven numbers define a table.
 
     centre = speed + motoring max(i, 0) + regenerating max(-i, 0) + lead max(d, 0) + lag max(-d, 0)
     z      = 4 (centre - s) / (width (1 + spread |i|))
     k_s    = clip(1.04 / (1 + exp(-z)) - 0.02, 0, 1)
 
-s, i, d: signals speed, torque_current and disagreement. The table of AXES is the rule; between its
-nodes it is multilinear, not logistic. Its numbers come from tuning, not from a drive.
+s, i and d are the signals speed, torque_current and disagreement. The rule is the table on AXES:
+multilinear between its nodes, not logistic. Its numbers come from tuning; no drive ships it.
 """
 
 import numpy as np
@@ -53,11 +53,11 @@ RULE = Rule(
     _build,
     (
         speed("speed", 0.5 * sum(EQ25_BAND), (0.02, 0.9), "where k_s is one half, without load"),
-        speed("width", EQ25_BAND[1] - EQ25_BAND[0], (0.03, 1.5), "of the band", low=0.001),
+        speed("width", EQ25_BAND[1] - EQ25_BAND[0], (0.03, 1.5), "width of the band", low=0.001),
         _shift("motoring", "shift of the centre [rated speed] at rated current, motoring"),
-        _shift("regenerating", "the same when regenerating"),
+        _shift("regenerating", "shift of the centre [rated speed] at rated current, regenerating"),
         _shift("lead", "shift at 30 degrees of disagreement, injection ahead"),
-        _shift("lag", "the same, injection behind"),
+        _shift("lag", "shift at 30 degrees of disagreement, injection behind"),
         Parameter("spread", 0.0, "1", 0, 10, "widening at rated current", search=(0.0, 2.0)),
     ),
 )

@@ -1,4 +1,4 @@
-"""A rule that brings its own estimator: the same ramp of the speed, another way to the angle."""
+"""Rules that bring their own estimator: the ramp of the speed, with another way to the angle."""
 
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.baselines.rule import Rule, Values, speed
@@ -7,7 +7,7 @@ from sensorless.policy import TablePolicy
 
 
 def ramp_on(name: str, estimator: str, doc: str) -> Rule:
-    """Rule ``name`` with a band as parameters, the paper's by default."""
+    """Rule ``name`` with the ends of its band as parameters, by default those of the paper."""
 
     def build(word: str, v: Values, motor: Motor) -> TablePolicy:
         return TablePolicy(word, linear_table(v["lo"], v["hi"]), estimator)
@@ -20,8 +20,12 @@ def ramp_on(name: str, estimator: str, doc: str) -> Rule:
 
 
 ERROR_BLEND = ramp_on(
-    "error_blend", "errors", "ramp of the speed that weighs error signals in one loop, not angles"
+    "error_blend",
+    "errors",
+    "ramp of the speed, but k_s weighs two error signals in one loop instead of two angles",
 )
 FLUX_OBSERVER = ramp_on(
-    "flux_observer", "flux", "ramp of the speed from injection to a flux observer, not to the SMO"
+    "flux_observer",
+    "flux",
+    "ramp of the speed from injection to a flux observer instead of the sliding-mode one",
 )

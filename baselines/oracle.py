@@ -1,16 +1,16 @@
-"""Greedy oracle: the weight that would have made the last decision's angle error least. A bound.
+"""Greedy oracle: the weight with which the last decision's angle error would have been smallest.
 
     apart = err_smo - err_hfi
     k_s   = clip((apart err_smo + inertia^2 k_s') / (apart^2 + inertia^2), 0, 1)   with injection
     k_s   = 0 if |err_smo| <= wake, else WAKE_K_S                                  without
 
-err_hfi, err_smo: true angle minus estimate, means over the last decision; k_s': weight before. This
-is the least of (err_smo - k_s apart)^2 + inertia^2 (k_s - k_s')^2: without inertia the weight
-would rattle between 0 and 1 wherever the estimators agree. It knows the true angle, so it is no
-rule for a drive: it shows what choosing by the angle error alone can reach, and no more than that,
-for what is best now need not be best over the next half second.
+err_hfi and err_smo are the true angle minus the estimate, means over the last decision; k_s' is the
+weight before. This k_s minimises (err_smo - k_s apart)^2 + inertia^2 (k_s - k_s')^2: without
+inertia the weight would jump between 0 and 1 wherever the estimators agree. The oracle knows the
+true angle, so it is no deployable rule. It shows what choosing by the angle error alone can reach,
+and no more than that: the best choice now need not be the best for the next half second.
 
-Without injection the error of its estimator is not known; WAKE_K_S starts it.
+While there is no injection, the error of its estimator is unknown; WAKE_K_S starts it.
 """
 
 from math import inf
@@ -27,13 +27,13 @@ WAKE_K_S = 0.01
 
 
 class Oracle:
-    """The rule above; ``privileged`` tells that it sees the truth.
+    """The rule above; ``privileged`` says that it sees the truth.
 
     Parameters
     ----------
     name : str
     inertia : float
-        Distance of the estimators above which the weight goes its way at once [rad], above 0.
+        Distance between the estimators above which the weight moves at once [rad], above 0.
     wake : float
         Error of the observer that wakes the injection [rad].
     """
@@ -52,8 +52,8 @@ class Oracle:
         self._k_s = np.ones(n)
 
     def act(self, obs: Signals) -> NDArray[np.float32]:
-        """Not possible: signals do not tell the truth."""
-        raise ValueError(f"policy {self.name} needs the truth: call act_knowing")
+        """Refuse: the signals do not contain the true angle."""
+        raise ValueError(f"policy {self.name} needs the true angle; call act_knowing")
 
     def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
         """Weights (n,)."""
@@ -74,11 +74,17 @@ def _build(name: str, v: Values, motor: Motor) -> Oracle:
 
 RULE = Rule(
     "oracle",
-    "bound: knows the true angle and takes the weight that makes its error least",
+    "bound: knows the true angle and takes the weight with the smallest error",
     _build,
     (
         Parameter(
-            "inertia", 30.0, "deg", 0.001, inf, "distance that moves the weight", search=(1.0, 90.0)
+            "inertia",
+            30.0,
+            "deg",
+            0.001,
+            inf,
+            "distance between the estimators that moves the weight",
+            search=(1.0, 90.0),
         ),
         Parameter(
             "wake",

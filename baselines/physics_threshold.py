@@ -1,9 +1,9 @@
-"""Hard switch at the speed whose back-EMF stands clear of what the drive does not know.
+"""Hard switch at the speed whose back-EMF exceeds the voltages that the drive does not know.
 
     omega_1 = (share R_s i_max + u_dt) / psi_f,   u_dt = u_dc dead_time / T_s
 
-share = 0.2 is the usual uncertainty of the resistance; u_dt is the mean voltage that the dead time
-takes from a phase. The phobia firmware computes its threshold in this way.
+share = 0.2 is the usual uncertainty of the resistance; u_dt is the mean voltage that a phase loses
+to the dead time. The phobia firmware computes its threshold in this way.
 """
 
 from math import inf
@@ -35,7 +35,7 @@ RULE = Rule(
             "1",
             0,
             inf,
-            "resistance that is not known over the known",
+            "unknown part of the resistance over the known resistance",
             search=(0.0, 10.0),
         ),
         Parameter("gap", 5.0, "%", 0.1, 90, "half the gap", search=(1.0, 50.0)),

@@ -1,9 +1,9 @@
-"""Time ramp after the crossing of a speed: k_s runs to its new end at a fixed rate.
+"""Time ramp after the crossing of a speed: k_s moves to its new end at a fixed rate.
 
     target = hard switch of the speed with a gap (see ``hysteresis``)
-    k_s moves towards target by dt / ramp a decision of dt
+    k_s moves towards target by dt / ramp per decision of dt
 
-25 to 50 ms in the drives of NXP and ST. The drive's slew limit on k_s still applies.
+The drives of NXP and ST take 25 to 50 ms. The drive's slew limit on k_s still applies.
 """
 
 from math import inf
@@ -28,7 +28,7 @@ class TimeRamp:
     low, high : float
         Gap over rated speed [-], low < high.
     step : float
-        Largest change of k_s a decision, above 0.
+        Largest change of k_s per decision, above 0.
     """
 
     sensored = False
@@ -60,11 +60,11 @@ def _build(name: str, v: Values, motor: Motor) -> TimeRamp:
 
 RULE = Rule(
     "ramp",
-    "runs to its new end within RAMP ms after the speed crossed HI upwards or LO downwards",
+    "moves to its new end within RAMP ms after the speed crossed HI upwards or LO downwards",
     _build,
     (
         speed("lo", (1.0 - GAP) * _CENTRE, (0.0, 0.9), "starts down to injection"),
-        speed("hi", (1.0 + GAP) * _CENTRE, (0.02, 1.2), "starts up to the sliding-mode observer"),
+        speed("hi", (1.0 + GAP) * _CENTRE, (0.02, 1.2), "starts up to the observer"),
         Parameter("ramp", 40.0, "ms", 0.1, inf, "from one end to the other", search=(20.0, 400.0)),
     ),
     rising=(("lo", "hi"),),

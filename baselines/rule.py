@@ -1,4 +1,4 @@
-"""What a hand-over rule tells about itself: its name, its parameters, and how to build it."""
+"""What defines a hand-over rule: its name, its parameters, and how to build it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -9,7 +9,7 @@ from sensorless.policy import Policy
 from sensorless.settings import Setting
 
 Values = Mapping[str, float]
-"""Parameters by name. They hold no property of a machine: speeds are shares of rated speed."""
+"""Parameters by name, free of any machine: speeds are shares of rated speed."""
 
 
 @dataclass(frozen=True)

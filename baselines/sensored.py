@@ -1,4 +1,4 @@
-"""The same drive with a position sensor: the bound for any estimator, a check of the yardstick."""
+"""The same drive with a position sensor: a bound for any estimator, a check of the metrics."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from sensorless.policy import Signals
 
 
 class Sensored:
-    """Asks for the true angle; its k_s is without effect."""
+    """Runs on the true angle; its k_s has no effect."""
 
     name = "sensored"
     sensored = True

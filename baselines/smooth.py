@@ -1,14 +1,14 @@
-"""Smooth curves of the estimated speed in place of a ramp, as tables.
+"""Smooth curves of the estimated speed instead of a ramp, as tables.
 
     smoothstep   k_s = u^2 (3 - 2 u)                     a ramp without corners
     sine         k_s = sin(pi u / 2)                     leaves injection late, reaches 0 steeply
     quadratic    k_s = max(0, 1 - (omega_hat / corner)^2)   no lower threshold
 
-with u = clip((hi - |omega_hat|) / (hi - lo), 0, 1). Sine weights are in use, for instance in
-doi 10.1038/s41598-026-35994-5; the half wave (1 - cos(pi u)) / 2 is within 0.01 of the smoothstep,
-so the quarter wave stands here. Between two of the `NODES` nodes, h = 1 / 64 of the band apart, a
-straight line replaces the curve, which is off by at most h^2 / 8 max |f''|: 1.9e-4 (smoothstep),
-7.6e-5 (sine), 6.1e-5 (quadratic).
+with u = clip((hi - |omega_hat|) / (hi - lo), 0, 1). Sine weights are used in practice, for instance
+in doi 10.1038/s41598-026-35994-5; the half wave (1 - cos(pi u)) / 2 is within 0.01 of the
+smoothstep, so this is the quarter wave. Between two of the `NODES` nodes, h = 1 / 64 of the band
+apart, a straight line replaces the curve and is off by at most h^2 / 8 max |f''|: 1.9e-4
+(smoothstep), 7.6e-5 (sine), 6.1e-5 (quadratic).
 """
 
 from collections.abc import Callable
@@ -66,7 +66,7 @@ def _on_a_band(name: str, doc: str, table: Callable[[float, float], KsTable]) ->
 
     band = (
         speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
-        speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it the sliding-mode observer alone"),
+        speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it the observer alone"),
     )
     return Rule(name, doc, build, band, rising=(("lo", "hi"),))
 
@@ -83,5 +83,5 @@ QUADRATIC = Rule(
     "quadratic",
     "1 - (speed / CORNER)^2",
     _quadratic,
-    (speed("corner", EQ25_BAND[1], (0.05, 1.5), "above it the sliding-mode observer alone"),),
+    (speed("corner", EQ25_BAND[1], (0.05, 1.5), "above it the observer alone"),),
 )

@@ -1,1 +1,1 @@
-"""The control core in C99 and the recipe that compiles it for Python."""
+"""The control core in C99, its simulation, and the binding that makes both a Python module."""

@@ -1,4 +1,4 @@
-"""The compiled core as NumPy sees it: structured dtypes of its C structs, and its functions.
+"""The compiled core for NumPy: structured dtypes of its C structs, and its functions.
 
 A drive, its machine and its twin are one record of ``SIM``; an array of them is plain NumPy, so
 copying, pickling and slicing are NumPy's own.
@@ -113,10 +113,10 @@ def pointer(array: Array, ctype: str) -> Any:
 
 
 THREADS = "SENSORLESS_THREADS"
-"""Environment variable: the most threads a call may use, instead of one for every core."""
+"""Environment variable: the most threads a call may use. Default: one per processor core."""
 
 SMALL = 10_000
-"""Periods of all drives together that one thread does faster than two."""
+"""Periods of all drives together below which one thread is faster than two."""
 
 
 def threads_allowed() -> int:
@@ -125,7 +125,7 @@ def threads_allowed() -> int:
     Raises
     ------
     UserError
-        If the variable is not a whole number above 0.
+        The variable is not a whole number above 0.
     """
     value = os.environ.get(THREADS, "")
     if not value:
@@ -148,7 +148,7 @@ def sim_run(
 ) -> None:
     """Advance every drive by up to ``periods`` periods; other Python threads run meanwhile.
 
-    The results do not depend on ``plain``, ``simd`` or ``threads``, nor on the drives beside.
+    The results do not depend on ``plain``, ``simd`` or ``threads``, nor on the other drives.
 
     Parameters
     ----------
@@ -160,12 +160,12 @@ def sim_run(
     obs : array of float32, shape (n, SIGNAL_N)
         Filled with each drive's signals.
     plain : bool
-        Drive by drive instead of blocks as vector code.
+        Run drive by drive instead of in blocks of vector code.
     simd : int
-        The most that blocks may use of ``lib.SIMD_AVX2`` and ``lib.SIMD_AVX512``, where the machine
-        has them.
+        Widest vector code that blocks may use, ``lib.SIMD_AVX2`` or ``lib.SIMD_AVX512``, if the
+        processor has it.
     threads : int, optional
-        The most to use; by default `threads_allowed`. Calls too small to gain stay on one.
+        Most threads to use; by default `threads_allowed`, or one if the call is too small to gain.
     """
     if threads is None:
         threads = threads_allowed() if len(sims) * periods >= SMALL else 1
@@ -228,7 +228,7 @@ def sim_start(sims: Array) -> None:
 
 
 def sim_trace(sim: Array, periods: int, k_s: float) -> Array:
-    """Advance one drive, shape (1,), and return one row of ``TRACE_NAMES`` a period.
+    """Advance one drive, shape (1,), and return one row of ``TRACE_NAMES`` per period.
 
     ``sim["sums"]`` holds the sums over this call, as after `sim_run`.
     """
@@ -244,7 +244,7 @@ class ObserverRun:
     ----------
     control : record of CONTROL, shape ()
     theta, omega : float
-        Where both begin, electrical [rad, rad/s].
+        Start of both, electrical [rad, rad/s].
     k_s : float
         First weight.
     """

@@ -1,9 +1,9 @@
 """Builds the extension ``sensorless._core`` from the C core (cffi, API mode).
 
-The declarations are not written twice: the C preprocessor expands the headers, and every type,
-enumeration and linkable function in them becomes part of the binding. A hash of all C sources is
-compiled in, so that a stale build can be told from a fresh one. From the same declarations comes
-``sim_fields.h``, the list of all numbers in ``sim_t`` that the vector code of ``block.h`` works on.
+No declaration is written twice: the C preprocessor expands the headers, and every type, enumeration
+and linkable function in them becomes part of the binding. A hash of all C sources is compiled in,
+so that a stale build can be told from a fresh one. ``sim_fields.h``, the list of all numbers in
+``sim_t`` that the vector code of ``block.h`` works on, is generated from the same declarations.
 """
 
 import os

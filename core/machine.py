@@ -1,4 +1,4 @@
-"""The machine without its drive, as the compiled core runs it."""
+"""Runs the machine without its drive in the compiled core."""
 
 import numpy as np
 
@@ -43,7 +43,7 @@ def plant_run(plant: Array, state: Array, u: Array) -> Array:
 
 
 def carrier_run(sensor: Array, plant: Array, state: Array, u: Array) -> Array:
-    """Run the machine alone on an inverter that switches, with a look between its edges.
+    """Run the machine alone on an inverter that switches, and record it between the edges.
 
     Parameters
     ----------
@@ -55,8 +55,8 @@ def carrier_run(sensor: Array, plant: Array, state: Array, u: Array) -> Array:
     Returns
     -------
     array, shape (rows, len(CARRIER_NAMES))
-        A row for every Runge-Kutta step, ``n_sub`` of them from edge to edge, and one for the end;
-        its voltage acts from that row to the next.
+        One row per Runge-Kutta step, ``n_sub`` steps from edge to edge, and one for the end; the
+        voltage of a row acts until the next row.
     """
     inputs = np.ascontiguousarray(u, dtype=np.float64)
     most = len(inputs) * PIECES_A_PERIOD * int(plant["n_sub"][0]) + 1

@@ -1,7 +1,7 @@
 """Extended Kalman filter over recorded voltages and currents: an estimator of another kind.
 
-Stator flux and rotor are the state, the phase currents are the measurement; the machine's own flux
-map with its saturation stands between them, so that saliency and magnet both show the angle:
+The state is stator flux, speed and angle, the measurement is the phase currents. The machine's own
+flux map with its saturation links the two, so saliency and magnet both show the angle:
 
     d(psi)/dt = u - R_s i,   domega/dt = 0 + noise,   dtheta/dt = omega
     i = P(theta) f(P(-theta) psi),   P a rotation, f the flux map
@@ -26,22 +26,22 @@ FLUX_STEP = 1e-6
 
 @dataclass(frozen=True)
 class EkfDesign:
-    """How far the filter trusts model and measurement; standard deviations."""
+    """How far the filter trusts model and measurement, as standard deviations."""
 
     voltage: float = 10.0
-    """of the stator voltage, from period to period [V]"""
+    """Of the stator voltage, from period to period [V]."""
     acceleration: float = 100.0
-    """of the change of speed over a second, electrical [rad/s^2 in sqrt(s)]"""
+    """Of the change of the electrical speed over a second [rad/s^2 in sqrt(s)]."""
     current: float = 0.005
-    """of a current sample [A]"""
+    """Of a current sample [A]."""
     theta_0: float = 0.5
-    """of the first angle [rad]"""
+    """Of the first angle [rad]."""
     omega_0: float = 30.0
-    """of the first speed, electrical [rad/s]"""
+    """Of the first electrical speed [rad/s]."""
 
 
 class _Filter(ExtendedKalmanFilter):  # type: ignore[misc]
-    """The library's filter with its state moved by what the model says."""
+    """The library's filter, whose prediction adds the model's change to the state."""
 
     def predict_x(self, u: Array) -> None:
         """Add the change of the state (4, 1)."""
@@ -54,7 +54,7 @@ class MachineEkf:
     Parameters
     ----------
     motor : Motor
-        Its resistance, flux map and period.
+        Gives resistance, flux map and PWM period.
     theta, omega : float
         First angle and speed, electrical [rad, rad/s]; the machine is without current.
     """
@@ -68,7 +68,7 @@ class MachineEkf:
         psi_f = flux(motor.saturation, np.zeros((1, 2)))[0, 0]
         f = self.filter = _Filter(dim_x=4, dim_z=2)
         f.x = np.array([[psi_f * np.cos(theta)], [psi_f * np.sin(theta)], [omega], [theta]])
-        # a flux without current points along the rotor: both angles err together
+        # without current the flux points along the rotor: both angles err together
         along = np.array([-psi_f * np.sin(theta), psi_f * np.cos(theta), 0.0, 1.0])
         own = np.array([0.01 * psi_f, 0.01 * psi_f, d.omega_0, 0.0])
         f.P = d.theta_0**2 * np.outer(along, along) + np.diag(own**2)
@@ -77,7 +77,7 @@ class MachineEkf:
         f.R = np.eye(2) * d.current**2
 
     def step(self, u: Floats, i: Floats) -> tuple[float, float]:
-        """Take in stator voltage u (2,) [V] over the last period and current i (2,) [A] at its end.
+        """Use the stator voltage u (2,) [V] of the last period and the current i (2,) [A] at its end.
 
         Returns
         -------

@@ -42,16 +42,17 @@ def design_hfi(
     pll_hz : float
         Natural frequency of the PLL [Hz].
     hold : float
-        Time the injection stays on after the weight reached zero [s].
+        Time that the injection stays on after the weight has reached zero [s].
     omega_max : float
         Bound on the speed estimate, electrical [rad/s].
     scheme : str
         One of ``SCHEMES``.
     delay_cure : bool
-        Inject along the axis as it will be, or as it was when the voltage was computed.
+        Inject along the axis where it will be, instead of where it was when the voltage was
+        computed.
     normalised : bool
-        Divide the error signal by the magnitude of the current's answer (Eq. 7), or by a constant
-        that the answer never reaches (Eq. 15): the gains then hold at no load only.
+        Divide the error signal by the magnitude of the current's answer (Eq. 7), instead of by a
+        constant that the answer never reaches (Eq. 15): with that the gains fit at no load only.
     """
     floor = (0.25 if normalised else 10.0) * hf_current(motor)
     slope = error_slope(motor.L_d, motor.L_q)

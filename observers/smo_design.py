@@ -9,9 +9,9 @@ from sensorless.observers.pll_design import pll_gains
 
 
 def deadbeat_gain(motor: Motor) -> float:
-    """L_d / T_s [V/A]: at this gain forward Euler removes the current error in one step.
+    """L_d / T_s [V/A]: the gain at which forward Euler removes the current error in one step.
 
-    The observer is stable up to twice as much.
+    The observer is stable below twice this gain.
     """
     return motor.L_d / motor.T_s
 

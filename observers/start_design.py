@@ -19,20 +19,20 @@ one period of computation and the mean of two samples."""
 EMF_LOW_PASS = 0.2
 """Coefficient of the low-pass on the EMF that is fed forward."""
 FLY_SHARE = 0.25
-"""EMF over its rated value from which on the shaft counts as spinning: the EMF turns by several
-times its noise while it is watched, and the injection estimator still pulls in below."""
+"""EMF over its rated value from which on the shaft counts as spinning. Above it the EMF turns by
+several times its noise while it is watched; below it the injection estimator still locks in."""
 PULSE_SHARE = 0.8
-"""Largest pulse voltage over what the DC link gives."""
+"""Largest pulse voltage over the largest that the DC link gives."""
 POLE_SHARE = 0.08
-"""Difference of the two peaks that a pulse is chosen for, over rated current."""
+"""Difference of the two peaks at which a pulse is strong enough, over rated current."""
 TIMES = {"mark": 3e-3, "catch": 7e-3, "fly": 16e-3, "scan": 2e-3, "lock": 8e-3, "rest": 1.2e-3}
 """Lengths of the phases [s]."""
 
 
 def peaks(motor: Motor, volt_seconds: float) -> tuple[float, float]:
-    """Current [A] that a pulse of so many volt-seconds [Vs] drives along +d and along -d.
+    """Currents [A] that a pulse of so many volt-seconds [Vs] drives along +d and along -d.
 
-    From rest, without resistance: the flux map at psi_d0 + and - the volt-seconds.
+    They start from rest and neglect the resistance: the flux map at psi_d0 +- the volt-seconds.
     """
     rest = flux(motor.saturation, np.zeros((1, 2)))
     move = np.array([[volt_seconds, 0.0]])
@@ -73,9 +73,9 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
     Parameters
     ----------
     hfi, smo : dict
-        The estimators of operation, ``hfi_params_t`` and ``smo_params_t``; the sequence runs them
-        with loops of ``PLL_HZ``, and the observer with its sigmoid and no low-pass, whatever is
-        chosen for operation: the EMF has to be read within periods.
+        Estimators of normal operation, ``hfi_params_t`` and ``smo_params_t``. The start sequence
+        runs them with loops of ``PLL_HZ``, and the observer with its sigmoid and without low-pass,
+        whatever normal operation uses: it has to read the EMF within a few periods.
 
     Without saturation there are no pulses: the core keeps the pole nearer to its first angle and
     sets a fault bit.
