@@ -77,7 +77,7 @@ class MachineEkf:
         f.R = np.eye(2) * d.current**2
 
     def step(self, u: Floats, i: Floats) -> tuple[float, float]:
-        """Use the stator voltage u (2,) [V] of the last period and the current i (2,) [A] at its end.
+        """Use stator voltage u (2,) [V] over the last period and current i (2,) [A] at its end.
 
         Returns
         -------

@@ -1,1 +1,1 @@
-"""Runs policies over suites and measures them."""
+"""Runs policies over suites of scenarios and measures how the drives did."""

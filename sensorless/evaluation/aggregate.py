@@ -1,4 +1,4 @@
-"""From numbers per scenario to a mean and how sure it is: rates, means, paired differences."""
+"""From numbers per scenario to rates, means and paired differences, with their intervals."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -30,7 +30,7 @@ def rate_interval(hits: Bools) -> Interval:
 def mean_interval(x: Floats, seed: int) -> Interval:
     """95 % percentile bootstrap interval of the mean; NaN for fewer than two values.
 
-    The same ``seed`` draws the same samples: intervals do not depend on what was computed before.
+    The same ``seed`` draws the same samples, so an interval does not depend on earlier ones.
     """
     if len(x) < 2:
         return math.nan, math.nan
@@ -49,8 +49,8 @@ def mean_interval(x: Floats, seed: int) -> Interval:
 def mean_of(values: Mapping[str, Floats], rows: Bools, seed: int) -> dict[str, Any]:
     """Mean over ``rows``, interval and number of defined values of each metric.
 
-    Keys ``NAME`` and ``NAME_ci``, and ``defined`` with the number by name. A metric that is NaN in
-    a scenario leaves that scenario out; a metric defined nowhere has the mean NaN.
+    The keys are ``NAME`` and ``NAME_ci``, and ``defined`` with the numbers by name. A metric leaves
+    out scenarios in which it is NaN; if it is defined nowhere, its mean is NaN.
     """
     out: dict[str, Any] = {}
     defined = {}
@@ -65,8 +65,8 @@ def mean_of(values: Mapping[str, Floats], rows: Bools, seed: int) -> dict[str, A
 def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -> dict[str, Any]:
     """Lost and not-held rates over the feasible scenarios, means of ``metrics`` over survivors.
 
-    Not feasible is a scenario in which the twin, with the true angle, trips or runs away: it is
-    beyond the machine, neither lost nor held by any policy.
+    A scenario is not feasible if its sensored twin, the same drive with the true angle, trips or
+    runs away: it is beyond the machine, so no policy loses or holds it.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def _rate(x: Floats | Bools) -> float:
 
 
 def _not_held(lost: NDArray[np.int32], metrics: Mapping[str, Floats]) -> Floats:
-    """(n,) 1 where the drive was not lost, yet did not hold its speed; lost ones count as lost."""
+    """(n,) 1 where the drive kept lock but did not hold its speed."""
     return np.asarray(np.where(lost == 0, metrics["not_held"], 0.0))
 
 
@@ -109,7 +109,7 @@ def paired(
     reference: Mapping[str, Floats],
     seed: int,
 ) -> dict[str, Any]:
-    """Differences to a reference, scenario by scenario: negative where this one has less.
+    """Differences to a reference, scenario by scenario; negative if this policy has less.
 
     Lost and not-held rates over the feasible scenarios, see ``summary``; ``metrics`` over those
     that both survived; ``there`` has the means of the reference over the same scenarios.
@@ -140,13 +140,13 @@ def paired(
 def by_place(places: Array, survived: Bools) -> dict[str, list[Any]]:
     """Lost rate and errors in each of p places, lists of p.
 
-    ``came``: scenarios that were in the place; ``lost``: those of them that were lost there, with
-    its rate and Wilson interval (NaN where none came). ``time_share`` and errors: over the
-    scenarios survived, RMS over the time that they were there.
+    ``came`` counts the scenarios that were in the place, ``lost`` those lost there, with rate and
+    Wilson interval (NaN if none came). ``time_share`` and errors are over the survived scenarios,
+    errors as RMS over their time in the place.
 
     Parameters
     ----------
-    places : (n, p) of ``place_metrics.PLACE``
+    places : (n, p) of ``metrics.place.PLACE``
     survived : (n,)
     """
     came, lost = (places["periods"] > 0), places["lost"]
@@ -183,8 +183,8 @@ def worst(
 ) -> list[int]:
     """Indices of the ``count`` worst scenarios, worst first.
 
-    First those lost, the earliest first; then those not held, then the other survivors, each by
-    ``deviation``, largest first; last those that are not feasible, see ``summary``.
+    Lost ones come first, the earliest first; then those not held, then the other survivors, each by
+    ``deviation``, the largest first; last those that are not feasible, see ``summary``.
 
     Parameters
     ----------

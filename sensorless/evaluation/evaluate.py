@@ -1,4 +1,4 @@
-"""A suite of scenarios under several policies, from names to results."""
+"""Runs a suite of scenarios under several policies and collects the results."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
@@ -35,17 +35,17 @@ from sensorless.policy import Policy, PrivilegedPolicy, design_for
 from sensorless.versions import versions
 
 Progress = Callable[[float], None]
-"""Called now and then with the share that is done, 0 to 1."""
+"""Called from time to time with the share done, 0 to 1."""
 
 PolicyProgress = Callable[[str, float], None]
-"""Called with the name of a policy and the share of its scenarios that is done."""
+"""Called with the name of a policy and the share of its scenarios done."""
 
 
 WORST = 10
 """Scenarios of each policy that are listed as its worst."""
 WORST_METRICS = ("torque_dev_rms", "angle_err_max_deg")
 MOST_DECISIONS = 2_000_000
-"""Decisions of all drives together that are kept at a time, 84 bytes each."""
+"""Decisions of all drives together that are in memory at a time, 84 bytes each."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Scores:
     metrics: dict[str, Floats]
     """(n,) each, all of ``METRICS``"""
     places: dict[str, Array]
-    """(n, p) each, of ``place_metrics.by_place``"""
+    """(n, p) each, of ``metrics.place.by_place``"""
 
 
 def evaluate(
@@ -82,18 +82,18 @@ def evaluate(
     suite, seed, size
         As in ``sensorless.envs.scenarios.suites.suite``.
     policies : mapping
-        By name; the others are compared with the first.
+        Policies by name; each is compared with the first.
     out : Path, optional
-        Results file to write; whether it can be written is found out before the run.
+        Results file to write; that it can be written is checked before the run.
     every : bool
-        The file holds the numbers of every single scenario.
+        Write the numbers of every single scenario to the file.
     engine : Engine
         Where the scenarios run; the results are the same to the bit.
 
     Raises
     ------
     UserError
-        Something that was asked for does not exist or is out of its range.
+        Something requested does not exist or is out of its range.
     """
     check_writable(out)
     if not policies:
@@ -132,7 +132,7 @@ def score(
     engine: Engine = LOCAL,
     chunk: int = CHUNK,
 ) -> Scores:
-    """All metrics of a policy on every scenario, ``chunk`` of them at a time."""
+    """All metrics of a policy on every scenario, ``chunk`` scenarios at a time."""
     total = len(scenarios)
     chunks = (scenarios[first : first + chunk] for first in range(0, total, chunk))
     parts = []
@@ -144,7 +144,7 @@ def score(
 
 
 def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRows) -> Scores:
-    """All metrics of a policy on some scenarios; long ones fewer at a time, for their memory."""
+    """All metrics of a policy on some scenarios; fewer long ones at a time, to save memory."""
     scenarios = rows.draw() if isinstance(rows, SuiteRows) else rows
     decisions = max(1.0, float(scenarios.duration.max()) / decision_time(factory.motor))
     runs = rollouts(policy, scenarios, factory, max(16, int(MOST_DECISIONS / decisions)))
@@ -167,12 +167,12 @@ def _joined(parts: list[Scores]) -> Scores:
 
 
 def _is_bound(policy: Policy) -> bool:
-    """It knows the truth: something to compare with, no rule for a drive."""
+    """Whether a policy knows the truth: an upper bound to compare with, not a deployable rule."""
     return policy.sensored or isinstance(policy, PrivilegedPolicy)
 
 
 def _estimator(policy: Policy, design: DriveDesign) -> str | None:
-    """Estimator that a policy runs on; None on the true angle."""
+    """Estimator that a policy runs on; None if it runs on the true angle."""
     return None if policy.sensored else design_for(policy, design).estimator
 
 
@@ -181,7 +181,7 @@ def _report(progress: PolicyProgress, name: str) -> Progress:
 
 
 def _entry(s: Scores, scenarios: SuiteRows, suite: str, seed: int, bound: bool) -> dict[str, Any]:
-    """Block of a policy in the results."""
+    """Results of one policy."""
     survived = s.lost == 0
     return {
         "bound": bound,
@@ -228,5 +228,5 @@ def _paired(scores: dict[str, Scores], seed: int) -> dict[str, dict[str, Any]]:
 
 
 def _cause(bits: int) -> str | None:
-    """Names of the bits set, or nothing."""
+    """Names of the set bits; None without any."""
     return "+".join(name for name, bit in CAUSES.items() if bits & bit) or None

@@ -1,4 +1,4 @@
-"""What a schedule is trained and tuned for, in one number."""
+"""The objective of training and tuning: one number for a policy on a set of scenarios."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ OBJECTIVE = (
     f"{LOST_WEIGHT:g} lost_rate + mean torque_dev_rms + mean torque_ripple_rms "
     "(means over the scenarios survived, shares of rated torque)"
 )
-"""What training and tuning make least: one scenario more lost in 1000 weighs like 1 % of torque."""
+"""What training and tuning minimise: losing 1 scenario in 1000 more weighs like 1 % of torque."""
 
 
 @dataclass(frozen=True)
@@ -16,9 +16,9 @@ class Cost:
 
     lost_rate: float
     torque_dev: float
-    """Mean ``torque_dev_rms`` of the scenarios survived; 1 if there is none."""
+    """Mean ``torque_dev_rms`` of the survived scenarios; 1 if there are none."""
     torque_ripple: float
-    """Mean ``torque_ripple_rms`` of the same."""
+    """Mean ``torque_ripple_rms`` of the same scenarios."""
 
     @property
     def objective(self) -> float:

@@ -10,13 +10,16 @@ import numpy as np
 from rich.markup import escape
 from rich.table import Table
 
+from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, LOST_TIME
+from sensorless.evaluation.metrics.held import BACK_TIME, BAND_PCT
+from sensorless.evaluation.metrics.ripple import HANDOVER
 from sensorless.files import write_atomic
 
 DIGITS = 9
 """Significant digits of a number in the file."""
 
 RATES = {"lost_rate": "lost_ci", "not_held_rate": "not_held_rate_ci"}
-"""Of all scenarios, and the name of the Wilson interval of each."""
+"""Rates over all scenarios, each with the name of its Wilson interval."""
 
 Columns = tuple[tuple[str, str, float, int], ...]
 
@@ -27,7 +30,7 @@ COLUMNS: Columns = (
     ("overshoot_pct", "overshoot\n[%]", 1.0, 1),
     ("angle_err_rms_deg", "angle\nerror [°]", 1.0, 2),
 )
-"""Of the table: name, heading, factor, decimals."""
+"""Columns of the main table: name, heading, factor, decimals."""
 
 HANDOVER_COLUMNS: Columns = (
     ("torque_ripple_window", "window:\nripple [%]", 100.0, 2),
@@ -36,8 +39,28 @@ HANDOVER_COLUMNS: Columns = (
     ("overshoot_clean_above", "twin has none:\n> 2 % in [%]", 100.0, 1),
     ("not_held_rate", "not held\n[%]", 100.0, 1),
 )
-"""Of the second table: torque in the window ``ripple_metrics.HANDOVER``, overshoot in the steps in
-which the twin has none, and drives not held."""
+"""Columns of the second table: torque in the window ``metrics.ripple.HANDOVER``, overshoot in the
+steps in which the twin has none, and drives not held."""
+
+MEANS = (
+    "Rates (95 % interval) are of feasible scenarios, others means over survivors ± half the "
+    "interval."
+)
+CAPTIONS = {
+    COLUMNS: (
+        f"lost: angle error above {LOST_ANGLE_DEG:g}° for more than {1e3 * LOST_TIME:g} ms, or a "
+        f"trip. not held: the speed is off the twin's by more than {BAND_PCT:g} % of rated "
+        f"{BACK_TIME:g} s after a change, or swings. The twin is the same drive with a position "
+        "sensor; torque dev. is the deviation from its torque, and what it cannot do is not "
+        f"feasible. {MEANS}"
+    ),
+    HANDOVER_COLUMNS: (
+        f"The window is where the twin's speed is {100 * HANDOVER[0]:g} to {100 * HANDOVER[1]:g} % "
+        "of rated and the lead passes from one estimator to the other. twin has none: speed steps "
+        f"that the twin follows without overshoot. {MEANS}"
+    ),
+}
+"""Below a table: its terms."""
 
 
 @dataclass(frozen=True)
@@ -52,16 +75,16 @@ class Results:
     design: dict[str, Any]
     versions: dict[str, str]
     policies: dict[str, dict[str, Any]]
-    """by name: ``estimator`` as in ``DriveDesign``, rates, means over the scenarios survived,
-    intervals, ``by_quadrant`` and ``by_speed``, ``worst`` cases, and ``scenarios``; ``bound`` where
-    it knows the truth"""
+    """by name: ``estimator`` as in ``DriveDesign``, rates, means over the survived scenarios,
+    intervals, ``by_quadrant`` and ``by_speed``, ``worst`` cases, ``scenarios``, and ``bound`` if it
+    knows the truth"""
     paired: dict[str, dict[str, Any]]
     """by name: differences to the first policy"""
 
     def to_json(self, scenarios: bool = True) -> str:
         """Text of the file, the same for the same results; null where there is no number.
 
-        Without ``scenarios`` the numbers of every single scenario are left out.
+        Without ``scenarios`` it leaves out the numbers of every single scenario.
         """
         data = asdict(self)
         if not scenarios:
@@ -80,7 +103,7 @@ class Results:
         write_atomic(path, self.to_json(scenarios))
 
     def note(self, name: str) -> str:
-        """In brackets, what sets a policy apart: a bound, or not on the design's estimator."""
+        """Say in brackets that a policy is a bound, or which estimator of its own it runs on."""
         policy = self.policies[name]
         if policy["bound"]:
             return "(bound)"
@@ -88,14 +111,11 @@ class Results:
         return "" if own == self.design["estimator"] else f"({own})"
 
     def table(self, columns: Columns = COLUMNS) -> Table:
-        """Rates over feasible scenarios, means over those survived, each with its 95 % interval."""
+        """Rates over feasible scenarios and means over the survivors, with 95 % intervals."""
         title = f"{self.suite}, seed {self.seed}, {self.size} scenarios, motor {self.motor}"
         beyond = max(p["infeasible_rate"] for p in self.policies.values())
         title += f", {100.0 * beyond:.1f} % not feasible" if beyond > 0.0 else ""
-        caption = (
-            "rates (95 % interval) of feasible; others: mean over survivors ± half the interval"
-        )
-        table = Table(title=escape(title), caption=caption)
+        table = Table(title=escape(title), caption=CAPTIONS[columns])
         table.add_column("policy", overflow="fold")
         for _, heading, _, _ in columns:
             table.add_column(heading, justify="right")
@@ -107,7 +127,7 @@ class Results:
 
 
 def _cell(policy: dict[str, Any], key: str, _: str, factor: float, decimals: int) -> str:
-    """Number and interval; the lost rate has the one of those not held below it."""
+    """Number and interval; below the lost rate stands the rate of those not held."""
     if key in RATES:
         keys = RATES if key == "lost_rate" else (key,)
         return "\n".join(_rate(policy, name, factor, decimals) for name in keys)
@@ -125,7 +145,7 @@ def _rate(policy: dict[str, Any], key: str, factor: float, decimals: int) -> str
 
 
 def _text(x: Any, indent: str = "") -> str:
-    """JSON with one line for every entry of an object, so that lists of numbers stay on a line."""
+    """JSON with one line per entry of an object, so that a list of numbers stays on one line."""
     if not isinstance(x, dict) or not x:
         return json.dumps(_plain(x), allow_nan=False)
     inner = indent + " "

@@ -1,4 +1,4 @@
-"""Where a policy is lost and which scenarios are its worst, as tables for the terminal."""
+"""Tables for the terminal: where a policy loses, its worst scenarios, paired differences."""
 
 import math
 from itertools import pairwise
@@ -14,20 +14,22 @@ PLACE_COLUMNS = (
     ("torque_ripple_rms", "ripple\n[%]", 100.0, 2),
     ("angle_err_rms_deg", "angle\n[°]", 1.0, 2),
 )
-"""Of a table by place: name, heading, factor, decimals."""
+"""Columns of a table by place: name, heading, factor, decimals."""
 
 
 def worst_table(results: Results, count: int) -> Table:
-    """The ``count`` worst scenarios of each policy, each as a word for ``simulate --scenario``.
+    """The ``count`` worst scenarios of each policy, named for ``simulate --scenario``.
 
-    Bounds are left out.
+    Bounds, which know the truth, are left out.
     """
-    table = Table(title="worst cases", caption="replay one: sensorless simulate --scenario ...")
+    table = Table(
+        title="worst cases", caption="replay one with: sensorless simulate --scenario SCENARIO"
+    )
     table.add_column("policy", overflow="fold")
     table.add_column("scenario", no_wrap=True)
     table.add_column("lost by")
     for heading in ("lived\n[s]", "torque\ndev. [%]", "largest angle\nerror [°]"):
-        table.add_column(heading, justify="right")
+        table.add_column(escape(heading), justify="right")  # [s] is a style to rich
     for name, policy in results.policies.items():
         for j, case in enumerate([] if policy["bound"] else policy["worst"][:count]):
             where = f", {case['quadrant']}" if case["quadrant"] else ""
@@ -44,7 +46,7 @@ def worst_table(results: Results, count: int) -> Table:
 
 
 def kept(case: dict[str, Any]) -> str:
-    """What to say of a scenario that was not lost."""
+    """Say how a scenario that was not lost ended."""
     return "not held" if case["not_held"] else "–"
 
 
@@ -52,8 +54,9 @@ def paired_table(results: Results, columns: Columns = COLUMNS) -> Table:
     """Differences to the first policy, scenario by scenario, with 95 % intervals."""
     first = next(iter(results.policies))
     caption = (
-        "rates over all scenarios, others over those that both survive; mean difference "
-        "(95 % interval), negative: less than the first; below, in percent of the first's mean"
+        "mean difference scenario by scenario (95 % interval), below it in percent of the first "
+        "policy's mean; negative: less than the first. Rates over all scenarios, others over those "
+        "that both survive."
     )
     table = Table(title=f"difference to {escape(first)}", caption=caption)
     table.add_column("policy", overflow="fold")
@@ -73,7 +76,7 @@ def difference(pair: dict[str, Any], key: str, factor: float, decimals: int) -> 
 
 
 def share(difference: float, base: float) -> str:
-    """Difference in percent of what it is a difference to, with its sign; nothing without one."""
+    """Difference in percent of the base, with its sign; empty without a base."""
     if not math.isfinite(difference) or not abs(base) > 1e-12:
         return ""
     text = number(100.0 * difference / base, 0)
@@ -83,11 +86,12 @@ def share(difference: float, base: float) -> str:
 def place_table(name: str, policy: dict[str, Any]) -> Table:
     """Lost rate and errors of one policy by quadrant and by speed."""
     caption = (
-        "lost: of the scenarios that came there, the share lost there (95 % interval); "
-        "others: RMS torque deviation, torque ripple and angle error while survivors were there"
+        "place: where the twin was, the same drive with a position sensor. lost: share of the "
+        "scenarios that came there and were lost there (95 % interval). Others: RMS torque "
+        "deviation from the twin, torque ripple and angle error while survivors were there."
     )
     table = Table(title=escape(name), caption=caption)
-    table.add_column("the twin's\nplace", no_wrap=True)
+    table.add_column("place", no_wrap=True)
     for heading in ("time\n[%]", "came", "lost\n[%]", *(c[1] for c in PLACE_COLUMNS)):
         table.add_column(heading, justify="right")
     quadrants, speeds = policy["by_quadrant"], policy["by_speed"]
@@ -106,7 +110,7 @@ def place_table(name: str, policy: dict[str, Any]) -> Table:
 
 
 def speed_labels(edges: tuple[float, ...]) -> list[str]:
-    """Bins of speed in words, of their lower edges over rated speed."""
+    """Names for bins of speed from their lower edges over rated speed."""
     ends = [f"{100 * low:.0f}–{100 * high:.0f} %" for low, high in pairwise(edges)]
     return [f"speed {end}" for end in [*ends, f"above {100 * edges[-1]:.0f} %"]]
 

@@ -1,4 +1,4 @@
-"""Drives under a policy from start to end, with the sums of every decision kept."""
+"""Runs drives under a policy from start to end and keeps the sums of every decision."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -22,7 +22,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, decide
 
 CHUNK = 256
-"""Scenarios at a time: with ``sums_t`` of 80 bytes, 2 s of them keep 41 MB."""
+"""Scenarios at a time: with ``sums_t`` of 80 bytes, 2 s of them take 41 MB."""
 
 Floats = NDArray[np.float64]
 
@@ -37,8 +37,8 @@ class Rollout:
     motor: Motor
     scenarios: Scenarios
     sums: Array
-    """(d, n) of ``sums_t``: sums over the periods of each decision. Its ``n`` says how many periods
-    those are; all is zero after the end of a drive."""
+    """(d, n) of ``sums_t``: sums over the periods of each decision, whose number is its ``n``; zero
+    after the end of a drive"""
     lost: NDArray[np.int32]
     """(n,) bits of ``CAUSES``, 0 for a drive that reached the end"""
     periods: NDArray[np.int64]
@@ -75,7 +75,7 @@ class Rollout:
 
 
 def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollout:
-    """All scenarios at once, each beside its sensored twin."""
+    """Run all scenarios at once, each beside its sensored twin."""
     n = len(scenarios)
     periods = decision_periods(factory.motor)
     sims = factory.build(scenarios, sensored=policy.sensored, estimator=policy.estimator)
@@ -88,7 +88,7 @@ def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollou
     for j in range(decisions):
         k_s = np.ascontiguousarray(decide(policy, obs.copy(), sims), dtype=np.float32)
         if k_s.shape != (n,):
-            raise ValueError(f"policy {policy.name}: weights of shape {k_s.shape}, wanted ({n},)")
+            raise ValueError(f"policy {policy.name}: weights of shape {k_s.shape}; return ({n},)")
         sim_run(sims, periods, k_s, obs)
         rows[j] = now
     return Rollout(factory.motor, scenarios, sums, sims["lost"].copy(), sims["k"].astype(np.int64))
@@ -113,6 +113,6 @@ def with_twin_to_the_end(r: Rollout, factory: SimFactory) -> Rollout:
 def rollouts(
     policy: Policy, scenarios: Scenarios, factory: SimFactory, chunk: int = CHUNK
 ) -> Iterator[Rollout]:
-    """All scenarios in order, ``chunk`` of them at a time."""
+    """Run all scenarios in order, ``chunk`` of them at a time."""
     for first in range(0, len(scenarios), chunk):
         yield rollout(policy, scenarios[first : first + chunk], factory)

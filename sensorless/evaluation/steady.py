@@ -1,4 +1,4 @@
-"""Drives held at constant speed and load, many at a time: what the angle error settles to."""
+"""Holds many drives at constant speed and load: what the angle error settles to."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ STEP = 5
 """PWM periods between two readings of the current; odd, so that the injected part averages out."""
 
 Change = Callable[[Array], None]
-"""Writes into an array of ``SIM`` before the run what no ``DriveDesign`` can ask for."""
+"""Changes an array of ``SIM`` before the run in ways that no ``DriveDesign`` offers."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Steady:
     err_hfi: Floats
     """truth minus the injection estimator's angle, compensation included [rad]"""
     err_smo: Floats
-    """truth minus the sliding-mode observer's angle [rad]"""
+    """truth minus the observer's angle [rad]"""
     i: Floats
     """(n, 2) current in the true rotor frame [A]"""
     i_q_hat: Floats
@@ -40,13 +40,13 @@ class Steady:
     omega_m: Floats
     """shaft speed [rad/s]"""
     held: Array
-    """(n,) bool: kept lock to the end, and the speed within 2 % of rated of what was asked"""
+    """(n,) bool: kept lock to the end, with the speed within 2 % of rated of its target"""
 
 
 def constant(motor: Motor, rpm: Floats, tau: Floats, duration: float, seed: int = 0) -> Scenarios:
-    """Scenarios at constant speed [r/min]; the load torque [N m] rises from zero at 0.1 s on.
+    """Scenarios at constant speed [r/min] whose load torque [N m] rises from zero from 0.1 s on.
 
-    ``tau`` is the torque the machine is to give: the friction of the speed is taken off the load.
+    ``tau`` is the torque of the machine: the load is smaller by the friction at that speed.
     """
     s = Scenarios.nominal(motor, combine(seed, np.arange(len(rpm))), duration)
     s.omega_0[:] = rpm * RPM_TO_RAD_S
@@ -58,7 +58,7 @@ def constant(motor: Motor, rpm: Floats, tau: Floats, duration: float, seed: int 
 
 
 def make_ideal(sims: Array) -> None:
-    """Exact sensors and inverter: what is left are the errors of the estimators themselves."""
+    """Make sensors and inverter exact: what is left are the errors of the estimators."""
     sensor = sims["sensor"]
     sensor["noise_rms"], sensor["dead_time_share"] = 0.0, 0.0
     sensor["lsb"], sensor["inv_lsb"] = 1e-6, 1e6
@@ -83,7 +83,7 @@ def steady(
     rpm, tau : array, shape (n,)
         Shaft speed [r/min] and torque of the machine [N m].
     settle, window : float
-        [s]
+        Time before and length of the average [s].
     change : callable, optional
         As ``Change``, e.g. ``make_ideal``.
     """

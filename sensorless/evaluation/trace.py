@@ -1,4 +1,4 @@
-"""One drive under a policy, every PWM period on record."""
+"""Runs one drive under a policy and records every PWM period."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -30,12 +30,12 @@ def trace(
 ) -> Trace:
     """Run one scenario beside its sensored twin.
 
-    ``change`` may write into the array of ``SIM`` before the start what no design can ask for.
+    ``change`` may alter the array of ``SIM`` before the start in ways that no design offers.
 
     Raises
     ------
     UserError
-        Not exactly one scenario, or too long a one.
+        There is not exactly one scenario, or it is too long.
     """
     if len(scenario) != 1:
         raise UserError(f"scenario: {len(scenario)} rows; trace one at a time")
@@ -82,7 +82,7 @@ def outcome(t: Trace) -> str:
 
 
 def write_csv(t: Trace, path: Path) -> None:
-    """All columns of a trace, one row a PWM period."""
+    """Write all columns of a trace, one row per PWM period."""
     names = [name for name in t if name != "lost"]
     lines = [",".join(names)]
     lines += [",".join(f"{x:.9g}" for x in row) for row in np.stack([t[n] for n in names], axis=-1)]

@@ -1,6 +1,7 @@
-"""A traced run in a few numbers: how each plateau of the speed plan went."""
+"""Sums up a traced run: one row of numbers per plateau of the speed plan."""
 
 import numpy as np
+from rich.markup import escape
 from rich.table import Table
 
 from sensorless.core.api import Array
@@ -10,12 +11,12 @@ from sensorless.units import RAD_S_TO_RPM
 SETTLED = 0.02
 """Band around a target, over the height of the step."""
 STEADY = 0.2
-"""End of a plateau that counts as steady [s]."""
+"""Length of the end of a plateau that counts as steady [s]."""
 
 
 def summary_table(t: Trace, policy: str) -> Table:
     """One row for every stretch of constant speed reference."""
-    title = f"{policy}: {outcome(t)}"
+    title = f"{escape(policy)}: {outcome(t)}"
     seeking = t["t"][t["starting"] > 0.0]
     if len(seeking):
         title += f", rotor found after {1e3 * seeking[-1]:.0f} ms"
@@ -29,7 +30,7 @@ def summary_table(t: Trace, policy: str) -> Table:
         "steady angle\nerror [°]",
         "largest angle\nerror [°]",
     ):
-        table.add_column(heading, justify="right")
+        table.add_column(escape(heading), justify="right")  # [s] is a style to rich
     for row in plateaus(t):
         table.add_row(
             f"{row['from_s']:.2f}",

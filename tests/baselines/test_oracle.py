@@ -50,7 +50,7 @@ def test_the_injection_sleeps_and_wakes(signals: Callable[..., Signals]) -> None
 def test_it_is_marked_and_cannot_run_on_signals(signals: Callable[..., Signals]) -> None:
     policy = make_policy("oracle", Motor.load("paper"))
     assert isinstance(policy, PrivilegedPolicy) and policy.privileged
-    with pytest.raises(ValueError, match="truth"):
+    with pytest.raises(ValueError, match="true angle"):
         policy.act(signals(speed=0.1))
     assert RULES["oracle"].doc.startswith("bound:")
 

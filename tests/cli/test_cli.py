@@ -113,6 +113,7 @@ def test_simulate_starts_from_the_wrong_pole(tmp_path: Path) -> None:
     found = run(*words, "--start", "--plot", "run.png", "--out", "run.csv", cwd=tmp_path)
     assert found.returncode == 0, found.stderr
     assert "kept lock, rotor found after 33 ms" in " ".join(found.stdout.split())
+    assert "[s]" in found.stdout and "[r/min]" in found.stdout
     header, *rows = (tmp_path / "run.csv").read_text().splitlines()
     starting = [float(row.split(",")[header.split(",").index("starting")]) for row in rows]
     assert starting == [1.0] * 165 + [0.0] * (2000 - 165)

@@ -76,6 +76,7 @@ def test_worst_cases_of_every_policy_but_bounds(results: Results) -> None:
     assert all(case["scenario"] in text for case in listed[:2])
     assert cells(text, "smo")[1] == listed[0]["scenario"]
     assert "sensored" not in text
+    assert "[s]" in text, "a unit, not a style of rich"
 
 
 def test_pairs_are_differences_to_the_first(results: Results) -> None:

@@ -1,4 +1,4 @@
-"""What the bits of a result depend on besides its inputs, to compare one machine with another."""
+"""What the bits of a result depend on besides its inputs, to compare two computers."""
 
 import hashlib
 import os
@@ -13,13 +13,13 @@ from sensorless.versions import versions
 
 @lru_cache
 def code() -> dict[str, str]:
-    """Versions of package, core and libraries, digests of the sources and of NumPy's arithmetic."""
+    """Versions of package, core and libraries; digests of the sources and NumPy's arithmetic."""
     known = {name: value for name, value in versions().items() if name != "python"}
     return {**known, "sources": _sources(), "arithmetic": _arithmetic()}
 
 
 def difference(here: dict[str, str], there: dict[str, str]) -> str:
-    """What differs, each with both values; empty if nothing does."""
+    """Name what differs, with both values; empty if nothing does."""
     return ", ".join(
         f"{name} {there.get(name, 'none')[:12]} instead of {value[:12]}"
         for name, value in here.items()
@@ -42,7 +42,7 @@ def _sources() -> str:
 
 
 def _arithmetic() -> str:
-    """Digest of functions that NumPy computes by other instructions on other processors."""
+    """Digest of functions for which NumPy uses different instructions on different processors."""
     x = np.linspace(-3.0, 3.0, 1001)
     digest = hashlib.sha256()
     for values in (x, x.astype(np.float32)):

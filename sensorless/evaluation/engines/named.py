@@ -11,19 +11,20 @@ ENGINES = ("local", "ray")
 
 @contextmanager
 def engine_named(name: str, address: str | None = None) -> Iterator[Engine]:
-    """Engine by name for the time of a ``with`` block.
+    """Engine by name for the duration of a ``with`` block.
 
     Parameters
     ----------
     name : str
         One of ``ENGINES``.
     address : str, optional
-        HOST:PORT of a running Ray cluster; default: a cluster of this machine's own.
+        HOST:PORT of a running Ray cluster; by default one is started on this computer.
 
     Raises
     ------
     UserError
-        Unknown name, an address without Ray, no Ray, or no cluster at that address.
+        The name is unknown, Ray is not installed, an address came without Ray, or there is no
+        cluster at it.
     """
     if name not in ENGINES:
         raise UserError(f"engine: {name!r} does not exist; choose from {', '.join(ENGINES)}")

@@ -1,8 +1,8 @@
-"""Chunks as tasks of a Ray cluster.
+"""Runs chunks as tasks of a Ray cluster.
 
-Ray starts a task again when its worker or its node is lost. Results are packed: those below 100 KiB
-go to the driver as soon as they are there, larger ones stay on their node and can be lost with it.
-Every task first compares the code of its worker with that of the driver: another version could give
+Ray restarts a task when its worker or its node is lost. Results are compressed: below 100 KiB they
+go to the driver at once, while larger ones stay on their node and can be lost with it. Every task
+first compares the code of its worker with that of the driver, because another version could give
 other bits.
 """
 
@@ -21,16 +21,16 @@ from sensorless.evaluation.engines.code import code
 from sensorless.evaluation.engines.engine import Chunk, Result
 
 RETRIES = 8
-"""How often a chunk is run again because its worker or node was lost."""
+"""How often a chunk is run again after its worker or node was lost."""
 
 WINDOW_PER_CPU = 3
-"""Chunks that may be under way or waiting for their turn to be handed over, for each processor."""
+"""Chunks per processor that may be running, or finished and waiting for their turn."""
 
 REACH_TIME = 10.0
-"""Given to a cluster to take a connection [s]."""
+"""Time that a cluster has to accept a connection [s]."""
 
 STORE = 256 * 2**20
-"""Object store of a cluster of this machine's own [bytes]; a packed result is some 100 KiB."""
+"""Object store of a cluster on this computer [bytes]; a compressed result has some 100 KiB."""
 
 
 class RayEngine:
@@ -42,10 +42,10 @@ class RayEngine:
         self._window = WINDOW_PER_CPU * max(4, int(ray.cluster_resources().get("CPU", 0)))
 
     def map(self, function: Callable[[Chunk], Result], chunks: Iterable[Chunk]) -> Iterator[Result]:
-        """Results in order, each as soon as it and all before it are there.
+        """Yield results in order, each as soon as it and all before it are ready.
 
-        After an error or Ctrl-C the chunks under way are not cancelled: Ray 2.60 can abort the
-        process when it cancels a task that ends just then. They end by themselves, or with the job.
+        After an error or Ctrl-C running chunks are not cancelled: Ray 2.60 can abort the process
+        when it cancels a task that is just ending. They end by themselves, or with the job.
         """
         ray = self._ray
         work = ray.put(ray.cloudpickle.dumps(function))
@@ -60,7 +60,7 @@ class RayEngine:
             window.popleft()
 
     def _result(self, ref: Any) -> Any:
-        """Result of a task; the errors of its function are raised as they were there."""
+        """Result of a task; errors of its function are raised here as they were there."""
         try:
             refusal, packed = self._ray.get(ref)
         except self._ray.exceptions.RayTaskError as error:
@@ -76,14 +76,14 @@ class RayEngine:
 
 
 def _task() -> Callable[[dict[str, str], bytes, bytes], tuple[str | None, bytes]]:
-    """What a worker runs; being local it travels as code, to workers without the package too."""
+    """Return what a worker runs; a local function travels as code, even to workers without us."""
 
     def run(wanted: dict[str, str], function: bytes, chunk: bytes) -> tuple[str | None, bytes]:
         import os
 
         import ray
 
-        os.environ.setdefault("SENSORLESS_THREADS", "1")  # Ray counts one processor for a task
+        os.environ.setdefault("SENSORLESS_THREADS", "1")  # Ray reserves one processor per task
         node = f"ray node {ray.util.get_node_ip_address()}"
         try:
             from sensorless.evaluation.engines.code import code, difference
@@ -100,7 +100,7 @@ def _task() -> Callable[[dict[str, str], bytes, bytes], tuple[str | None, bytes]
 
 @contextmanager
 def ray_engine(address: str | None) -> Iterator[RayEngine]:
-    """Engine on a running cluster, or on one of this machine's own that ends with the block.
+    """Engine on a running cluster, or on one started on this computer that ends with the block.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def ray_engine(address: str | None) -> Iterator[RayEngine]:
 
 
 def _check_reachable(address: str) -> None:
-    """Something listens at HOST:PORT; Ray itself would try for ten minutes."""
+    """Check that something listens at HOST:PORT; Ray itself would try for ten minutes."""
     host, _, port = address.rpartition(":")
     if not host or not port.isdecimal() or int(port) > 65535:
         raise UserError(f"ray-address: {address!r}; give HOST:PORT of a running cluster")

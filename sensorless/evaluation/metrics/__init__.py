@@ -1,1 +1,1 @@
-"""What is measured in a run."""
+"""Metrics: what is measured in a run, one function per metric."""

@@ -1,7 +1,7 @@
-"""What a drive did in one scenario, in numbers: one function a metric, its name is the metric's.
+"""What a drive did in one scenario, in numbers: one function per metric, named like the metric.
 
-Each maps a rollout to one float per scenario, over the life of the drive (up to its loss if it was
-lost); NaN where a metric has no meaning. Sums run over the PWM periods k of that life, N of them.
+Each maps a rollout to one float per scenario, over the life of the drive (until it was lost, if it
+was); NaN where a metric has no meaning. Sums run over the N PWM periods k of that life.
 """
 
 from collections.abc import Callable
@@ -35,7 +35,7 @@ def torque_dev_rms(r: Rollout) -> Floats:
 
 
 def torque_dev_lf_rms(r: Rollout) -> Floats:
-    """``torque_dev_rms`` of the mean of each two samples in a row: without the injection band."""
+    """``torque_dev_rms`` of the mean of two successive samples: without the injection band."""
     return np.asarray(np.sqrt(r.total("dev_lf_sq")) / r.motor.tau_rated)
 
 
@@ -84,7 +84,7 @@ def injection_share(r: Rollout) -> Floats:
 def copper_extra(r: Rollout) -> Floats:
     """Sum (|i|^2 - |i_twin|^2) / N / i_rated^2: copper loss beyond the twin's over the rated one.
 
-    Counts the injection and what a wrong angle costs.
+    It counts the injection and the cost of a wrong angle.
     """
     return np.asarray((r.total("i_sq") - r.total("i_sq_twin")) / r.motor.i_rated**2)
 

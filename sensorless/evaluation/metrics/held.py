@@ -1,8 +1,8 @@
-"""Whether a drive that kept lock also holds its speed: limit cycles, and what never comes back.
+"""Whether a drive that kept lock also holds its speed: limit cycles, and drives that stay off.
 
-The sensored twin is the yardstick: what it does too, on the same load, is no fault of an estimator.
-A change is whatever moves the speed reference, the load or the DC link, from its beginning to its
-end; the start counts as one.
+The sensored twin is the yardstick: what it does too under the same load is no fault of an
+estimator. A change is any movement of the speed reference, the load or the DC link, from its
+beginning to its end; the start counts as one.
 """
 
 import numpy as np
@@ -14,10 +14,10 @@ from sensorless.evaluation.rollout import Floats, Rollout
 BAND_PCT = 2.0
 """Band around the twin's speed, and largest swing beyond the twin's [% of rated speed]."""
 BACK_TIME = 0.5
-"""Time after a change in which the speed has to come back [s]; the sensored drive of the paper's
-motor needs 0.22 s after a rated load step on half the inertia."""
+"""Time within which the speed has to come back after a change [s]; the sensored drive of the
+paper's motor needs 0.22 s after a rated load step on half the inertia."""
 QUIET = 0.3
-"""Time after a change from which on a swing counts [s]."""
+"""Time after a change before a swing counts [s]."""
 BLOCK = 0.1
 """Half the width of a window [s]; two cycles of 10 Hz fit into a window."""
 
@@ -25,7 +25,7 @@ BLOCK = 0.1
 def away_s(r: Rollout) -> Floats:
     """max_j t_j with |omega_m - omega_m_twin| > 2 % of rated, t_j since the last change [s].
 
-    Speeds are means over decision j. 0 if the speed was never off while nothing changed.
+    Speeds are means over decision j; 0 if the speed was never off while nothing changed.
     """
     off = np.abs(r.mean("omega_m") - r.mean("omega_m_twin")) > 0.01 * BAND_PCT * _rated(r)
     time = np.where(off, np.maximum(since_change(r), 0.0), 0.0)
@@ -35,9 +35,9 @@ def away_s(r: Rollout) -> Floats:
 def swing_pct(r: Rollout) -> Floats:
     """max_w min(s_w, s_w+1, s_w+2), s = 100 (p2p omega_m - p2p omega_m_twin) / rated speed [%].
 
-    The swing that lasts: windows of 0.2 s, three in a row, the first of which begins at least 0.3 s
-    after the last change and the last of which ends before the next one; they start at every 0.1 s.
-    NaN without three such windows.
+    The lasting swing, over three successive windows of 0.2 s. The first begins at least 0.3 s after
+    the last change, the last ends before the next change; windows begin every 0.1 s. NaN without
+    three such windows.
     """
     size = max(1, round(BLOCK / r.decision_time))
     blocks = len(r.sums) // size
@@ -55,7 +55,7 @@ def swing_pct(r: Rollout) -> Floats:
 def not_held(r: Rollout) -> Floats:
     """1 if away_s > 0.5 s or swing_pct > 2 %, else 0; its mean is a share of the survivors.
 
-    ``not_held_rate`` of the results counts it over all scenarios, beside the lost ones.
+    ``not_held_rate`` of the results is over all scenarios; lost drives do not count in it.
     """
     away = away_s(r)
     return np.where(np.isnan(away), np.nan, (away > BACK_TIME) | (swing_pct(r) > BAND_PCT))
@@ -67,12 +67,12 @@ def _rated(r: Rollout) -> float:
 
 
 def _blocks(x: Array, size: int) -> Array:
-    """(blocks, size, n) of (d, n), without what is left at the end."""
+    """Reshape (d, n) to (blocks, size, n), without the remainder at the end."""
     blocks = len(x) // size
     return x[: blocks * size].reshape(blocks, size, -1)
 
 
 def _peak_to_peak(x: Array) -> Floats:
-    """(blocks - 1, n) peak to peak over each two blocks in a row."""
+    """(blocks - 1, n) peak to peak over two successive blocks."""
     high, low = x.max(axis=1), x.min(axis=1)
     return np.asarray(np.maximum(high[:-1], high[1:]) - np.minimum(low[:-1], low[1:]))

@@ -1,7 +1,7 @@
-"""Where a drive was and how it did there: by quadrant and by speed.
+"""How drives did by quadrant and by speed.
 
-The sensored twin tells where: it follows the same profile with the true angle, so that all policies
-are sorted alike, and a drive whose torque has already gone wrong is not moved to another quadrant.
+The sensored twin decides where a drive is: it follows the same profile with the true angle, so all
+policies are sorted alike, and wrong torque does not move a drive to another quadrant.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ QUADRANTS = (
     "no load",
 )
 STILL, FREE = 0.01, 0.02
-"""Speed over rated speed below which a drive stands still, torque over rated: it has no load."""
+"""Speed over rated below which a drive stands still, and torque below which it has no load."""
 
 PLACE = np.dtype(
     [
@@ -34,8 +34,8 @@ PLACE = np.dtype(
         ("lost", np.bool_),
     ]
 )
-"""Of a drive in a place: PWM periods there; sums over them of the squares of the angle error
-[rad^2], of the torque's deviation from the twin and of its ripple (both over rated torque); whether
+"""One drive in one place: its PWM periods there; sums over them of the squared angle error [rad^2],
+squared torque deviation from the twin and squared torque ripple (both over rated torque); whether
 it was lost there."""
 
 Places = NDArray[np.int64]
@@ -59,8 +59,8 @@ def speed_bin(r: Rollout) -> Places:
 def by_place(r: Rollout) -> dict[str, Array]:
     """Sums of each drive in each place, arrays of ``PLACE``: ``quadrant`` (n, 6), ``speed`` (n, 7).
 
-    A drive was lost where it was in the last decision that it began; not if no drive can do what
-    its scenario asks for.
+    A drive was lost where it was in its last decision; drives in scenarios that are not feasible
+    count as lost nowhere.
     """
     return {
         "quadrant": _sums(r, quadrant(r), len(QUADRANTS)),

@@ -1,4 +1,4 @@
-"""What is asked of each drive over time, at the middle of each decision."""
+"""What a scenario asks of a drive over time, at the middle of each decision."""
 
 import numpy as np
 
@@ -33,7 +33,7 @@ def reference_at_starts(r: Rollout) -> Floats:
 
 
 def since_change(r: Rollout) -> Floats:
-    """(d, n) time since speed reference, load and DC link stand still [s]; below 0 while one moves.
+    """(d, n) time since reference, load and DC link came to rest [s]; below 0 while one moves.
 
     The start of the scenario counts as a change, and so does the whole of a start sequence.
     """
@@ -65,7 +65,7 @@ def since_change(r: Rollout) -> Floats:
 
 
 def _moved(x: Floats, target: Floats, rate: Floats, time: Floats) -> Floats:
-    """The value ``time`` after x began to run to its target."""
+    """Value at ``time`` after x began to move to its target."""
     with np.errstate(invalid="ignore"):
         reach = np.where(time > 0.0, rate * time, 0.0)
     return np.asarray(x + np.clip(target - x, -reach, reach))

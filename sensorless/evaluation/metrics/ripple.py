@@ -1,8 +1,8 @@
-"""Torque ripple, over the life of a drive and in the hand-over window. As in ``metrics``.
+"""Torque ripple, over the life of a drive and in the hand-over window.
 
-The hand-over window is a place, not an action: the decisions in which the sensored twin's speed is
-within ``HANDOVER``. It is the same for every policy, whatever band its own schedule has. What the
-twin's torque does is taken off there: a load step, a ramp or a brake moves both and is no ripple.
+The hand-over window is a place, not an action: the decisions in which the speed of the sensored
+twin is within ``HANDOVER``. So it is the same for every policy, whatever band its schedule has.
+There the twin's torque is subtracted: a load step, a ramp or a brake moves both and is no ripple.
 """
 
 import numpy as np
@@ -12,30 +12,30 @@ from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 from sensorless.evaluation.rollout import Floats, Rollout
 
 RIPPLE_WINDOW = 0.02
-"""Moving mean that torque ripple is measured against, and width of a peak-to-peak window [s]."""
+"""Length of the moving mean of torque ripple, and width of a peak-to-peak window [s]."""
 
 HANDOVER = (0.17, 0.32)
-"""Hand-over window: speed over rated, 255 to 480 r/min on the paper's motor. The published band,
-0.2 to 0.267, with a factor of 1.2 to either side: room for what the hand-over stirs up, but above
-the speeds to which a load step at 10 % of rated speed, under injection alone, pushes the drive."""
+"""Hand-over window: speed over rated, 255 to 480 r/min on the paper's motor. It is the published
+band, 0.2 to 0.267, widened by a factor of 1.2 to either side: room for what the hand-over stirs up,
+but above the speeds that a load step at 10 % of rated speed reaches, under injection alone."""
 
 
 def torque_ripple_rms(r: Rollout) -> Floats:
     """sqrt(sum (tau - tau_mean)^2 / N) / tau_rated, tau_mean the centred 20 ms moving mean.
 
-    From the sums of each decision j of n_j periods, S_j of tau and Q_j of tau^2: the moving mean,
-    taken at the centre of the decision, is M_j = sum_i w_i S_(j+i) / sum_i w_i n_(j+i) with
+    It is computed from the sums of each decision j of n_j periods, S_j of tau and Q_j of tau^2. The
+    moving mean at the centre of the decision is M_j = sum_i w_i S_(j+i) / sum_i w_i n_(j+i) with
     w_i = 1 for |i| < h, 1/2 for |i| = h, where 2 h decisions are 20 ms (cut at both ends of the
-    life), and the sum over the periods of decision j is Q_j - 2 M_j S_j + n_j M_j^2.
+    life). The sum over the periods of decision j is Q_j - 2 M_j S_j + n_j M_j^2.
     """
     return _rms(r, ripple_sq(r, "tau_sq"), r.alive)
 
 
 def torque_ripple_lf_rms(r: Rollout) -> Floats:
-    """``torque_ripple_rms`` of the mean of each two samples in a row: without the injection band.
+    """``torque_ripple_rms`` of the mean of two successive samples: without the injection band.
 
-    Q_j is the sum of that mean's square; S_j stays, because its difference to the sum of the mean
-    is half a sample at each end of the decision, which cancels from one decision to the next.
+    Q_j is the sum of the squares of that mean. S_j stays, because it differs from the sum of the
+    mean by half a sample at each end of the decision, which cancels from one decision to the next.
     """
     return _rms(r, ripple_sq(r, "tau_lf_sq"), r.alive)
 
@@ -44,7 +44,7 @@ def torque_ripple_window(r: Rollout) -> Floats:
     """sqrt(sum (dev - dev_mean)^2 / N_w) / tau_rated in the window, dev = tau - tau_twin.
 
     Computed like ``torque_ripple_lf_rms``, without the injection band, over the N_w periods of the
-    window; NaN for a drive that never was in it.
+    hand-over window; NaN for a drive that never was in it.
     """
     deviation = r.sums["tau"].astype(np.float64) - r.sums["tau_twin"]
     return _rms(r, _about_mean(r, deviation, r.sums["dev_lf_sq"]), in_handover(r))
@@ -53,7 +53,7 @@ def torque_ripple_window(r: Rollout) -> Floats:
 def torque_p2p_window(r: Rollout) -> Floats:
     """max_j (max dev - min dev within 20 ms around decision j) / tau_rated, j in the window.
 
-    dev = tau - tau_twin, averaged over each two decisions in a row (2 ms): injection changes its
+    dev = tau - tau_twin, averaged over two successive decisions (2 ms): the injection changes its
     sign every period and leaves no trace in an even number of them. NaN for a drive that never was
     in the hand-over window.
     """
@@ -69,8 +69,8 @@ def torque_p2p_handover(r: Rollout) -> Floats:
     """max_j (max tau - min tau within 20 ms around decision j) / tau_rated, 0.001 < k_s_j < 0.999.
 
     Without the injection band; NaN if the drive never was between its two estimators. A wide blend
-    is there for longer, and charged with every load step that falls into it: between policies
-    compare ``torque_p2p_window``.
+    stays there for longer, and every load step meanwhile counts against it: use
+    ``torque_p2p_window`` to compare policies.
     """
     k_s = r.mean("k_s")
     between = (k_s > 0.001) & (k_s < 0.999)
@@ -86,8 +86,8 @@ def in_handover(r: Rollout) -> NDArray[np.bool_]:
 def ripple_sq(r: Rollout, square: str) -> Floats:
     """(d, n) sum over the periods of each decision of (tau - tau_mean)^2 [(N m)^2].
 
-    As in ``torque_ripple_rms``; ``square`` names the sum Q, ``tau_sq`` or ``tau_lf_sq``. Single
-    decisions may come out below zero by rounding.
+    As in ``torque_ripple_rms``; ``square`` names the sum Q, ``tau_sq`` or ``tau_lf_sq``. Rounding
+    may leave a single decision below zero.
     """
     return _about_mean(r, np.asarray(r.sums["tau"], dtype=np.float64), r.sums[square])
 

@@ -1,8 +1,8 @@
-"""How drives began that first had to find their rotor: one function a metric, NaN for all others.
+"""How drives started that first had to find their rotor: one function per metric, NaN for others.
 
-While the start sequence runs, ``sums["starting"]`` counts its periods, the angle errors read 0 and
-a lost lock does not count; the sensored twin waits at zero torque and begins to control in the same
-period. What the load does to the shaft until then, it does to both.
+While the start sequence runs, ``sums["starting"]`` counts its periods, angle errors read 0 and lost
+lock does not count. The sensored twin waits at zero torque and begins to control in the same
+period, so until then the load moves both shafts alike.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from sensorless.evaluation.rollout import Floats, Rollout
 
 AFTER = 0.01
-"""Time after the sequence in which its angle is judged [s]."""
+"""Time after the sequence in which the angle is judged [s]."""
 
 
 def start_s(r: Rollout) -> Floats:
@@ -35,8 +35,9 @@ def start_err_deg(r: Rollout) -> Floats:
 def backward_excess_pct(r: Rollout) -> Floats:
     """100 (b - b_twin) / omega_m_rated, b = max_j max(0, -d omega_m), d the wanted direction [%].
 
-    How much further backwards than the sensored twin, which the same load moves: from standstill in
-    the direction of the last speed target. NaN on a spinning shaft or without a target.
+    How much faster it ran backwards than the sensored twin, which the same load moves: from
+    standstill, against the direction of the last speed target. NaN on a spinning shaft or without a
+    target.
     """
     target = np.take_along_axis(r.scenarios.omega, _last_segment(r)[:, None], axis=1)[:, 0]
     way = np.sign(target)
@@ -50,7 +51,7 @@ def backward_excess_pct(r: Rollout) -> Floats:
 
 
 def _sought(r: Rollout) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """(n,) the drive ran a start sequence."""
+    """(n,) whether the drive ran a start sequence."""
     return np.asarray((r.sums["starting"] > 0.0).any(axis=0))
 
 

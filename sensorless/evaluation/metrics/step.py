@@ -1,8 +1,8 @@
 """How the speed follows steps of its target and of the load, from the profile of each scenario.
 
-A step is a segment of the profile whose target differs from the one before, by ``MIN_STEP`` of the
-rated speed or torque at least; a ramp counts as a step of its whole height. Speeds are means over a
-decision. Where a scenario has several steps, the worst one counts.
+A step is a segment of the profile whose target differs from the one before by at least ``MIN_STEP``
+of rated speed or torque; a ramp counts as a step of its whole height. Speeds are means over a
+decision. If a scenario has several steps, the worst one counts.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ MIN_STEP = 0.05
 SETTLED = 0.02
 """Band around the target in which the speed has to stay, over the height of the step."""
 CLEAN = 0.5
-"""Overshoot of the sensored twin up to which it counts as none [%]."""
+"""Largest overshoot of the sensored twin that counts as none [%]."""
 ALLOWED = 2.0
 """Overshoot that a drive may have where its twin has none [%]."""
 
@@ -33,9 +33,9 @@ class Steps:
     start: Floats
     """[s]"""
     first: NDArray[np.int64]
-    """first decision that lies in the window as a whole"""
+    """first decision that lies entirely in the window"""
     stop: NDArray[np.int64]
-    """first decision that does not any more, because of the next step or the drive's end"""
+    """first decision after the window, which the next step or the drive's end closes"""
 
     def window(self, j: int, decisions: int) -> NDArray[np.bool_]:
         """(decisions, n): the decision is in the window of segment j."""
@@ -52,15 +52,15 @@ def overshoot_pct(r: Rollout) -> Floats:
 
 
 def overshoot_excess_pct(r: Rollout) -> Floats:
-    """Largest difference, over the steps, of the drive's overshoot to its sensored twin's [%]."""
+    """Largest difference, over the steps, between the overshoots of drive and twin [%]."""
     return _worst(_overshoots(r, "omega_m") - _overshoots(r, "omega_m_twin"))
 
 
 def overshoot_clean_pct(r: Rollout) -> Floats:
     """``overshoot_pct`` over the speed steps in which the sensored twin's is at most 0.5 % [%].
 
-    There the drive's own speed loop has none, and what is seen is the estimate's doing. NaN without
-    such a step.
+    There the speed loop itself has none, so all overshoot comes from the estimate. NaN without such
+    a step.
     """
     twin = _overshoots(r, "omega_m_twin")
     return _worst(np.where(twin <= CLEAN, _overshoots(r, "omega_m"), np.nan))
@@ -93,21 +93,21 @@ def settling_s(r: Rollout) -> Floats:
 def dip_pct_s(r: Rollout) -> Floats:
     """100 sum max(0, sign(d) (omega_m_ref - omega_m)) dt / omega_m_rated, d = load step [% s].
 
-    A load in the direction of d slows down or, pulling, speeds up. The window runs to the next step
+    A load step slows the drive down, or speeds it up if it pulls. The window runs to the next step
     of load or speed target. NaN without a load step.
     """
     return _worst(_dips(r, reference(r) - r.mean("omega_m")))
 
 
 def dip_excess_pct_s(r: Rollout) -> Floats:
-    """Largest difference, over the load steps, of the drive's dip to its sensored twin's [% s]."""
+    """Largest difference, over the load steps, between the dips of drive and twin [% s]."""
     ref = reference(r)
     drive, twin = (_dips(r, ref - r.mean(name)) for name in ("omega_m", "omega_m_twin"))
     return _worst(drive - twin)
 
 
 def _changes(target: Floats, first: Floats, t: Floats) -> NDArray[np.bool_]:
-    """(n, PROFILE_N): a segment begins there and its target is a new one."""
+    """(n, PROFILE_N): a segment begins there with a new target."""
     before = np.concatenate([first[:, None], target[:, :-1]], axis=1)
     return np.asarray((target != before) & np.isfinite(t))
 
@@ -183,5 +183,5 @@ def _dips(r: Rollout, below: Floats) -> Floats:
 
 
 def _worst(of_steps: Floats) -> Floats:
-    """Largest value of each row; NaN where all of it is."""
+    """Largest value of each row; NaN if all of the row is."""
     return np.asarray(np.fmax.reduce(of_steps, axis=1))
