@@ -16,7 +16,7 @@ APART void smo_part(drive_state_t *x, ab_t i_ab) {
 }
 
 APART ab_t control_part(drive_state_t *x, const drive_in_t *in, ab_t i_ab) {
-    return drive_actuate(&drive_params, x, in, i_ab, x->est, x->hfi.sign_1);
+    return drive_actuate(&drive_params, x, in, i_ab, x->est, rot_of(x->est.theta), x->hfi.sign_1);
 }
 
 APART void signals_part(drive_state_t *x, float omega_ref) {

@@ -73,8 +73,8 @@ CORE_INLINE void control_sample(control_state_t *x, rot_t r, ab_t i_ab) {
 
 /* Current control alone, at the torque current i_q_ref [A]; otherwise as control_step. */
 CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, estimate_t est,
-                                 ab_t i_ab, float u_dc, float i_q_ref, float reserve, float T_s) {
-    rot_t r = rot_of(est.theta);
+                                 rot_t r, ab_t i_ab, float u_dc, float i_q_ref, float reserve,
+                                 float T_s) {
     control_sample(x, r, i_ab);
     dq_t i = x->i;
 
@@ -99,11 +99,12 @@ CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, 
 }
 
 /* One period: fundamental voltage to become active at k+1, stator frame [V]. est: angle and speed
- * to work with; i_ab: sample k [A]; u_dc [V]; reserve: voltage kept free for injection [V]. */
+ * to work with, r: direction of that angle; i_ab: sample k [A]; u_dc [V]; reserve: voltage kept free for injection [V]. */
 CORE_INLINE ab_t control_step(const control_params_t *p, control_state_t *x, estimate_t est,
-                              ab_t i_ab, float u_dc, float omega_ref, float reserve, float T_s) {
+                              rot_t r, ab_t i_ab, float u_dc, float omega_ref, float reserve,
+                              float T_s) {
     float i_q_ref = speed_control(p, x, omega_ref, est.omega, T_s);
-    return current_control(p, x, est, i_ab, u_dc, i_q_ref, reserve, T_s);
+    return current_control(p, x, est, r, i_ab, u_dc, i_q_ref, reserve, T_s);
 }
 
 /* The speed controller as it is at speed omega without load: its integrator carries the

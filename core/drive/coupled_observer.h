@@ -70,8 +70,7 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
                                  float k_s, float err, float T_s) {
     int led = abs_f(y->pll.omega) >= p->omega_floor || k_s > COUPLED_LED;
     int fresh = !led || !(y->valid > 0.0f);
-    ab_t i_m = {0.5f * (i_ab.a + (fresh ? i_ab.a : x->i_1.a)),
-                0.5f * (i_ab.b + (fresh ? i_ab.b : x->i_1.b))};
+    ab_t i_m = {0.5f * (i_ab.a + x->i_1.a), 0.5f * (i_ab.b + x->i_1.b)};
     ab_t u_x = dead_time_excess(p->u_dt, p->inv_i_comp, p->inv_i_true, i_m);
     ab_t psi_ab = {x->psi.a + T_s * (u_ab.a + u_x.a - p->R_s * i_m.a),
                    x->psi.b + T_s * (u_ab.b + u_x.b - p->R_s * i_m.b)};
@@ -107,8 +106,8 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     x->psi = dq_to_ab(next, rot_turn(r, turn + T_s * x->drift));
     x->i_1 = i_ab;
 
-    dq_t emf = {0.0f, y->pll.omega * aux.d};
-    y->e = dq_to_ab(emf, r);
+    y->e.a = -r.s * y->pll.omega * aux.d;
+    y->e.b = r.c * y->pll.omega * aux.d;
     y->err = eps;
     y->valid = led ? 1.0f : 0.0f;
 }

@@ -21,9 +21,9 @@ CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
     if (SCALAR_ONLY(x->start.phase != START_DONE)) {
         return drive_seek(p, x, &in, i_ab);
     }
-    drive_observe(p, x, i_ab, in.k_s_ref);
+    rot_t r = drive_observe(p, x, i_ab, in.k_s_ref);
     float s = hfi_inject(&p->hfi, &x->hfi, x->k_s > 0.0f || in.k_s_ref > 0.0f);
-    ab_t u = drive_actuate(p, x, &in, i_ab, x->est, s);
+    ab_t u = drive_actuate(p, x, &in, i_ab, x->est, r, s);
     drive_signals(&p->signal, x, in.omega_ref);
     return u;
 }

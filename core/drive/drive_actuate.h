@@ -4,37 +4,39 @@
 
 #include "drive_types.h"
 
-/* Injection of sign s and dead-time compensation on top of the voltage u [V]. Returns what to apply
+/* Injection of sign s and dead-time compensation on top of the voltage u [V]; r_i: direction of the
+ * frame that the controlled current is in. Returns what to apply
  * over [k+1, k+2] and moves the voltage queue on. */
-CORE_INLINE ab_t drive_output(const drive_params_t *p, drive_state_t *x, ab_t u, estimate_t est,
+CORE_INLINE ab_t drive_output(const drive_params_t *p, drive_state_t *x, ab_t u, rot_t r_i,
                               float s) {
     rot_t r = hfi_direction(&p->hfi, &x->hfi, p->T_s);
     ab_t model = {u.a + s * p->hfi.u_inj * r.c, u.b + s * p->hfi.u_inj * r.s};
     x->u_2 = x->u_1;
     x->u_1 = model;
-    rot_t r_i = rot_of(est.theta);
     ab_t comp =
         dead_time_voltage(p->control.u_dt, p->control.inv_i_dt, dq_to_ab(x->control.i, r_i));
     ab_t out = {model.a + comp.a, model.b + comp.b};
     return out;
 }
 
-/* Control on any estimate (the sensored reference drive passes the true angle), injection sign s. */
+/* Control on any estimate (the sensored reference drive passes the true angle) of direction r,
+ * injection sign s. */
 CORE_INLINE ab_t drive_actuate(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
-                               ab_t i_ab, estimate_t est, float s) {
+                               ab_t i_ab, estimate_t est, rot_t r, float s) {
     float reserve = s * s * p->hfi.u_inj;
-    ab_t u =
-        control_step(&p->control, &x->control, est, i_ab, in->u_dc, in->omega_ref, reserve, p->T_s);
-    return drive_output(p, x, u, est, s);
+    ab_t u = control_step(&p->control, &x->control, est, r, i_ab, in->u_dc, in->omega_ref, reserve,
+                          p->T_s);
+    return drive_output(p, x, u, r, s);
 }
 
 /* No torque on any estimate: the current held at zero (or where field weakening wants it), the speed
  * controller kept ready. */
 CORE_INLINE ab_t drive_hold(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
                             ab_t i_ab, estimate_t est) {
+    rot_t r = rot_of(est.theta);
     control_ready(&p->control, &x->control, est.omega);
-    ab_t u = current_control(&p->control, &x->control, est, i_ab, in->u_dc, 0.0f, 0.0f, p->T_s);
-    return drive_output(p, x, u, est, 0.0f);
+    ab_t u = current_control(&p->control, &x->control, est, r, i_ab, in->u_dc, 0.0f, 0.0f, p->T_s);
+    return drive_output(p, x, u, r, 0.0f);
 }
 
 #endif

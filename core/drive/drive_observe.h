@@ -5,9 +5,9 @@
 #include "drive_types.h"
 
 /* One observer on both sources. cross: from the injection's axis to the angle [rad]. What injection
- * and flux say each is the angle and the error that they see. */
-CORE_INLINE void drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float cross,
-                              curve_pos_t pos) {
+ * and flux say each is the angle and the error that they see. Returns the angle's direction. */
+CORE_INLINE rot_t drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float cross,
+                               curve_pos_t pos) {
     x->est.theta = x->emf.pll.theta;
     x->est.omega = x->emf.pll.omega;
     rot_t r = rot_of(x->est.theta);
@@ -19,19 +19,20 @@ CORE_INLINE void drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_
     x->theta_smo = wrap_pi(x->est.theta + x->emf.err);
     x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);
     x->hfi.pll.omega = x->emf.pll.omega;
+    return r;
 }
 
-/* Both observers and their blend; x->est is the result for instant k. */
-CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
-                               float k_s_ref) {
+/* Both observers and their blend; x->est is the result for instant k, its direction is
+ * returned. */
+CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
+                                float k_s_ref) {
     curve_pos_t pos = curve_locate(x->control.i.q, p->control.curve_inv_step);
     float cross = sign_f(x->control.i.q) * curve_at(&p->theta_cross, pos);
     float L_q = curve_at(&p->L_q, pos);
 
     x->k_s = ks_slew(x->k_s, k_s_ref, p->k_s_step);
     if (p->estimator == ESTIMATE_COUPLED) {
-        drive_couple(p, x, i_ab, cross, pos);
-        return;
+        return drive_couple(p, x, i_ab, cross, pos);
     }
     if (p->estimator == ESTIMATE_ERRORS) {
         x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);
@@ -59,6 +60,7 @@ CORE_INLINE void drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i
         x->emf.pll.theta = next.theta;
         x->emf.pll.omega = next.omega;
     }
+    return rot_of(x->est.theta);
 }
 
 /* Low-passes what a schedule may see. */

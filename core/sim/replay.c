@@ -31,8 +31,8 @@ static void replay_step(const drive_params_t *p, replay_t *r, const replay_in_t 
     x->hfi.sign_3 = x->hfi.sign_2;
     x->hfi.sign_2 = s;
     x->u_2 = u_ab;
-    drive_observe(p, x, i_ab, k_s_ref);
-    control_sample(&x->control, rot_of(x->est.theta), i_ab);
+    rot_t r_est = drive_observe(p, x, i_ab, k_s_ref);
+    control_sample(&x->control, r_est, i_ab);
     float u_d = 0.5f * (u.d + r->u_1.d); /* the fundamental */
     float u_q = 0.5f * (u.q + r->u_1.q);
     x->control.u_abs = sqrt_f(u_d * u_d + u_q * u_q);

@@ -57,7 +57,7 @@ CORE_INLINE ab_t sensored_step(const drive_params_t *p, chain_t *c, const drive_
     if (starting) {
         return drive_hold(p, &c->x, &in, i_ab, truth);
     }
-    return drive_actuate(p, &c->x, &in, i_ab, truth, 0.0f);
+    return drive_actuate(p, &c->x, &in, i_ab, truth, rot_of(truth.theta), 0.0f);
 }
 
 CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, float omega_m,

@@ -135,7 +135,7 @@ void t_control(const control_params_t *p, control_state_t *x, const float *est, 
                float u_dc, float omega_ref, float reserve, float T_s, float *u) {
     estimate_t at = {est[0], est[1]};
     ab_t i_ab = {i[0], i[1]};
-    ab_t y = control_step(p, x, at, i_ab, u_dc, omega_ref, reserve, T_s);
+    ab_t y = control_step(p, x, at, rot_of(at.theta), i_ab, u_dc, omega_ref, reserve, T_s);
     u[0] = y.a;
     u[1] = y.b;
 }
