@@ -106,6 +106,42 @@ void t_flux_observe(const flux_params_t *p, flux_state_t *x, emf_estimate_t *y, 
     flux_observe(p, x, y, i_ab, u_ab, L_q, omega, theta_idle, T_s);
 }
 
+/* n periods; i: currents, u: voltages over the period before, err: of the injection; out: angle, speed,
+ * error, load, drift, flux of each. */
+void t_coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
+                       const float *i, const float *u, const float *err, float L_q, float psi_0,
+                       float k_s, float T_s, float *out, int n) {
+    for (int j = 0; j < n; j++) {
+        ab_t i_ab = {i[2 * j], i[2 * j + 1]};
+        ab_t u_ab = {u[2 * j], u[2 * j + 1]};
+        out[7 * j] = y->pll.theta;
+        coupled_observe(p, x, y, rot_of(y->pll.theta), i_ab, u_ab, L_q, L_q, psi_0, k_s, err[j],
+                        T_s);
+        out[7 * j + 1] = y->pll.omega;
+        out[7 * j + 2] = y->err;
+        out[7 * j + 3] = x->load;
+        out[7 * j + 4] = x->drift;
+        out[7 * j + 5] = x->psi.a;
+        out[7 * j + 6] = x->psi.b;
+    }
+}
+
+void t_dead_time_excess(float u_dt, float inv_i, float inv_i_true, const float *i, float *u,
+                        int n) {
+    for (int j = 0; j < n; j++) {
+        ab_t i_ab = {i[2 * j], i[2 * j + 1]};
+        ab_t y = dead_time_excess(u_dt, inv_i, inv_i_true, i_ab);
+        u[2 * j] = y.a;
+        u[2 * j + 1] = y.b;
+    }
+}
+
+void t_curve_incremental(const curve_t *c, const float *i_q, float inv_step, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        y[j] = curve_incremental(c, curve_locate(i_q[j], inv_step));
+    }
+}
+
 void t_smo_observe(const smo_params_t *p, smo_state_t *x, emf_estimate_t *y, const float *i,
                    const float *u, float L_q, float omega, float theta_idle, float T_s) {
     ab_t i_ab = {i[0], i[1]};
