@@ -4,14 +4,13 @@
 
 #include "drive_types.h"
 
-/* One observer on both sources. cross: from the injection's axis to the angle [rad]. What injection
- * and flux say each is the angle and the error that they see. Returns the angle's direction. */
-CORE_INLINE rot_t drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float cross,
-                               curve_pos_t pos) {
+/* One observer on both sources, after injection was demodulated. r: direction of its angle; cross: from
+ * the injection's axis to the angle [rad]. What injection and flux say each is the angle and the
+ * error that they see. */
+CORE_INLINE void drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_ab, rot_t r,
+                              float cross, curve_pos_t pos) {
     x->est.theta = x->emf.pll.theta;
     x->est.omega = x->emf.pll.omega;
-    rot_t r = rot_of(x->est.theta);
-    hfi_demodulate(&p->hfi, &x->hfi, i_ab, rot_turn(r, -cross));
     coupled_observe(&p->coupled, &x->coupled, &x->emf, r, i_ab, x->u_2, curve_at(&p->L_q, pos),
                     curve_incremental(&p->L_q, pos), curve_at(&p->coupled.psi_d, pos), x->k_s,
                     x->hfi.err, p->T_s);
@@ -19,7 +18,6 @@ CORE_INLINE rot_t drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i
     x->theta_smo = wrap_pi(x->est.theta + x->emf.err);
     x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);
     x->hfi.pll.omega = x->emf.pll.omega;
-    return r;
 }
 
 /* Both observers and their blend; x->est is the result for instant k, its direction is
@@ -31,12 +29,16 @@ CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t 
     float L_q = curve_at(&p->L_q, pos);
 
     x->k_s = ks_slew(x->k_s, k_s_ref, p->k_s_step);
-    if (p->estimator == ESTIMATE_COUPLED) {
-        return drive_couple(p, x, i_ab, cross, pos);
-    }
+    int coupled = p->estimator == ESTIMATE_COUPLED;
     if (p->estimator == ESTIMATE_ERRORS) {
         x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);
         x->hfi.pll.omega = x->emf.pll.omega;
+    }
+    rot_t r = rot_of(coupled ? x->emf.pll.theta : x->hfi.pll.theta);
+    hfi_demodulate(&p->hfi, &x->hfi, i_ab, coupled ? rot_turn(r, -cross) : r);
+    if (coupled) {
+        drive_couple(p, x, i_ab, r, cross, pos);
+        return r;
     }
     estimate_t hfi = {wrap_pi(x->hfi.pll.theta + cross), x->hfi.pll.omega};
     estimate_t smo = {x->emf.pll.theta, x->emf.pll.omega};
@@ -45,7 +47,7 @@ CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t 
     x->est = p->estimator == ESTIMATE_UNWRAPPED ? ks_blend_unwrapped(hfi, smo, x->k_s)
                                                 : ks_blend(hfi, smo, x->k_s);
 
-    hfi_observe(&p->hfi, &x->hfi, i_ab, wrap_pi(x->est.theta - cross), x->est.omega, p->T_s);
+    hfi_follow(&p->hfi, &x->hfi, wrap_pi(x->est.theta - cross), x->est.omega, p->T_s);
     if (p->estimator == ESTIMATE_FLUX) {
         flux_observe(&p->flux, &x->flux, &x->emf, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
                      p->T_s);

@@ -71,16 +71,21 @@ CORE_INLINE void hfi_demodulate(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab
     x->i_1 = i;
 }
 
-/* Demodulates one sample and advances the PLL. i_ab: measured current at k [A].
- * theta_idle, omega_idle: what to follow while there is no injection to measure, already referred
- * to this estimator's uncompensated frame and to instant k [rad, rad/s]. */
-CORE_INLINE void hfi_observe(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, float theta_idle,
-                             float omega_idle, float T_s) {
-    hfi_demodulate(p, x, i_ab, rot_of(x->pll.theta));
+/* Advances the PLL. theta_idle, omega_idle: what to follow while there is no injection to measure,
+ * already referred to this estimator's uncompensated frame and to instant k [rad, rad/s]. */
+CORE_INLINE void hfi_follow(const hfi_params_t *p, hfi_state_t *x, float theta_idle,
+                            float omega_idle, float T_s) {
     int valid = x->valid > 0.0f;
     x->pll.theta = valid ? x->pll.theta : theta_idle;
     x->pll.omega = valid ? x->pll.omega : omega_idle;
     pll_step(&p->pll, &x->pll, x->err, T_s);
+}
+
+/* Both. i_ab: measured current at k [A]. */
+CORE_INLINE void hfi_observe(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, float theta_idle,
+                             float omega_idle, float T_s) {
+    hfi_demodulate(p, x, i_ab, rot_of(x->pll.theta));
+    hfi_follow(p, x, theta_idle, omega_idle, T_s);
 }
 
 /* Direction of the voltage that is injected over [k+1, k+2], at k after hfi_observe. */

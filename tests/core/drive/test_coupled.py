@@ -48,7 +48,7 @@ class Run:
     """The observer on a shaft that nothing drives: no current, u = dpsi/dt exactly."""
 
     def __init__(
-        self, c: Call, motor: Motor, p: Array, omega: Floats, *, behind: float = 0.0,
+        self, c: Call, motor: Motor, p: Array, omega: Array, *, behind: float = 0.0,
         turned: float = 0.0, size: float = 1.0, k_s: float = 0.0, err: Floats | None = None,
     ) -> None:  # fmt: skip
         """Run through the speeds ``omega`` (n,).
@@ -153,7 +153,7 @@ def test_load_at_once_and_load_that_rises(c: Call, linear: Motor) -> None:
     """Constant acceleration: no lag, the load state has it. Rising by j a second: eps = j / k_l."""
     p = params(linear)
     n, a = 40000, 300.0
-    run = Run(c, linear, p, OMEGA + a * np.arange(n) * T_S)
+    run = Run(c, linear, p, OMEGA + a * T_S * np.arange(n))
     assert run["load"][-1] == pytest.approx(a, rel=0.01)
     assert abs(run["eps"][-1]) < 2e-5
     assert run["omega"][-1] == pytest.approx(run.omega[-1], abs=0.05)
@@ -200,7 +200,7 @@ def test_bandwidth_rises_with_the_error(c: Call, linear: Motor) -> None:
     p = params(linear)
     n = 3000
     peak = {
-        a: float(Run(c, linear, p, OMEGA + a * np.arange(n) * T_S)["eps"].max())
+        a: float(Run(c, linear, p, OMEGA + a * T_S * np.arange(n))["eps"].max())
         for a in (300.0, 2400.0)
     }
     assert peak[300.0] < float(p["eps_rise"][0]) < peak[2400.0]
@@ -231,5 +231,5 @@ def test_incremental_of_a_curve_is_its_derivative(c: Call) -> None:
     found = np.zeros_like(x)
     c("curve_incremental", curve, x, 1.0, found, len(x))
     nodes = np.arange(9.0)
-    f = lambda at: at * np.interp(at, nodes, y)  # noqa: E731
-    assert found == pytest.approx((f(x + 0.01) - f(x - 0.01)) / 0.02, rel=1e-4)
+    low, high = ((x + step) * np.interp(x + step, nodes, y) for step in (-0.01, 0.01))
+    assert found == pytest.approx((high - low) / 0.02, rel=1e-4)
