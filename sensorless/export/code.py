@@ -59,7 +59,9 @@ def _number(x: Any, name: str) -> str:
     return str(x) if isinstance(x, np.integer) else c_float(x, name)
 
 
-def params_header(drive: Array, rule: tuple[float, float], motor_hash: int, periods: int) -> str:
+def params_header(
+    drive: Array, rule: tuple[float, float], motor_hash: int, periods: int, start: str
+) -> str:
     """``params.h``.
 
     Parameters
@@ -70,6 +72,8 @@ def params_header(drive: Array, rule: tuple[float, float], motor_hash: int, peri
     motor_hash : int
     periods : int
         PWM periods from one decision of the schedule to the next.
+    start : str
+        Line that says whether the drive finds its rotor.
     """
     return f"""{NOTE}#ifndef PARAMS_H
 #define PARAMS_H
@@ -79,6 +83,7 @@ def params_header(drive: Array, rule: tuple[float, float], motor_hash: int, peri
 #include "ks_table_data.h"
 
 #define MOTOR_HASH 0x{motor_hash:08X}UL /* first 32 bits of the motor's SHA-256 */
+{start}
 
 static const drive_params_t drive_params = {initialiser(drive, "drive_params_t")};
 

@@ -27,6 +27,7 @@ from sensorless.export.folder import (
 )
 from sensorless.export.provenance import motor_hash, table_json
 from sensorless.export.selftest import SelfTest, run_selftest
+from sensorless.export.start import start_call, start_define, start_text
 from sensorless.export.tables import drive_vectors_header, table_header, table_source
 from sensorless.export.vectors import drive_vectors, table_vectors
 from sensorless.files import ensure_writable
@@ -148,7 +149,9 @@ def _contents(
     text = {
         "README.md": readme,
         **cmsis,
-        "params.h": params_header(control_record(motor, design), table.rule, tag, periods),
+        "params.h": params_header(
+            control_record(motor, design), table.rule, tag, periods, start_define(motor)
+        ),
         "ks_table_data.h": table_header(len(lookups_f32), bool(cmsis)),
         "ks_table_data.c": table_source(table, "f32", tag, lookups_f32),
         "ks_table_q15.c": table_source(table, "q15", tag, lookups_q15),
@@ -179,6 +182,8 @@ def _readme(
         x_min=f"{table.rule[0]:.3g}",
         x_max=f"{table.rule[1]:.3g}",
         fallback=f"{table.fallback:g}",
+        start_call=start_call(motor),
+        start_text=start_text(motor),
         cmsis=cmsis_readme(table),
         two_threshold=rule,
     )

@@ -15,6 +15,7 @@ from sensorless.evaluation.rollout import rollout
 from sensorless.evaluation.trace import trace
 from sensorless.export.code import params_header
 from sensorless.export.provenance import motor_hash
+from sensorless.export.start import start_define
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES, make_policy
 from sensorless.policies.tuned import Tuned
@@ -79,5 +80,6 @@ def test_it_is_exported_with_it(tmp_path: Path) -> None:
         KsTable.load(out / "ks_table.json").rule,
         motor_hash(PAPER),
         decision_periods(PAPER),
+        start_define(PAPER),
     )
     assert (out / "params.h").read_text() == want

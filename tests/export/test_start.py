@@ -1,0 +1,61 @@
+"""Simulation, README and params.h agree on whether a machine's drive can find its rotor."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from sensorless.core.api import lib
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.words import plan_from
+from sensorless.errors import UserError
+from sensorless.evaluation.trace import trace
+from sensorless.export.export import export, table_of
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+
+
+def starts(motor: Motor) -> bool:
+    """Whether ``simulate --start`` runs."""
+    plan = plan_from("0:100", "0:0", None, 0.1, motor, 0, start=True)
+    try:
+        trace(make_policy("eq25", motor), plan, motor, DriveDesign())
+    except UserError as error:
+        assert "does not saturate" in str(error)
+        return False
+    return True
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+@pytest.mark.parametrize(("name", "finds"), [("ipmsm_2200w", False), ("pmsyrm_5600w", True)])
+def test_all_files_say_the_same(name: str, finds: bool, tmp_path: Path) -> None:
+    motor = Motor.load(name)
+    policy = make_policy("eq25", motor)
+    folder = tmp_path / "out"
+    export(table_of(policy, "eq25"), motor, DriveDesign(), folder, policy="eq25", fit=False)
+    readme = (folder / "README.md").read_text(encoding="utf-8")
+    params = (folder / "params.h").read_text(encoding="utf-8")
+    assert starts(motor) is finds
+    assert f"#define DRIVE_FINDS_ROTOR {int(finds)} " in params
+    code = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)[0]
+    assert ("drive_find_rotor(&drive)" in code) is finds
+    assert ("cannot find its rotor" in readme) is not finds
+    pulse = re.search(r"\.u_pulse = ([\d.e+-]+)f", params)
+    assert pulse is not None and (float(pulse[1]) > 0.0) is finds
+    head, rest = code.split("\n", 1)
+    stubs = """
+float adc_current_a(void); float adc_current_b(void); float adc_dc_link(void);
+float speed_reference(void); void pwm_set_next(float a, float b); void report(int a, int b);
+float known_angle(void); float known_speed(void);
+void control_start(void); void control_isr(void);
+"""
+    (tmp_path / "isr.c").write_text(f"{head}\n{stubs}{rest}", encoding="utf-8")
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+    compile_it = ["gcc", *flags, "-fsyntax-only", f"-I{folder}", str(tmp_path / "isr.c")]
+    subprocess.run(compile_it, check=True)
+
+
+def test_the_fault_bit_of_the_text_is_the_cores() -> None:
+    assert lib.FAULT_POLE == 8
