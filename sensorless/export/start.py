@@ -20,10 +20,10 @@ Fault bit 8: the machine's saturation was too weak to be sure of the magnet's po
 KNOWN_TEXT = """\
 **This machine cannot find its rotor from an unknown angle.** Its iron does not saturate along d in
 the motor file, so north and south answer a pulse alike, and `DRIVE_FINDS_ROTOR` in `params.h` is 0.
-Do not call `drive_find_rotor`: it would keep the pole nearer to its first angle and set fault bit 8.
+Do not call `drive_find_rotor`: it would keep the pole nearer to its first angle, with fault bit 8.
 Give `drive_init` the angle within 90 degrees, from an alignment by direct current or a sensor.
-`sensorless simulate --start` refuses this machine for the same reason; with a measured [saturation]
-in the motor file the pole may be found."""
+`sensorless simulate --start` refuses this machine for the same reason; with a measured
+[saturation] in the motor file the pole may be found."""
 
 
 def start_call(motor: Motor) -> str:
