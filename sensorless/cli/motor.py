@@ -1,8 +1,11 @@
 """The commands ``sensorless motor ...``: from what people have to a motor file they can trust."""
 
+from collections.abc import Callable
+
 import typer
 
 from sensorless.cli.motor_check import check_command
+from sensorless.cli.motor_import_map import import_map_command
 from sensorless.cli.motor_new import new_command
 from sensorless.cli.plain import Command, Group
 
@@ -20,5 +23,11 @@ def motor() -> None:
     """
 
 
-for _name, _function in (("new", new_command), ("check", check_command)):
+COMMANDS: dict[str, Callable[..., None]] = {
+    "new": new_command,
+    "import-map": import_map_command,
+    "check": check_command,
+}
+
+for _name, _function in COMMANDS.items():
     app.command(_name, cls=Command)(_function)

@@ -41,13 +41,20 @@ def written(data: Mapping[str, Any], head: str) -> str:
         if not isinstance(value, Mapping):
             lines.append(f"{name} = {toml_value(value)}")
     for table, fields in data.items():
-        if not isinstance(fields, Mapping):
-            continue
-        lines += ["", f"[{table}]"]
-        for field, value in fields.items():
-            line = f"{field} = {toml_value(value)}"
-            lines.append(f"{line:<22} # {meaning[field]}" if table in TABLES else line)
+        if isinstance(fields, Mapping):
+            lines += ["", *table_lines(table, fields, meaning if table in TABLES else {})]
     return "\n".join(lines) + "\n"
+
+
+def table_lines(
+    name: str, fields: Mapping[str, Any], meaning: Mapping[str, str] | None = None
+) -> list[str]:
+    """Lines of one table, with a comment where a field has a ``meaning``."""
+    out = [f"[{name}]"]
+    for field, value in fields.items():
+        line = f"{field} = {toml_value(value)}"
+        out.append(f"{line:<22} # {meaning[field]}" if meaning else line)
+    return out
 
 
 def toml_value(value: object) -> str:

@@ -98,3 +98,19 @@ def test_the_verdict_names_the_reason(old: str, new: str, said: str, tmp_path: P
     assert "suitable: yes" not in done.stdout
     assert said in " ".join(done.stdout.split())
     assert (tmp_path / "page.html").exists()
+
+
+MAP = Path(__file__).parents[1] / "data" / "flux_maps" / "baldor_400rpm_map.csv"
+
+
+def test_a_flux_map_becomes_a_motor_file(tmp_path: Path) -> None:
+    words = ["--motor", "pmsyrm_5600w", "--out", "made.toml", "--plot", "fit.png"]
+    done = run("motor", "import-map", str(MAP), *words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "within rated current: 0.65 and 0.49 RMS" in done.stdout
+    made = Motor.load(tmp_path / "made.toml")
+    assert made.saturation != Motor.load("pmsyrm_5600w").saturation
+    assert "flux map baldor_400rpm_map.csv" in (tmp_path / "made.toml").read_text(encoding="utf-8")
+    assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
+    again = run("motor", "check", "made.toml", "--size", "0", cwd=tmp_path)
+    assert "suitable: yes" in again.stdout

@@ -1,0 +1,87 @@
+"""The command ``sensorless motor import-map``: a flux map becomes a saturation model."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sensorless.cli.options import console
+
+WANTED = 1.0
+"""RMS error within rated current that is called good [% of rated current]."""
+
+
+def import_map_command(
+    file: Annotated[
+        Path, typer.Argument(help="Flux map, CSV or .mat: i_d, i_q, psi_d, psi_q, FEA or measured.")
+    ],
+    motor: Annotated[
+        str, typer.Option("--motor", help="Motor file that the map belongs to, or a shipped name.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(help="Motor file with the model. Default: print the model.")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Map, model and errors as PNG. Default: none.")
+    ] = None,
+    columns: Annotated[
+        str | None,
+        typer.Option(metavar="NAMES", help="Column names in order. Default: from the heading."),
+    ] = None,
+    turn: Annotated[
+        bool, typer.Option("--turn", help="The map's d axis is the iron's, its magnet along -q.")
+    ] = False,
+) -> None:
+    """Fit the saturation model to a flux map and say how well it fits.
+
+    Columns may stand in any order, with units A, mA, Vs, mVs, Wb or mWb in brackets. The model is
+    reciprocal by construction, as iron is; points beyond i_max of the motor have no say. L_d, L_q
+    and psi_f of the motor become those of the model at zero current.
+
+    For example:
+
+        sensorless motor import-map map.csv --motor mine.toml --out sat.toml
+    """
+    from sensorless.files import check_writable, write_atomic
+    from sensorless.machine.map_file import load_map
+    from sensorless.machine.map_fit import fit_map
+    from sensorless.machine.mapped import mapped, saturation_table, tables_of
+    from sensorless.machine.motor import Motor
+    from sensorless.machine.motor_file import table_lines, written
+
+    check_writable(out)
+    check_writable(plot, "plot")
+    machine = Motor.load(motor)
+    i, psi = load_map(file, columns, turn)
+    fit = fit_map(i, psi, machine.i_rated, machine.i_max)
+    made = mapped(machine, fit)
+    d, q = fit.rms_percent(machine.i_rated)
+    console.print(
+        f"{len(i)} points, {int(fit.inside(machine.i_max).sum())} within i_max = "
+        f"{machine.i_max:g} A; error of i_d and i_q in % of rated current:\n"
+        f"within rated current: {d:.2f} and {q:.2f} RMS, at most "
+        f"{fit.max_percent(machine.i_rated):.2f}\n"
+        "within i_max: {:.2f} and {:.2f} RMS, at most {:.2f}".format(
+            *fit.rms_percent(machine.i_max), fit.max_percent(machine.i_max)
+        )
+    )
+    console.print(
+        f"at zero current: L_d = {made.L_d:.4g} H, L_q = {made.L_q:.4g} H, "
+        f"psi_f = {made.psi_f:.4g} Vs"
+    )
+    if max(d, q) > WANTED:
+        console.print(f"the model misses the map by more than {WANTED:g} %: see --plot for where")
+    if out is None:
+        text = "\n".join(table_lines("saturation", saturation_table(made.saturation)))
+        console.print(text, highlight=False, markup=False)
+    else:
+        head = f"{machine.name} with the flux map of {file.name}, by sensorless motor import-map."
+        source = f"flux map {file.name}: fit within {d:.2f} and {q:.2f} % RMS of rated current"
+        write_atomic(out, written(tables_of(made, source, motor), head))
+        console.print(f"wrote {out}")
+    if plot is not None:
+        from sensorless.plots.figure import save
+        from sensorless.plots.map_fit import map_fit
+
+        save(map_fit(machine.name, fit), plot)
+        console.print(f"wrote {plot}")

@@ -1,0 +1,156 @@
+"""A flux map from a file: CSV or MATLAB, columns in any order, with or without units."""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sensorless.errors import UserError
+from sensorless.machine.magnetics import Floats
+
+COLUMNS = ("i_d", "i_q", "psi_d", "psi_q")
+UNITS = {"a": 1.0, "ma": 1e-3, "ka": 1e3, "vs": 1.0, "wb": 1.0, "mvs": 1e-3, "mwb": 1e-3}
+"""Factors to A and Vs."""
+FLUX_WORDS = ("psi", "lambda", "flux", "phi")
+MOST = 200_000
+"""Points of a map."""
+
+
+def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tuple[Floats, Floats]:
+    """Currents (n, 2) [A] and flux linkages (n, 2) [Vs] of a map, d along the magnet.
+
+    Parameters
+    ----------
+    path : Path
+        ``.mat``: four variables; axes and grids are laid out. Else text: four columns under a
+        heading, with commas, semicolons, tabs or blanks between, ``#`` before comments.
+    columns : str, optional
+        Names of the columns in their order, for a file without a heading or with other names.
+    turn : bool
+        The map's d axis is the one of the iron of a reluctance machine, its magnet along -q.
+
+    Raises
+    ------
+    UserError
+        The file cannot be read, or a column is missing or holds no numbers.
+    """
+    try:
+        raw = _matlab(path) if path.suffix.lower() == ".mat" else _text(path, columns)
+        found = _named(raw, path)
+    except UserError:
+        raise
+    except (OSError, ValueError, TypeError, NotImplementedError) as error:
+        reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
+        raise UserError(f"map: {path}: {reason}") from None
+    i, psi = np.stack(found[:2], axis=-1), np.stack(found[2:], axis=-1)
+    good = np.all(np.isfinite(i) & np.isfinite(psi), axis=1)
+    i, psi = i[good], psi[good]
+    if not 20 <= len(i) <= MOST:
+        raise UserError(f"map: {path}: {len(i)} points with four numbers; give 20 to {MOST}")
+    if turn:
+        i, psi = (np.stack([-x[:, 1], x[:, 0]], axis=-1) for x in (i, psi))
+    return i, psi
+
+
+def _text(path: Path, columns: str | None) -> dict[str, Any]:
+    """Columns by heading."""
+    lines = path.read_text(encoding="utf-8-sig").splitlines()
+    rows = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    if not rows:
+        raise ValueError("no numbers in it")
+    heads = re.split(r"[,;\t]", rows[0]) if re.search(r"[,;\t]", rows[0]) else rows[0].split()
+    if columns is not None:
+        names = [name.strip() for name in columns.split(",")]
+        rows = rows if _is_number(heads[0]) else rows[1:]
+    elif _is_number(heads[0]):
+        raise ValueError(f"no heading; name its columns, --columns {','.join(COLUMNS)}")
+    else:
+        names, rows = [head.strip() for head in heads], rows[1:]
+    table = np.array(
+        [re.split(r"[,;\t\s]+", row.strip().rstrip(",;")) for row in rows], dtype=float
+    )
+    if table.ndim != 2 or table.shape[1] < len(names):
+        raise ValueError(f"{len(names)} names, but rows of another length")
+    return {name: table[:, k] for k, name in enumerate(names)}
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _matlab(path: Path) -> dict[str, Any]:
+    from scipy.io import loadmat
+
+    found: dict[str, Any] = {}
+    for name, value in loadmat(path, squeeze_me=True).items():
+        if name.startswith("__"):
+            continue
+        if getattr(value, "dtype", None) is not None and value.dtype.names:  # one struct of all
+            found |= {field: np.asarray(value[field].item()) for field in value.dtype.names}
+        else:
+            found[name] = np.asarray(value)
+    return found
+
+
+def _named(raw: Mapping[str, Any], path: Path) -> list[Floats]:
+    """The four columns in order, in A and Vs, flat and of one length."""
+    out: dict[str, Floats] = {}
+    for name, value in raw.items():
+        key, factor = _meaning(name)
+        if key in out:
+            raise UserError(f"map: {path}: {key} twice; give each column once")
+        if key:
+            out[key] = factor * np.asarray(value, dtype=float)
+    missing = [name for name in COLUMNS if name not in out]
+    if missing:
+        raise UserError(
+            f"map: {path}: no column {missing[0]}; found {', '.join(raw)}; name them "
+            f"{', '.join(COLUMNS)}, with the unit behind, e.g. psi_d [mVs]"
+        )
+    return _laid_out([out[name] for name in COLUMNS], path)
+
+
+def _meaning(name: str) -> tuple[str, float]:
+    """Which column a heading names, or none, and the factor of its unit."""
+    match = re.match(r"\s*([A-Za-z]+?)_?(?:s_)?([dq])\b\s*[\[(]?\s*([A-Za-z]*)", name)
+    if match is None:
+        return "", 1.0
+    quantity, axis, unit = match[1].lower(), match[2], match[3].lower()
+    if quantity == "i":
+        kind = "i"
+    elif quantity in FLUX_WORDS:
+        kind = "psi"
+    else:
+        return "", 1.0
+    if unit and unit not in UNITS:
+        raise ValueError(f"unit of {name.strip()!r}; write one of A, mA, kA, Vs, mVs, Wb, mWb")
+    return f"{kind}_{axis}", UNITS.get(unit, 1.0)
+
+
+def _laid_out(parts: list[Floats], path: Path) -> list[Floats]:
+    """Axes of a grid beside its fluxes become a current for every point."""
+    i_d, i_q, psi_d, psi_q = parts
+    if i_d.ndim == 1 and i_q.ndim == 1 and psi_d.ndim == 2:
+        grids = np.meshgrid(i_d, i_q, indexing="ij"), np.meshgrid(i_d, i_q, indexing="xy")
+        fits = [pair for pair in grids if pair[0].shape == psi_d.shape == psi_q.shape]
+        if not fits:
+            raise UserError(
+                f"map: {path}: fluxes of shape {psi_d.shape} over {len(i_d)} i_d and {len(i_q)} i_q"
+            )
+        best = max(fits, key=lambda pair: _follows(pair[0], psi_d) + _follows(pair[1], psi_q))
+        i_d, i_q = best
+    flat = [np.ravel(x) for x in (i_d, i_q, psi_d, psi_q)]
+    if len({len(x) for x in flat}) != 1:
+        raise UserError(f"map: {path}: columns of {', '.join(str(len(x)) for x in flat)} numbers")
+    return flat
+
+
+def _follows(i: Floats, psi: Floats) -> float:
+    """Correlation: tells which way a square grid lies."""
+    return float(np.corrcoef(np.ravel(i), np.ravel(psi))[0, 1])

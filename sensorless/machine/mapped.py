@@ -1,0 +1,72 @@
+"""A machine that follows a fitted flux map."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from sensorless.errors import UserError
+from sensorless.machine.magnetics import flux
+from sensorless.machine.map_fit import MapFit
+from sensorless.machine.motor import Motor, Saturation
+from sensorless.machine.motor_file import TABLES
+from sensorless.machine.saliency import principal
+
+
+def mapped(motor: Motor, fit: MapFit) -> Motor:
+    """The machine with the model of a map, and L_d, L_q and psi_f of it at zero current.
+
+    Raises
+    ------
+    UserError
+        The map's d axis is not that of the magnet.
+    """
+    s = Saturation(**{name: _six(x) for name, x in dataclasses.asdict(fit.saturation).items()})
+    zero = np.zeros((1, 2))
+    step = 1e-3 * motor.i_rated
+    psi_f = float(flux(s, zero)[0, 0])
+    d = flux(s, np.array([[-step, 0.0], [step, 0.0]]))[:, 0]
+    q = flux(s, np.array([[0.0, -step], [0.0, step]]))[:, 1]
+    L_d, L_q = (float(x[1] - x[0]) / (2.0 * step) for x in (d, q))
+    if psi_f <= 0.0 or L_d >= L_q:
+        raise UserError(
+            f"map: L_d = {L_d:.4g} H, L_q = {L_q:.4g} H, psi_d = {psi_f:.4g} Vs at zero current; "
+            "L_q must exceed L_d with the magnet along d: try --turn"
+        )
+    low, high = principal(motor, zero)[0] * (0.2, 5.0)
+    if not (low < L_d < high and low < L_q < high):
+        raise UserError(
+            f"map: L_d = {L_d:.4g} H, L_q = {L_q:.4g} H at zero current, the motor file says "
+            f"{motor.L_d:g} and {motor.L_q:g} H: another machine, or a wrong unit?"
+        )
+    return dataclasses.replace(motor, L_d=_six(L_d), L_q=_six(L_q), psi_f=_six(psi_f), saturation=s)
+
+
+def tables_of(motor: Motor, source: str, base: str) -> dict[str, Any]:
+    """Tables of its file: ``source`` of what the map gave, ``base`` where the rest is from."""
+    from_map = ("L_d", "L_q", "psi_f")
+    return {
+        "name": motor.name,
+        "description": motor.description,
+        **{table: {f: getattr(motor, f) for f in fields} for table, fields in TABLES.items()},
+        "saturation": saturation_table(motor.saturation),
+        "source": {
+            **{
+                f: f"{source}, at zero current" if f in from_map else f"as in {base}"
+                for fields in TABLES.values()
+                for f in fields
+            },
+            "saturation": source,
+        },
+    }
+
+
+def saturation_table(s: Saturation) -> dict[str, float]:
+    """What of a model differs from its defaults, and what has none."""
+    defaults = {f.name: f.default for f in dataclasses.fields(s)}
+    return {k: v for k, v in dataclasses.asdict(s).items() if v != defaults[k]}
+
+
+def _six(x: Any) -> Any:
+    """Six digits; whole numbers as they are."""
+    return x if isinstance(x, int) else float(f"{x:.6g}")
