@@ -100,7 +100,7 @@ def _pairs(ffi: FFI) -> Iterator[bool]:
     """Whether each 8 bytes of ``sim_t`` are two numbers, not a double. It has no padding."""
     sizes = [ffi.sizeof(ctype) for ctype, _ in _numbers(ffi.typeof("sim_t"), "")]
     if sum(sizes) != ffi.sizeof("sim_t"):
-        raise ValueError("sim_t has padding: give drive_params_t an even number of 4-byte fields")
+        raise ValueError("sim_t has padding: give its structs an even number of 4-byte fields")
     at = 0
     while at < len(sizes):
         pair = sizes[at] == 4

@@ -22,7 +22,7 @@
 /* One period of all lanes, also of those at their end: BLOCK_RUN has taken these out before. A
  * constant estimator leaves no branch in the loop. */
 CORE_INLINE void block_period(block_t *restrict block, const float *restrict k_s_ref, int with_twin,
-                              int estimator) {
+                              int estimator, int detail) {
 #pragma GCC ivdep
     for (int l = 0; l < LANES; l++) {
         sim_t s;
@@ -30,46 +30,55 @@ CORE_INLINE void block_period(block_t *restrict block, const float *restrict k_s
         SIM_STATE_FIELDS(LOAD)
         s.with_twin = with_twin;
         s.control.estimator = estimator;
-        sim_period(&s, k_s_ref[l], 0, with_twin, 1, 0);
+        sim_period(&s, k_s_ref[l], 0, with_twin, 1, 0, detail);
         SIM_STATE_FIELDS(KEEP)
     }
 }
 
-CORE_APART void block_period_twin(block_t *restrict block, const float *restrict k_s_ref) {
-    block_period(block, k_s_ref, 1, ESTIMATE_SMO);
-}
+#define BLOCK_LOOP(name, with_twin, estimator, detail)                                             \
+    CORE_APART void name(block_t *restrict block, const float *restrict k_s_ref) {                 \
+        block_period(block, k_s_ref, with_twin, estimator, detail);                                \
+    }
 
-CORE_APART void block_period_alone(block_t *restrict block, const float *restrict k_s_ref) {
-    block_period(block, k_s_ref, 0, ESTIMATE_SMO);
-}
+BLOCK_LOOP(block_smo_alone, 0, ESTIMATE_SMO, 0)
+BLOCK_LOOP(block_smo_twin, 1, ESTIMATE_SMO, 0)
+BLOCK_LOOP(block_smo_alone_detail, 0, ESTIMATE_SMO, 1)
+BLOCK_LOOP(block_smo_twin_detail, 1, ESTIMATE_SMO, 1)
+BLOCK_LOOP(block_flux_alone, 0, ESTIMATE_FLUX, 0)
+BLOCK_LOOP(block_flux_twin, 1, ESTIMATE_FLUX, 0)
+BLOCK_LOOP(block_flux_alone_detail, 0, ESTIMATE_FLUX, 1)
+BLOCK_LOOP(block_flux_twin_detail, 1, ESTIMATE_FLUX, 1)
 
-CORE_APART void block_period_flux_twin(block_t *restrict block, const float *restrict k_s_ref) {
-    block_period(block, k_s_ref, 1, ESTIMATE_FLUX);
-}
-
-CORE_APART void block_period_flux_alone(block_t *restrict block, const float *restrict k_s_ref) {
-    block_period(block, k_s_ref, 0, ESTIMATE_FLUX);
-}
-
-CORE_APART void block_period_coupled_twin(block_t *restrict block, const float *restrict k_s_ref) {
-    block_period(block, k_s_ref, 1, ESTIMATE_COUPLED);
-}
-
-CORE_APART void block_period_coupled_alone(block_t *restrict block, const float *restrict k_s_ref) {
-    block_period(block, k_s_ref, 0, ESTIMATE_COUPLED);
-}
+BLOCK_LOOP(block_coupled_alone, 0, ESTIMATE_COUPLED, 0)
+BLOCK_LOOP(block_coupled_twin, 1, ESTIMATE_COUPLED, 0)
+BLOCK_LOOP(block_coupled_alone_detail, 0, ESTIMATE_COUPLED, 1)
+BLOCK_LOOP(block_coupled_twin_detail, 1, ESTIMATE_COUPLED, 1)
 
 typedef void (*period_t)(block_t *restrict, const float *restrict);
 
+/* By detail and twin. */
+static const period_t SMO_LOOPS[2][2] = {
+    {block_smo_alone, block_smo_twin},
+    {block_smo_alone_detail, block_smo_twin_detail},
+};
+static const period_t FLUX_LOOPS[2][2] = {
+    {block_flux_alone, block_flux_twin},
+    {block_flux_alone_detail, block_flux_twin_detail},
+};
+static const period_t COUPLED_LOOPS[2][2] = {
+    {block_coupled_alone, block_coupled_twin},
+    {block_coupled_alone_detail, block_coupled_twin_detail},
+};
+
 /* The loop for drives that are all like this one, see batch_fits. */
 static period_t block_loop(const sim_t *s) {
+    int detail = s->plant.detail != 0;
+    int twin = s->with_twin != 0;
     if (s->control.estimator == ESTIMATE_COUPLED) {
-        return s->with_twin ? block_period_coupled_twin : block_period_coupled_alone;
+        return COUPLED_LOOPS[detail][twin];
     }
-    if (s->control.estimator == ESTIMATE_FLUX) {
-        return s->with_twin ? block_period_flux_twin : block_period_flux_alone;
-    }
-    return s->with_twin ? block_period_twin : block_period_alone;
+    return s->control.estimator == ESTIMATE_FLUX ? FLUX_LOOPS[detail][twin]
+                                                 : SMO_LOOPS[detail][twin];
 }
 
 /* Drives that must not move any more: bit l for lane l. */

@@ -24,6 +24,11 @@ typedef struct {
     int32_t off[LEGS];  /* both switches off */
 } piece_t;
 
+/* Half the DC link, and the threshold voltages of transistors and diodes [V]. */
+typedef struct {
+    double half, transistor, diode;
+} rails_t;
+
 /* Where the rows of carrier_run go; row is NULL when nobody looks. */
 typedef struct {
     double *row;
@@ -118,18 +123,21 @@ static int diodes_carry(const piece_t *c, const double *v, double half, ab64_t i
     return ok;
 }
 
+/* Currents of the flux at x with its flux linkages moved [A]. */
+static dq64_t current_at(const plant_params_t *m, const plant_state_t *x, double d, double q) {
+    dq64_t psi = {x->psi_d + d, x->psi_q + q};
+    return plant_response(m, psi, x->cos_e, x->sin_e, m->bridge, m->detail).i;
+}
+
 /* Voltages of the legs that are off, from a trial v that ends the piece with the currents i. A leg is at
  * the lower rail while its current ends positive, at the upper rail while it ends negative, or
  * between them if that ends it at zero: the stationary point of a convex quadratic form with bounds,
  * found leg by leg on the slope of the flux map at x. */
 static void diodes_settle(const plant_params_t *m, const plant_state_t *x, const piece_t *c,
                           double half, ab64_t i, double *v) {
-    dq64_t psi = {x->psi_d, x->psi_q};
-    dq64_t at_d = {x->psi_d + FLUX_STEP, x->psi_q};
-    dq64_t at_q = {x->psi_d, x->psi_q + FLUX_STEP};
-    dq64_t at = flux_map_current(&m->map, psi, m->bridge);
-    dq64_t i_d = flux_map_current(&m->map, at_d, m->bridge);
-    dq64_t i_q = flux_map_current(&m->map, at_q, m->bridge);
+    dq64_t at = current_at(m, x, 0.0, 0.0);
+    dq64_t i_d = current_at(m, x, FLUX_STEP, 0.0);
+    dq64_t i_q = current_at(m, x, 0.0, FLUX_STEP);
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         for (int j = 0; j < LEGS; j++) {
             if (c->off[j] == 0) {
@@ -164,20 +172,28 @@ static void row_write(rows_t *rows, const plant_state_t *x, ab64_t u) {
     rows->row += CARRIER_N;
 }
 
-static void piece_advance(const plant_params_t *m, plant_state_t *x, const piece_t *c, double half,
-                          double tau_load, rows_t *rows) {
+static void piece_advance(const plant_params_t *m, plant_state_t *x, const piece_t *c,
+                          const rails_t *rail, double tau_load, rows_t *rows) {
     double v[LEGS];
     ab64_t i = stator_current(x);
-    int any_off = 0; /* and their voltages not settled */
+    double half = rail->half + rail->diode; /* what a diode holds a leg to */
+    int any_off = 0;                        /* and their voltages not settled */
     for (int j = 0; j < LEGS; j++) {
-        int up = c->off[j] != 0 ? along(i, j) < 0.0 : c->high[j] != 0;
-        v[j] = up ? half : -half;
+        double i_leg = along(i, j);
+        if (c->off[j] != 0) {
+            v[j] = i_leg < 0.0 ? half : -half;
+        } else {
+            double out = c->high[j] != 0 ? rail->transistor : rail->diode; /* drop of each way */
+            double in = c->high[j] != 0 ? rail->diode : rail->transistor;
+            v[j] = c->high[j] != 0 ? rail->half : -rail->half;
+            v[j] += i_leg > 0.0 ? -out : (i_leg < 0.0 ? in : 0.0);
+        }
         any_off |= c->off[j];
     }
     for (int round = 0; round < ROUNDS && any_off != 0; round++) {
         plant_state_t trial = *x;
         ab64_t u = legs_to_ab(v);
-        plant_step(m, &trial, u.a, u.b, tau_load, c->h, 1, m->bridge);
+        plant_move(m, &trial, u.a, u.b, tau_load, c->h, 1, m->bridge, m->detail);
         ab64_t end = stator_current(&trial);
         any_off = !diodes_carry(c, v, half, end);
         if (any_off != 0) {
@@ -190,7 +206,7 @@ static void piece_advance(const plant_params_t *m, plant_state_t *x, const piece
         if (rows->row) {
             row_write(rows, x, u);
         }
-        plant_step(m, x, u.a, u.b, tau_load, h, 1, m->bridge);
+        plant_move(m, x, u.a, u.b, tau_load, h, 1, m->bridge, m->detail);
         rows->t += h;
     }
 }
@@ -198,9 +214,20 @@ static void piece_advance(const plant_params_t *m, plant_state_t *x, const piece
 static void period_advance(const sensor_params_t *p, const plant_params_t *m, plant_state_t *x,
                            ab_t u, float u_dc, double tau_load, rows_t *rows) {
     piece_t piece[PIECES_A_PERIOD];
-    int n = pattern(p, u, u_dc, m->h * m->n_sub, piece);
+    double period = m->h * m->n_sub;
+    int n = pattern(p, u, u_dc, period, piece);
+    rails_t rail = {0.5 * (double)u_dc, 0.0, 0.0};
+    dq64_t psi_ab = plant_flux_ab(x);
+    if (m->detail != 0) { /* diodes carry the current of the flux, which knows no jump */
+        rail.transistor = (double)p->u_on + 0.5 * (double)p->u_skew;
+        rail.diode = (double)p->u_on - 0.5 * (double)p->u_skew;
+        plant_output(m, x, m->bridge, 1);
+    }
     for (int k = 0; k < n; k++) {
-        piece_advance(m, x, &piece[k], 0.5 * (double)u_dc, tau_load, rows);
+        piece_advance(m, x, &piece[k], &rail, tau_load, rows);
+    }
+    if (m->detail != 0) {
+        plant_add_iron(m, x, psi_ab, period);
     }
 }
 

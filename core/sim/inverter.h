@@ -14,7 +14,13 @@ typedef struct {
     float lsb;                /* resolution of the converter [A], above range / 2^30 */
     float inv_lsb;            /* 1 / lsb [1/A] */
     float range;              /* largest current the converter shows [A] */
+    float u_on;   /* mean threshold voltage of transistor and diode [V]; 0 unless detailed */
+    float u_skew; /* the transistor's minus the diode's [V] */
+    float ripple; /* amplitude of the DC link's ripple over its mean */
+    uint32_t ripple_phase;     /* of the ripple at period 0; 2^32 is a turn */
+    uint32_t ripple_half_step; /* its advance in half a period */
     int32_t carrier; /* 1: switching instants of a carrier, see carrier.h; 0: mean voltage */
+    int32_t reserved;
 } sensor_params_t;
 
 /* Voltages of the three legs against the middle of the link [V]. */
@@ -30,6 +36,40 @@ CORE_INLINE legs_t inverter_legs(ab_t u) {
     float mid = 0.5f * (max_f(a, max_f(b, c)) + min_f(a, min_f(b, c)));
     legs_t y = {a - mid, b - mid, c - mid};
     return y;
+}
+
+/* Ripple of the DC link over its mean, `half` half periods after the start. */
+CORE_INLINE float link_ripple(const sensor_params_t *p, int32_t half) {
+    uint32_t phase = p->ripple_phase + (uint32_t)half * p->ripple_half_step;
+    return p->ripple * rot_of((float)(int32_t)phase * (PI_F / 2147483648.0f)).c;
+}
+
+/* Stator voltage of three legs [V]. */
+CORE_INLINE ab_t legs_voltage(legs_t leg) {
+    ab_t y = {0.333333333f * (2.0f * leg.a - leg.b - leg.c), INV_SQRT3_F * (leg.b - leg.c)};
+    return y;
+}
+
+/* Mean voltage of a leg whose current i [A] flows through the upper transistor and the lower diode, or
+ * through the other two: the dead time as below, and their threshold voltages. */
+CORE_INLINE float leg_detailed(const sensor_params_t *p, float leg, float u_dc, float i) {
+    float half = 0.5f * u_dc;
+    float way = clamp_f(i * p->inv_i_zero, -1.0f, 1.0f);
+    float y = clamp_f(leg - u_dc * p->dead_time_share * way, -half, half);
+    return y - p->u_on * way - p->u_skew * y / max_f(u_dc, 1.0f);
+}
+
+/* inverter_voltage with the threshold voltages of transistors and diodes. */
+CORE_INLINE ab_t inverter_detailed(const sensor_params_t *p, ab_t u, float u_dc, ab_t i_ab) {
+    legs_t leg = inverter_legs(u);
+    float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
+    float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
+    legs_t y = {
+        leg_detailed(p, leg.a, u_dc, i_ab.a),
+        leg_detailed(p, leg.b, u_dc, i_b),
+        leg_detailed(p, leg.c, u_dc, i_c),
+    };
+    return legs_voltage(y);
 }
 
 /* Mean stator voltage of a period [V]: dead time against the direction of each phase current i_ab [A],

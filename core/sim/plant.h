@@ -4,23 +4,32 @@
  *   dpsi_d/dt = u_d - R_s i_d + omega_e psi_q      dpsi_q/dt = u_q - R_s i_q - omega_e psi_d
  *   J domega_m/dt = tau - B omega_m - tau_load     dtheta_e/dt = omega_e = n_p omega_m
  *   tau = 3/2 n_p (psi_d i_q - psi_q i_d)
+ * With `detail` the flux linkages have harmonics.h, and an iron loss g_iron |e|^2 3/2, e the
+ * time derivative of the flux linkage in the stator frame: its current g_iron e joins the one of the
+ * flux map at the terminals, so that e = (u - R_s i) k_iron. What sensors see of it is its mean over
+ * the period: an averaged voltage has no instant.
  * Classical fourth-order Runge-Kutta; the held voltage turns backwards in the rotor frame as the
  * rotor moves, which the stages see through a power series in the angle travelled.
  */
 #ifndef SENSORLESS_PLANT_H
 #define SENSORLESS_PLANT_H
 
-#include "flux_map.h"
+#include "harmonics.h"
 
 typedef struct {
     flux_map_t map;
+    harmonics_t harmonics;
     double R_s;     /* [ohm] */
     double n_p;     /* pole pairs */
     double inv_J;   /* 1 / inertia [1/(kg m^2)]; 0 holds the speed */
     double B;       /* viscous friction [N m s/rad] */
     double h;       /* sub-step: period / n_sub [s] */
+    double g_iron;  /* iron loss: conductance across the EMF [S] */
+    double k_iron;  /* share of the voltage behind R_s that drives the flux: 1 / (1 + R_s g_iron) */
     int32_t n_sub;  /* sub-steps a period */
     int32_t bridge; /* 1 when the flux map has its bridge term */
+    int32_t detail; /* 1: harmonics, iron loss and the inverter's details; 0: all of them are off */
+    int32_t reserved;
 } plant_params_t;
 
 typedef struct {
@@ -30,7 +39,7 @@ typedef struct {
     double theta_e; /* electrical angle in [-pi, pi] [rad] */
     double cos_e;   /* of theta_e */
     double sin_e;
-    double i_d; /* currents at the sampling instant [A] */
+    double i_d; /* currents at the terminals at the sampling instant [A] */
     double i_q;
     double tau;    /* torque at the sampling instant [N m] */
     int32_t turns; /* electrical turns beyond theta_e */
@@ -58,20 +67,44 @@ typedef struct {
     double psi_d, psi_q, omega_m, delta;
 } plant_rate_t;
 
-/* Time derivative at a stage. u0: voltage in the rotor frame of the period's start [V]; delta: angle
- * travelled since then [rad]. */
-CORE_INLINE plant_rate_t plant_rate(const plant_params_t *p, dq64_t u0, double tau_load,
-                                    plant_rate_t x, int bridge) {
+/* What holds over a period: voltage in the rotor frame of its start [V], that frame, load [N m]. */
+typedef struct {
+    dq64_t u;
+    dq64_t frame; /* cos and sin of theta_e */
+    double tau_load;
+} plant_held_t;
+
+/* Currents of the flux and torque over 3/2 n_p where theta_e has the cosine c and the sine s. */
+CORE_INLINE response_t plant_response(const plant_params_t *p, dq64_t psi, double c, double s,
+                                      int bridge, int detail) {
+    if (detail) {
+        return harmonics_response(&p->harmonics, &p->map, psi, sixth_power(c, s), bridge);
+    }
+    dq64_t i = flux_map_current(&p->map, psi, bridge);
+    response_t y = {i, psi.d * i.q - psi.q * i.d};
+    return y;
+}
+
+/* Time derivative at a stage; x.delta: angle travelled since the period's start [rad]. */
+CORE_INLINE plant_rate_t plant_rate(const plant_params_t *p, const plant_held_t *held,
+                                    plant_rate_t x, int bridge, int detail) {
     double c, s;
     small_angle(x.delta, &c, &s);
     dq64_t psi = {x.psi_d, x.psi_q};
-    dq64_t i = flux_map_current(&p->map, psi, bridge);
+    dq64_t f = held->frame;
+    response_t r = plant_response(p, psi, f.d * c - f.q * s, f.q * c + f.d * s, bridge, detail);
     double omega = p->n_p * x.omega_m;
-    double tau = 1.5 * p->n_p * (x.psi_d * i.q - x.psi_q * i.d);
+    double tau = 1.5 * p->n_p * r.tau;
+    double e_d = c * held->u.d + s * held->u.q - p->R_s * r.i.d;
+    double e_q = c * held->u.q - s * held->u.d - p->R_s * r.i.q;
+    if (detail) {
+        e_d *= p->k_iron;
+        e_q *= p->k_iron;
+    }
     plant_rate_t y = {
-        c * u0.d + s * u0.q - p->R_s * i.d + omega * x.psi_q,
-        c * u0.q - s * u0.d - p->R_s * i.q - omega * x.psi_d,
-        p->inv_J * (tau - p->B * x.omega_m - tau_load),
+        e_d + omega * x.psi_q,
+        e_q - omega * x.psi_d,
+        p->inv_J * (tau - p->B * x.omega_m - held->tau_load),
         omega,
     };
     return y;
@@ -84,13 +117,13 @@ CORE_INLINE plant_rate_t plant_along(plant_rate_t x, double h, plant_rate_t k) {
 }
 
 /* One Runge-Kutta step of length h [s]. */
-CORE_INLINE plant_rate_t plant_substep(const plant_params_t *p, dq64_t u0, double tau_load,
-                                       plant_rate_t x, double h, int bridge) {
+CORE_INLINE plant_rate_t plant_substep(const plant_params_t *p, const plant_held_t *held,
+                                       plant_rate_t x, double h, int bridge, int detail) {
     double w = h * (1.0 / 6.0);
-    plant_rate_t k1 = plant_rate(p, u0, tau_load, x, bridge);
-    plant_rate_t k2 = plant_rate(p, u0, tau_load, plant_along(x, 0.5 * h, k1), bridge);
-    plant_rate_t k3 = plant_rate(p, u0, tau_load, plant_along(x, 0.5 * h, k2), bridge);
-    plant_rate_t k4 = plant_rate(p, u0, tau_load, plant_along(x, h, k3), bridge);
+    plant_rate_t k1 = plant_rate(p, held, x, bridge, detail);
+    plant_rate_t k2 = plant_rate(p, held, plant_along(x, 0.5 * h, k1), bridge, detail);
+    plant_rate_t k3 = plant_rate(p, held, plant_along(x, 0.5 * h, k2), bridge, detail);
+    plant_rate_t k4 = plant_rate(p, held, plant_along(x, h, k3), bridge, detail);
     plant_rate_t y = {
         x.psi_d + w * (k1.psi_d + 2.0 * (k2.psi_d + k3.psi_d) + k4.psi_d),
         x.psi_q + w * (k1.psi_q + 2.0 * (k2.psi_q + k3.psi_q) + k4.psi_q),
@@ -100,27 +133,50 @@ CORE_INLINE plant_rate_t plant_substep(const plant_params_t *p, dq64_t u0, doubl
     return y;
 }
 
-/* Currents, torque and the turn of the frame at the present state. */
-CORE_INLINE void plant_output(const plant_params_t *p, plant_state_t *x, int bridge) {
+/* Currents of the flux, and torque, at the present state. */
+CORE_INLINE void plant_output(const plant_params_t *p, plant_state_t *x, int bridge, int detail) {
     dq64_t psi = {x->psi_d, x->psi_q};
-    dq64_t i = flux_map_current(&p->map, psi, bridge);
-    x->i_d = i.d;
-    x->i_q = i.q;
-    x->tau = 1.5 * p->n_p * (x->psi_d * i.q - x->psi_q * i.d);
+    response_t r = plant_response(p, psi, x->cos_e, x->sin_e, bridge, detail);
+    x->i_d = r.i.d;
+    x->i_q = r.i.q;
+    x->tau = 1.5 * p->n_p * r.tau;
+}
+
+/* Flux linkage in the stator frame [Vs]. */
+CORE_INLINE dq64_t plant_flux_ab(const plant_state_t *x) {
+    dq64_t y = {x->cos_e * x->psi_d - x->sin_e * x->psi_q,
+                x->sin_e * x->psi_d + x->cos_e * x->psi_q};
+    return y;
+}
+
+/* Adds the current of the iron loss, its mean over the last `period` [s] in which the flux began at
+ * psi_ab. */
+CORE_INLINE void plant_add_iron(const plant_params_t *p, plant_state_t *x, dq64_t psi_ab,
+                                double period) {
+    dq64_t now = plant_flux_ab(x);
+    double g = p->g_iron / period;
+    double i_a = g * (now.d - psi_ab.d);
+    double i_b = g * (now.q - psi_ab.q);
+    x->i_d += x->cos_e * i_a + x->sin_e * i_b;
+    x->i_q += x->cos_e * i_b - x->sin_e * i_a;
 }
 
 /* n_sub Runge-Kutta steps of length h [s] under the stator-frame voltage (u_a, u_b) [V] and a constant
- * load torque [N m]; a period is n_sub steps of p->h. n_sub and bridge: p's own, passed so that they
- * can be constants. */
-CORE_INLINE void plant_step(const plant_params_t *p, plant_state_t *x, double u_a, double u_b,
-                            double tau_load, double h, int n_sub, int bridge) {
-    dq64_t u0 = {x->cos_e * u_a + x->sin_e * u_b, x->cos_e * u_b - x->sin_e * u_a};
+ * load torque [N m]; a period is n_sub steps of p->h. n_sub, bridge, detail: p's own, passed so that
+ * they can be constants. Leaves the currents of the flux alone, without the iron's. */
+CORE_INLINE void plant_move(const plant_params_t *p, plant_state_t *x, double u_a, double u_b,
+                            double tau_load, double h, int n_sub, int bridge, int detail) {
+    plant_held_t held = {
+        {x->cos_e * u_a + x->sin_e * u_b, x->cos_e * u_b - x->sin_e * u_a},
+        {x->cos_e, x->sin_e},
+        tau_load,
+    };
     plant_rate_t y = {x->psi_d, x->psi_q, x->omega_m, 0.0};
     if (n_sub == 1) { /* the usual case, without a loop so that loops over drives vectorise */
-        y = plant_substep(p, u0, tau_load, y, h, bridge);
+        y = plant_substep(p, &held, y, h, bridge, detail);
     } else {
         for (int j = 0; j < n_sub; j++) {
-            y = plant_substep(p, u0, tau_load, y, h, bridge);
+            y = plant_substep(p, &held, y, h, bridge, detail);
         }
     }
     double c, s;
@@ -137,7 +193,17 @@ CORE_INLINE void plant_step(const plant_params_t *p, plant_state_t *x, double u_
     x->psi_d = y.psi_d;
     x->psi_q = y.psi_q;
     x->omega_m = y.omega_m;
-    plant_output(p, x, bridge);
+    plant_output(p, x, bridge, detail);
+}
+
+/* A whole period: plant_move, and what the iron draws. */
+CORE_INLINE void plant_step(const plant_params_t *p, plant_state_t *x, double u_a, double u_b,
+                            double tau_load, int n_sub, int bridge, int detail) {
+    dq64_t psi_ab = plant_flux_ab(x);
+    plant_move(p, x, u_a, u_b, tau_load, p->h, n_sub, bridge, detail);
+    if (detail) {
+        plant_add_iron(p, x, psi_ab, p->h * (double)n_sub);
+    }
 }
 
 /* Columns of a row of plant_run. */

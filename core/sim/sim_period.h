@@ -8,7 +8,7 @@
 
 /* Sampled currents and the present commands as the controller sees them. Drive and twin read the
  * same noise. */
-CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_ref) {
+CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_ref, int detail) {
     ab_t i_ab = {
         (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
         (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
@@ -19,29 +19,40 @@ CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_re
     drive_in_t in = {
         sensor_read(p, i_ab.a, p->gain_a, p->offset_a, s->seed, k, 0U),
         sensor_read(p, i_b, p->gain_b, p->offset_b, s->seed, k, 1U),
-        s->now.u_dc,
+        detail ? s->now.u_dc * (1.0f + link_ripple(p, 2 * s->k)) : s->now.u_dc,
         s->now.omega_ref,
         k_s_ref,
     };
     return in;
 }
 
-/* The machine over [k, k+1] under the waiting command; the new command waits in its place. */
-CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_sub, int bridge) {
+/* The machine over [k, k+1] under the waiting command, whose pulses were made for the DC link measured
+ * at k - 1; the new command waits in its place. */
+CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_sub, int bridge,
+                               int detail) {
     float tau = s->now.tau_load;
     if (SCALAR_ONLY(s->inv_stick > 0.0f)) { /* the load only resists */
         tau = abs_f(tau) * clamp_f(s->inv_stick * (float)c->y.omega_m, -1.0f, 1.0f);
     }
     double tau_load = (double)tau;
+    float u_dc = s->now.u_dc;
+    if (detail) {
+        float link = 1.0f + link_ripple(&s->sensor, 2 * s->k + 1);
+        float gain = link / (1.0f + link_ripple(&s->sensor, 2 * s->k - 2));
+        u_dc *= link;
+        c->u.a *= gain;
+        c->u.b *= gain;
+    }
     if (SCALAR_ONLY(s->sensor.carrier != 0)) {
-        carrier_advance(&s->sensor, &s->plant, &c->y, c->u, s->now.u_dc, tau_load);
+        carrier_advance(&s->sensor, &s->plant, &c->y, c->u, u_dc, tau_load);
     } else {
         ab_t i_ab = {
             (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
             (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
         };
-        ab_t u = inverter_voltage(&s->sensor, c->u, s->now.u_dc, i_ab);
-        plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, tau_load, s->plant.h, n_sub, bridge);
+        ab_t u = detail ? inverter_detailed(&s->sensor, c->u, u_dc, i_ab)
+                        : inverter_voltage(&s->sensor, c->u, u_dc, i_ab);
+        plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, tau_load, n_sub, bridge, detail);
     }
     c->u = u_next;
 }
@@ -104,10 +115,11 @@ CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, flo
                (finite ? 0 : LOST_NONFINITE) | (follows ? 0 : LOST_TWIN);
 }
 
-/* One period. sensored, with_twin, n_sub, bridge: as in sim_t, passed so that they can be constants.
+/* One period. sensored, with_twin, n_sub, bridge, detail: as in sim_t, passed so that they can be
+ * constants.
  * Returns what the drive's controller was given. */
 CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int with_twin, int n_sub,
-                                  int bridge) {
+                                  int bridge, int detail) {
     profile_step(&s->profile, &s->now, s->k);
     float theta_e = (float)s->drive.y.theta_e;
     float tau = (float)s->drive.y.tau;
@@ -115,7 +127,7 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
     float i_sq = (float)(s->drive.y.i_d * s->drive.y.i_d + s->drive.y.i_q * s->drive.y.i_q);
     float k_s_was = s->drive.x.k_s;
     int starting = SCALAR_ONLY(s->drive.x.start.phase != START_DONE);
-    drive_in_t in = sim_sample(s, &s->drive, k_s_ref);
+    drive_in_t in = sim_sample(s, &s->drive, k_s_ref, detail);
     ab_t u;
     if (sensored) {
         u = sensored_step(&s->control, &s->drive, &in, s->omega_scale, 0);
@@ -124,7 +136,7 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
     } else {
         u = drive_step_inline(&s->control, &s->drive.x, &in);
     }
-    chain_advance(s, &s->drive, u, n_sub, bridge);
+    chain_advance(s, &s->drive, u, n_sub, bridge, detail);
 
     float tau_twin = 0.0f;
     float omega_m_twin = omega_m;
@@ -134,9 +146,9 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
         tau_twin = (float)y->tau;
         omega_m_twin = (float)y->omega_m;
         i_sq_twin = (float)(y->i_d * y->i_d + y->i_q * y->i_q);
-        drive_in_t in_twin = sim_sample(s, &s->twin, 0.0f);
+        drive_in_t in_twin = sim_sample(s, &s->twin, 0.0f, detail);
         ab_t u_twin = sensored_step(&s->control, &s->twin, &in_twin, s->omega_scale, starting);
-        chain_advance(s, &s->twin, u_twin, n_sub, bridge);
+        chain_advance(s, &s->twin, u_twin, n_sub, bridge, detail);
     }
     sim_sum(s, theta_e, tau, tau_twin, omega_m, omega_m_twin, i_sq, i_sq_twin, k_s_was, starting,
             sensored);

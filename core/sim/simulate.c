@@ -30,9 +30,16 @@ static void start_one(sim_t *s) {
     ab_t zero = {0.0f, 0.0f};
     const start_t *at = &s->start;
     y.psi_d = flux_at_rest(&s->plant);
+    s->plant.harmonics.psi_0 = y.psi_d;
     y.omega_m = (double)at->omega_m;
     y.theta_e = (double)at->theta_e;
     plant_start(&s->plant, &y);
+    if (s->plant.detail != 0) { /* without current there, too */
+        dq64_t m = magnet_harmonic(&s->plant.harmonics, sixth_power(y.cos_e, y.sin_e));
+        y.psi_d += m.d;
+        y.psi_q += m.q;
+        plant_output(&s->plant, &y, s->plant.bridge, 1);
+    }
     float omega_e = s->omega_scale * at->omega_m;
     int seek = at->seek != 0 && s->sensored == 0;
     drive_init(&s->control, &s->drive.x, at->theta_e - at->theta_err, seek ? 0.0f : omega_e,
@@ -65,7 +72,8 @@ void sim_start(sim_t *s, int32_t n) {
 
 static void run_one(sim_t *s, int32_t periods, float k_s_ref) {
     for (int32_t j = 0; j < periods && s->lost == 0 && s->k < s->k_end; j++) {
-        sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub, s->plant.bridge);
+        sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub, s->plant.bridge,
+                   s->plant.detail);
     }
 }
 
@@ -117,7 +125,7 @@ void sim_inputs(const sim_t *s, int32_t n, drive_in_t *in) {
     for (int32_t i = 0; i < n; i++) {
         sim_t now = s[i];
         profile_step(&now.profile, &now.now, now.k);
-        in[i] = sim_sample(&now, &now.drive, 0.0f);
+        in[i] = sim_sample(&now, &now.drive, 0.0f, now.plant.detail);
     }
 }
 
@@ -127,7 +135,6 @@ static void trace_row(const sim_t *s, double t, double *row) {
     row[TRACE_T] = t;
     row[TRACE_OMEGA_M_REF] = (double)s->now.omega_ref * per;
     row[TRACE_TAU_LOAD] = (double)s->now.tau_load;
-    row[TRACE_U_DC] = (double)s->now.u_dc;
     row[TRACE_OMEGA_M_HAT] = (double)c->x.est.omega * per;
     row[TRACE_K_S] = (double)c->x.k_s;
     row[TRACE_HF_AMPLITUDE] = (double)(c->x.hfi.valid * c->x.hfi.amplitude);
@@ -154,9 +161,10 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
         row[TRACE_U_B_HAT] = (double)s->drive.x.u_1.b;
         row[TRACE_INJ] = (double)s->drive.x.hfi.sign_1;
         float starting = s->sums.starting;
-        drive_in_t in =
-            sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub, s->plant.bridge);
+        drive_in_t in = sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub,
+                                   s->plant.bridge, s->plant.detail);
         const drive_state_t *x = &s->drive.x;
+        row[TRACE_U_DC] = (double)in.u_dc;
         row[TRACE_I_A] = (double)in.i_a;
         row[TRACE_I_B] = (double)in.i_b;
         row[TRACE_THETA_E_ERR] = (double)wrap_pi((float)y.theta_e - x->est.theta);

@@ -18,6 +18,10 @@ Bools = NDArray[np.bool_]
 NEVER: int = lib.NEVER
 LOST_ANGLE_DEG = 60.0
 LOST_TIME = 0.01
+OF_THE_MACHINE = ("emf_5", "emf_7", "saliency_6", "p_iron", "u_transistor", "u_diode")
+"""Fields whose nominal value is the motor file's."""
+OF_THE_SCENARIO = ("ripple", "ripple_hz", "ripple_phase", "winding_K", "magnet_K")
+"""Fields that are nominally zero."""
 U_DC_TIME = 0.01
 """Time in which the DC link would move by its nominal voltage between its targets [s]."""
 RUNAWAY = 2.5
@@ -76,6 +80,25 @@ class Scenarios:
     """(n, 2) gains of the phase-current channels"""
     offset: Floats
     """(n, 2) offsets of the phase-current channels [A]"""
+    emf_5: Floats
+    """5th harmonic of the EMF over its fundamental; this and the next ones as in the motor file"""
+    emf_7: Floats
+    saliency_6: Floats
+    p_iron: Floats
+    """[W]"""
+    u_transistor: Floats
+    """[V]"""
+    u_diode: Floats
+    """[V]"""
+    ripple: Floats
+    """amplitude of the DC link's ripple over the link"""
+    ripple_hz: Floats
+    ripple_phase: Floats
+    """of a cosine, at the start [rad]"""
+    winding_K: Floats
+    """winding above the temperature at which the controller knows its resistance [K]"""
+    magnet_K: Floats
+    """magnet above the temperature at which the controller knows its flux [K]"""
 
     def __len__(self) -> int:
         """Return the number of scenarios."""
@@ -117,6 +140,8 @@ class Scenarios:
             noise=0.005 * ones,
             gain=np.ones((n, 2)),
             offset=np.zeros((n, 2)),
+            **{name: np.full(n, getattr(motor, name)) for name in OF_THE_MACHINE},
+            **{name: np.zeros(n) for name in OF_THE_SCENARIO},
         )
 
 
@@ -173,10 +198,8 @@ class SimFactory:
             design = dataclasses.replace(self.design, estimator=estimator)
             sims["control"] = control_record(motor, design)
         plant, control, sensor = sims["plant"], sims["control"], sims["sensor"]
-        plant["R_s"] *= s.R_s
         plant["inv_J"] /= s.J
-        for magnet in ("i_f", "psi_n"):  # the machine has its magnet in either of them
-            plant["map"][magnet] *= s.psi_f
+        fill_details(plant, sensor, s, motor)
         control["L_q"]["y"] *= s.L_q_hat[:, None]
         control["theta_cross"]["y"] *= s.cross_hat[:, None]
         sensor["dead_time_share"] = s.dead_time / motor.T_s
@@ -196,6 +219,29 @@ class SimFactory:
         sims["sensored"], sims["with_twin"] = int(sensored), int(twin)
         sim_start(sims)
         return sims
+
+
+def fill_details(plant: Array, sensor: Array, s: Scenarios, motor: Motor) -> None:
+    """Resistance and magnet, and what the plant has beyond its fundamental, into n records."""
+    R_s = s.R_s * (1.0 + motor.winding_per_K * s.winding_K)
+    magnet = s.psi_f * (1.0 + motor.magnet_per_K * s.magnet_K)
+    plant["R_s"] *= R_s
+    for field in ("i_f", "psi_n"):  # the machine has its magnet in either of them
+        plant["map"][field] *= magnet
+    harmonics, turn = plant["harmonics"], 2.0**32
+    fifth, seventh = (motor.psi_f * magnet * x for x in (s.emf_5 / 5.0, s.emf_7 / 7.0))
+    harmonics["m_d"], harmonics["m_q"] = fifth + seventh, seventh - fifth
+    harmonics["gamma"] = 0.5 * s.saliency_6 * (1.0 / motor.L_d - 1.0 / motor.L_q)
+    plant["g_iron"] = s.p_iron / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
+    plant["k_iron"] = 1.0 / (1.0 + plant["R_s"] * plant["g_iron"])
+    sensor["u_on"] = 0.5 * (s.u_transistor + s.u_diode)
+    sensor["u_skew"] = s.u_transistor - s.u_diode
+    sensor["ripple"] = s.ripple
+    phase = s.ripple_phase / (2.0 * np.pi) % 1.0
+    sensor["ripple_phase"] = np.floor(turn * phase).astype(np.uint64)
+    sensor["ripple_half_step"] = np.rint(turn * (0.5 * s.ripple_hz * motor.T_s % 1.0)) % turn
+    names = (*OF_THE_MACHINE, "ripple")
+    plant["detail"] = np.logical_or.reduce([getattr(s, name) != 0.0 for name in names])
 
 
 def _fill_profile(profile: Array, s: Scenarios, motor: Motor) -> None:

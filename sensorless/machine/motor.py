@@ -60,7 +60,10 @@ class Motor:
     """A machine with its inverter and sensors: SI units, peak values.
 
     ``L_d``, ``L_q`` and ``psi_f`` describe the machine at zero current (what a data sheet gives);
-    ``saturation`` is what the simulated machine follows.
+    ``saturation`` is what the simulated machine follows. The details from ``emf_5`` on are the
+    simulated machine's alone, no controller knows them: the no-load EMF of a phase is
+    -omega psi_f (sin theta + emf_5 sin 5 theta + emf_7 sin 7 theta), and a second saliency of
+    ``saliency_6`` times (1/L_d - 1/L_q) / 2 turns six times as fast as the rotor, seen from it.
     """
 
     name: str
@@ -83,6 +86,14 @@ class Motor:
     dead_time: float = number(REQUIRED, "s", 0, 1e12, "dead time of a leg")
     adc_range: float = positive("A", "largest current that is measured")
     adc_bits: int = number(REQUIRED, "1", 4, 32, "bits of the current measurement")
+    emf_5: float = number(0.0, "1", -0.5, 0.5, "5th harmonic of the no-load EMF over the first")
+    emf_7: float = number(0.0, "1", -0.5, 0.5, "7th harmonic of the no-load EMF over the first")
+    saliency_6: float = number(0.0, "1", -0.5, 0.5, "second saliency over the first")
+    p_iron: float = number(0.0, "W", 0, 1e12, "iron loss at rated speed without load")
+    u_transistor: float = number(0.0, "V", 0, 10, "threshold voltage of a transistor")
+    u_diode: float = number(0.0, "V", 0, 10, "threshold voltage of a diode")
+    winding_per_K: float = number(0.00393, "1/K", 0, 0.01, "temperature coefficient of R_s")
+    magnet_per_K: float = number(-0.0011, "1/K", -0.01, 0, "temperature coefficient of psi_f")
     saturation: Saturation = field(kw_only=True)
 
     @property
@@ -92,9 +103,15 @@ class Motor:
 
     @property
     def digest(self) -> str:
-        """SHA-256 over all numbers of the machine, hexadecimal."""
+        """SHA-256 over all numbers of the machine, hexadecimal.
+
+        A detail at its default counts as absent: a machine keeps its digest when new ones come.
+        """
         values = dataclasses.asdict(self)
         values.pop("description")
+        for f in dataclasses.fields(self):
+            if f.default is not dataclasses.MISSING and values[f.name] == f.default:
+                values.pop(f.name)
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
     def rpm_to_electrical(self, rpm: float) -> float:

@@ -196,6 +196,23 @@ void t_inverter(const sensor_params_t *p, const float *u, float u_dc, const floa
     }
 }
 
+void t_inverter_detailed(const sensor_params_t *p, const float *u, float u_dc, const float *i,
+                         float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        ab_t u_ab = {u[2 * j], u[2 * j + 1]};
+        ab_t i_ab = {i[2 * j], i[2 * j + 1]};
+        ab_t out = inverter_detailed(p, u_ab, u_dc, i_ab);
+        y[2 * j] = out.a;
+        y[2 * j + 1] = out.b;
+    }
+}
+
+void t_link_ripple(const sensor_params_t *p, const int32_t *half, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        y[j] = link_ripple(p, half[j]);
+    }
+}
+
 void t_quantise(const sensor_params_t *p, const float *i, float *y, int n) {
     for (int j = 0; j < n; j++) {
         y[j] = sensor_quantise(p, i[j]);

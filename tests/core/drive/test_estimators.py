@@ -10,7 +10,7 @@ import pytest
 from sensorless.core.api import SIGNAL_N, Array, sim_run, struct_dtype
 from sensorless.design.drive import ESTIMATORS, DriveDesign, control_record
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.evaluation.steady import make_ideal, steady
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.units import RPM_TO_RAD_S
@@ -25,7 +25,7 @@ RATED = [(rpm, tau) for rpm in (300.0, 600.0, 1000.0) for tau in (-10.0, 0.0, 10
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_blocks_and_plain_loop_agree(motor: Motor, estimator: str, state_bytes: State) -> None:
     """Two have vector code; the others are refused there, not computed wrongly."""
-    scenarios = stress_scenarios(motor, np.arange(18, dtype=np.uint64))
+    scenarios = stress_1_scenarios(motor, np.arange(18, dtype=np.uint64))
     design = DriveDesign(estimator=estimator)
     ends = []
     for plain in (False, True):
@@ -37,7 +37,7 @@ def test_blocks_and_plain_loop_agree(motor: Motor, estimator: str, state_bytes: 
 
 
 def test_published_injection_is_the_same_in_both_loops(motor: Motor, state_bytes: State) -> None:
-    scenarios = stress_scenarios(motor, np.arange(18, dtype=np.uint64))
+    scenarios = stress_1_scenarios(motor, np.arange(18, dtype=np.uint64))
     ends = {}
     for scheme in ("rotating", "stationary"):
         for plain in (False, True):

@@ -10,7 +10,7 @@ import pytest
 from sensorless.core.api import SIGNAL_N, Array, lib, sim_run
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios, stress_scenarios
 from sensorless.machine.motor import Motor
 
 Bytes = Callable[[Array], bytes]
@@ -20,6 +20,7 @@ IN_BLOCKS = ("smo", "flux", "coupled")
 ODD = {
     ("sensored",): 1,
     ("with_twin",): 0,
+    ("plant", "detail"): 1,
     ("plant", "n_sub"): 2,
     ("plant", "bridge"): 1,
     ("inv_stick",): 0.5,
@@ -33,41 +34,47 @@ PERIODS = 3000
 
 
 @cache
-def drives(n: int, twin: bool, estimator: str) -> Array:
+def drives(n: int, twin: bool, estimator: str, detail: bool = False) -> Array:
     """Random drives of which some are over before the run, some end in it, and some get lost."""
     motor = Motor.load("paper")
+    draw = stress_scenarios if detail else stress_1_scenarios
     sims = SimFactory(motor, DriveDesign(estimator=estimator)).build(
-        stress_scenarios(motor, np.arange(n, dtype=np.uint64)), twin=twin
+        draw(motor, np.arange(n, dtype=np.uint64)), twin=twin
     )
+    assert (sims["plant"]["detail"] == detail).all()
     sims["err_limit"][2::5] *= 0.1  # the flux observer loses few
     sims["k_end"][1::5] = 40 * np.arange(len(sims["k_end"][1::5]))
     return sims
 
 
-def advance(n: int, twin: bool, estimator: str, **how: Any) -> tuple[Array, Array]:
+def advance(
+    n: int, twin: bool, estimator: str, detail: bool = False, **how: Any
+) -> tuple[Array, Array]:
     """Run the drives, each with a weight of its own; drives and signals after it."""
-    sims, obs = drives(n, twin, estimator).copy(), np.zeros((n, SIGNAL_N), dtype=np.float32)
+    sims = drives(n, twin, estimator, detail).copy()
+    obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
     sim_run(sims, PERIODS, np.linspace(0.0, 1.0, n, dtype=np.float32), obs, **how)
     return sims, obs
 
 
 @cache
-def plainly(n: int, twin: bool, estimator: str) -> tuple[Array, Array]:
-    return advance(n, twin, estimator, simd=lib.SIMD_NONE, threads=1)
+def plainly(n: int, twin: bool, estimator: str, detail: bool = False) -> tuple[Array, Array]:
+    return advance(n, twin, estimator, detail, simd=lib.SIMD_NONE, threads=1)
 
 
+@pytest.mark.parametrize("detail", [False, True], ids=["plain", "detail"])
 @pytest.mark.parametrize("estimator", IN_BLOCKS)
 @pytest.mark.parametrize("twin", [True, False], ids=["twin", "alone"])
 @pytest.mark.parametrize("n", SIZES)
 @pytest.mark.parametrize("simd", ["SIMD_AVX2", "SIMD_AVX512"])
 def test_blocks_equal_the_plain_loop(
-    simd: str, n: int, twin: bool, estimator: str, state_bytes: Bytes
+    simd: str, n: int, twin: bool, estimator: str, detail: bool, state_bytes: Bytes
 ) -> None:
     level = getattr(lib, simd)
     if lib.sim_simd() < level:
         pytest.skip(f"this processor or compiler has no {simd}")
-    sims, obs = advance(n, twin, estimator, simd=level, threads=1)
-    expected, signals = plainly(n, twin, estimator)
+    sims, obs = advance(n, twin, estimator, detail, simd=level, threads=1)
+    expected, signals = plainly(n, twin, estimator, detail)
     assert obs.tobytes() == signals.tobytes()
     assert state_bytes(sims) == state_bytes(expected)
 

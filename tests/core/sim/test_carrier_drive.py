@@ -9,7 +9,7 @@ import pytest
 from sensorless.core.api import SIGNAL_N, Array, sim_run
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.machine.motor import Motor
 
 
@@ -41,7 +41,7 @@ def test_blocks_of_drives_leave_it_to_the_plain_loop(
     motor: Motor, state_bytes: Callable[[Array], bytes]
 ) -> None:
     """Among 16 drives that would make a block, one with a carrier runs as it does alone."""
-    scenarios = stress_scenarios(motor, np.arange(16, dtype=np.uint64))
+    scenarios = stress_1_scenarios(motor, np.arange(16, dtype=np.uint64))
     sims = SimFactory(motor, DriveDesign()).build(scenarios)
     sims["sensor"]["carrier"][5] = 1
     mixed, plain, alone = sims.copy(), sims.copy(), sims[5:6].copy()

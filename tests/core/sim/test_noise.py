@@ -8,7 +8,7 @@ import pytest
 from sensorless.core.api import SIGNAL_N, Array, sim_run
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 
@@ -66,7 +66,7 @@ def test_a_drive_does_not_depend_on_its_batch(
     motor: Motor, state_bytes: Callable[[Array], bytes]
 ) -> None:
     """The same scenario gives the same numbers alone, in a batch, and in another order."""
-    scenarios = stress_scenarios(motor, np.arange(20, dtype=np.uint64))
+    scenarios = stress_1_scenarios(motor, np.arange(20, dtype=np.uint64))
     factory = SimFactory(motor, DriveDesign())
 
     def run(s: Scenarios) -> list[bytes]:

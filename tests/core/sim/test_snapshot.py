@@ -13,7 +13,7 @@ from sensorless.core.api import SIGNAL_N, SIM, Array, sim_run, sim_start
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import Seeds
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.machine.motor import Motor
 
 State = Callable[[Array], bytes]
@@ -42,7 +42,7 @@ def run(state_bytes: State) -> Run:
 @pytest.fixture
 def sims(motor: Motor) -> Array:
     """Random drives in the middle of their scenarios."""
-    out = SimFactory(motor, DriveDesign()).build(stress_scenarios(motor, seeds()))
+    out = SimFactory(motor, DriveDesign()).build(stress_1_scenarios(motor, seeds()))
     advance(out, 700, 0.8)
     return out
 
@@ -112,7 +112,7 @@ def test_pieces(sims: Array, state_bytes: State) -> None:
 
 def test_restart(sims: Array, motor: Motor, state_bytes: State) -> None:
     """sim_start forgets everything but the scenario."""
-    fresh = SimFactory(motor, DriveDesign()).build(stress_scenarios(motor, seeds()))
+    fresh = SimFactory(motor, DriveDesign()).build(stress_1_scenarios(motor, seeds()))
     sims["err_count"], sims["lost"], sims["tau_1"], sims["dev_1"] = 7, 1, 1.0, 2.0
     assert state_bytes(sims) != state_bytes(fresh)
     sim_start(sims)
