@@ -150,6 +150,6 @@ def _visit(
     """Run a policy on the scenarios of a round; return the RMS difference to the teacher."""
     taught = _Taught(policy, teacher, fit)
     drawn = int(combine(seed, number)[0]) >> 1
-    for _ in rollouts(taught, suite("stress", factory.motor, drawn, size, "train"), factory):
+    for _ in rollouts(taught, suite("stress-1", factory.motor, drawn, size, "train"), factory):
         pass
     return taught.rms

@@ -16,7 +16,7 @@ from sensorless.policy import Policy
 
 def validate(policy: Policy, factory: SimFactory, size: int, seed: int = 0) -> Cost:
     """Cost of a policy over ``size`` stress scenarios with the role ``tune``."""
-    scenarios = suite("stress", factory.motor, seed, size, role="tune")
+    scenarios = suite("stress-1", factory.motor, seed, size, role="tune")
     lost, dev, ripple = [], [], []
     for r in rollouts(policy, scenarios, factory):
         kept = r.lost == 0

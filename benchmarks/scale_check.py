@@ -66,7 +66,7 @@ def main() -> int:
     os.environ |= {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": secrets.token_hex(32)}
     from ray.cluster_utils import Cluster
 
-    scenarios = suite("stress", Motor.load("paper"), 1, args.size)
+    scenarios = suite("stress-1", Motor.load("paper"), 1, args.size)
     scenarios.duration[:] = args.duration
     wanted = timed("one process", scenarios, LOCAL, lambda _: None)
     print(f"lost: {100.0 * np.mean(wanted.lost != 0):.2f} % of {args.size}")

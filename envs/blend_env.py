@@ -66,7 +66,7 @@ class BlendEnv(gymnasium.Env[Observation, Any]):
     **Start**
     A scenario is a profile of speed, load and DC-link voltage, a starting point, and the mismatch
     between machine and controller. ``reset(seed=...)`` starts a stream of scenarios, and every
-    reset takes the next one. By default they are `stress_scenarios`: everything at random, from
+    reset takes the next one. By default they are `stress_1_scenarios`: everything at random, from
     rest or on a spinning shaft. ``reset(options={"scenario": s})`` runs a `Scenarios` of one row.
 
     **End**

@@ -13,7 +13,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import Seeds
 from sensorless.envs.reward import RewardWeights
 from sensorless.envs.scenarios.scenario import Scenarios
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.settings import check, number
@@ -29,7 +29,7 @@ class BlendSettings:
     """Machine: the name of a shipped one, a TOML file, or a `Motor`."""
     design: DriveDesign = field(default_factory=DriveDesign)
     """Bandwidths of observers and control."""
-    scenarios: Sampler = stress_scenarios
+    scenarios: Sampler = stress_1_scenarios
     """Function of (motor, seeds (n,)) that draws n scenarios, row i from seed i alone."""
     weights: RewardWeights = field(default_factory=RewardWeights)
     """Weights of the reward's terms."""

@@ -49,7 +49,7 @@ NAMES = ("torque_dev_rms", "torque_ripple_rms", "overshoot_pct", "angle_err_rms_
 
 def judged(policy: Policy, factory: SimFactory, size: int) -> Scores:
     """Every metric on stress scenarios of the role ``tune``."""
-    return score(policy, suite("stress", factory.motor, JUDGED, size, "tune"), factory)
+    return score(policy, suite("stress-1", factory.motor, JUDGED, size, "tune"), factory)
 
 
 def compared(found: Scores, reference: Scores) -> dict[str, Any]:

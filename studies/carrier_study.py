@@ -29,7 +29,7 @@ from sensorless.policies.registry import make_policy
 from sensorless.versions import versions
 
 POLICIES = ("eq25", "hysteresis", "gated", "constant:1", "sensored")
-SUITES = {"handoff": 208, "stress": 200}
+SUITES = {"handoff": 208, "stress-1": 200}
 COLUMNS = {
     "lost_rate": ("lost [%]", 100.0),
     "torque_dev_rms": ("torque dev. [%]", 100.0),

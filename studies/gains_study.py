@@ -43,8 +43,8 @@ POPULATION = 12
 PROBE = 5
 SLOW = 10.0
 """Weight of the RMS distance to the speed reference, over rated speed, beyond the start's."""
-SIZES = {"stress": 192, "nominal": 64}
-JUDGED = {"stress": 768, "nominal": 256}
+SIZES = {"stress-1": 192, "nominal": 64}
+JUDGED = {"stress-1": 768, "nominal": 256}
 GAINS: dict[str, tuple[float, float, bool]] = {
     "hfi_pll_hz": (6.0, 50.0, True),
     "smo_pll_hz": (6.0, 60.0, True),

@@ -131,7 +131,7 @@ def main() -> None:
     """Measure, print and record."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("policies", nargs="*", default=list(POLICIES))
-    parser.add_argument("--suite", default="stress")
+    parser.add_argument("--suite", default="stress-1")
     parser.add_argument("--seed", type=int, default=11)
     parser.add_argument("--size", type=int, default=2000)
     parser.add_argument("--out", type=Path, default=Path("results/studies/q15.json"))

@@ -11,7 +11,7 @@ from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.reward import RewardWeights
 from sensorless.envs.scenarios.scenario import Scenarios
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.envs.scenarios.suites import ROLES
 from sensorless.envs.several import SeveralMachines
 from sensorless.machine.motor import Motor
@@ -19,7 +19,7 @@ from sensorless.machine.motor import Motor
 
 def training_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     """Stress scenarios of the role ``train``."""
-    return stress_scenarios(motor, combine(ROLES["train"], seeds))
+    return stress_1_scenarios(motor, combine(ROLES["train"], seeds))
 
 
 def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Motor]) -> SB3VecEnv:

@@ -13,6 +13,25 @@ INERTIA = (0.5, 3.0)
 DEAD_TIME = (0.25, 1.5)
 """Over the motor file's."""
 
+R_S_COLD = (0.95, 1.05)
+PSI_F_COLD = (0.97, 1.03)
+"""The same at the temperature at which the controller's values were taken: tolerances."""
+WINDING_K = (-30.0, 105.0)
+"""Winding above that temperature: from frost to the rise of insulation class F [K]."""
+MAGNET_SHARE = (0.3, 0.8)
+"""Rise of the magnet over that of the winding."""
+EMF_5, EMF_7 = 0.03, 0.02
+"""Largest harmonics of the EMF over its fundamental, of either sign."""
+SALIENCY_6 = 0.05
+"""Largest second saliency over the first, of either sign."""
+IRON = (0.005, 0.03)
+"""Iron loss at rated speed without load over rated power."""
+U_TRANSISTOR = (0.7, 1.2)
+U_DIODE = (0.6, 1.0)
+"""Threshold voltages of IGBTs and their diodes [V]."""
+RIPPLE = (0.0, 0.03)
+"""Amplitude over the link; six pulses a period of a three-phase mains of 50 or 60 Hz."""
+
 
 def any_inertia(d: Draws) -> Floats:
     """Inertia over nominal, 0.5 to 3."""

@@ -25,7 +25,8 @@ def starts_scenarios(
     up to rated speed, with a load that drives the shaft. From 0.1 s on the speed runs to a target
     of 10 to 40 % of rated in either direction, on a ramp of 30 % of rated torque. The first
     estimate is up to 90 degrees off, in every second row plus half a turn. Inertia, magnet,
-    resistance, dead time and sensors are as uncertain as in ``stress``.
+    resistance, dead time and sensors are as uncertain as in
+    ``stress-1``.
     """
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, 1.2)

@@ -1,17 +1,35 @@
-"""Everything at random: what training draws from and what the stress suite judges on."""
+"""Everything at random: ``stress-1``, which training draws from, and ``stress``."""
 
 import numpy as np
 
-from sensorless.envs.counter_random import Draws, Floats, Seeds
-from sensorless.envs.scenarios.ranges import DEAD_TIME, PSI_F, R_S, any_inertia
+from sensorless.envs.counter_random import Draws, Floats, Seeds, combine
+from sensorless.envs.scenarios.ranges import (
+    DEAD_TIME,
+    EMF_5,
+    EMF_7,
+    IRON,
+    MAGNET_SHARE,
+    PSI_F,
+    PSI_F_COLD,
+    R_S,
+    R_S_COLD,
+    RIPPLE,
+    SALIENCY_6,
+    U_DIODE,
+    U_TRANSISTOR,
+    WINDING_K,
+    any_inertia,
+)
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.machine.motor import Motor
 
 DURATION = 2.0
 """[s]"""
+DETAILS = 2
+"""Tells the draws that ``stress`` adds from those of ``stress-1``."""
 
 
-def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+def stress_1_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     """Random profiles on a random machine; row i is a function of ``seeds[i]`` alone.
 
     Half of the drives start at rest, half on a spinning shaft; then two speed targets over the
@@ -55,6 +73,28 @@ def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     return s
 
 
+def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+    """``stress-1`` on a machine and an inverter that hide nothing; docs/suites.md has the sources.
+
+    The same profiles, inertia, sensors and observer errors, row by row. Resistance and magnet leave
+    the controller's values by a tolerance and by their temperature; the magnet is warmed by the
+    winding. The EMF has 5th and 7th harmonics, the rotor a second saliency, the iron a loss, the
+    transistors and diodes a threshold voltage, and the DC link the ripple of a mains rectifier.
+    """
+    s = stress_1_scenarios(motor, seeds)
+    d = Draws(combine(seeds, DETAILS))
+    s.R_s, s.psi_f = d.uniform(*R_S_COLD), d.uniform(*PSI_F_COLD)
+    s.winding_K = d.uniform(*WINDING_K)
+    s.magnet_K = d.uniform(*MAGNET_SHARE) * s.winding_K
+    s.emf_5, s.emf_7 = d.uniform(-EMF_5, EMF_5), d.uniform(-EMF_7, EMF_7)
+    s.saliency_6 = d.uniform(-SALIENCY_6, SALIENCY_6)
+    s.p_iron = d.uniform(*IRON) * motor.tau_rated * motor.omega_rated / motor.n_p
+    s.u_transistor, s.u_diode = d.uniform(*U_TRANSISTOR), d.uniform(*U_DIODE)
+    s.ripple, s.ripple_phase = d.uniform(*RIPPLE), d.uniform(-np.pi, np.pi)
+    s.ripple_hz = np.where(d.chance(0.5), 300.0, 360.0)
+    return s
+
+
 def _lay_out(s: Scenarios, events: tuple[tuple[str, Floats, Floats], ...]) -> None:
     """Sort the events (what, when, target) of every row by time and fill the profile's segments."""
     times = np.stack([when for _, when, _ in events], axis=-1)
@@ -70,8 +110,8 @@ def _lay_out(s: Scenarios, events: tuple[tuple[str, Floats, Floats], ...]) -> No
 
 
 def nominal_scenarios(motor: Motor, seeds: Seeds, *_: object) -> Scenarios:
-    """The profiles of ``stress`` on a drive that knows its machine and has good sensors."""
-    s = stress_scenarios(motor, seeds)
+    """The profiles of ``stress-1`` on a drive that knows its machine and has good sensors."""
+    s = stress_1_scenarios(motor, seeds)
     exact = Scenarios.nominal(motor, seeds, 1.0)
     for name in (
         "R_s",

@@ -21,7 +21,11 @@ from sensorless.envs.scenarios.low_speed import crawl_scenarios, hold_scenarios
 from sensorless.envs.scenarios.published import paper_scenarios
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.starts import starts_scenarios
-from sensorless.envs.scenarios.stress import nominal_scenarios, stress_scenarios
+from sensorless.envs.scenarios.stress import (
+    nominal_scenarios,
+    stress_1_scenarios,
+    stress_scenarios,
+)
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 
@@ -99,12 +103,12 @@ class SuiteRows:
 
 
 def motors_scenarios(motor: Motor, seeds: Seeds, indices: Indices, size: int) -> Scenarios:
-    """``handoff`` (even rows) and ``stress`` (odd rows), for machines that training never saw.
+    """``handoff`` (even rows) and ``stress-1`` (odd rows), for machines that training never saw.
 
     Every scenario is relative to the machine's own numbers: run the suite once for each shipped
     machine except the one that was trained on.
     """
-    s = stress_scenarios(motor, seeds)
+    s = stress_1_scenarios(motor, seeds)
     even = indices % 2 == 0
     crossings = handoff_scenarios(motor, seeds[even], indices[even] // 2, size)
     for f in dataclasses.fields(s):
@@ -119,7 +123,7 @@ SUITES: dict[str, Callable[[Motor, Seeds, Indices, int], Scenarios]] = {
     "nominal": nominal_scenarios,
     "handoff": handoff_scenarios,
     "stress": lambda motor, seeds, *_: stress_scenarios(motor, seeds),
-    "stress-1": lambda motor, seeds, *_: stress_scenarios(motor, seeds),
+    "stress-1": lambda motor, seeds, *_: stress_1_scenarios(motor, seeds),
     "hold": hold_scenarios,
     "crawl": crawl_scenarios,
     "impact": impact_scenarios,

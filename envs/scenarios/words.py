@@ -25,7 +25,7 @@ def scenario_from(word: str, motor: Motor) -> Scenarios:
     match = re.fullmatch(r"([a-z][a-z0-9-]*):(\d+):(\d+)(?::(\d+))?", word)
     if match is None:
         raise UserError(
-            f"scenario: {word!r} cannot be read; write SUITE:SEED:INDEX[:SIZE], such as stress:7:12"
+            f"scenario: {word!r} cannot be read; write SUITE:SEED:INDEX[:SIZE], such as hold:7:12"
         )
     name, seed, index = match[1], int(match[2]), int(match[3])
     size = int(match[4]) if match[4] else index + 1

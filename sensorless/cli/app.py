@@ -82,7 +82,7 @@ def sensorless(
 
         sensorless demo
         sensorless train --minutes 5 --name first
-        sensorless evaluate --policy eq25 --policy runs/first --suite stress
+        sensorless evaluate --policy eq25 --policy runs/first --suite stress-1
         sensorless export runs/first --out firmware_first
 
     Every command explains itself: `sensorless COMMAND --help`.

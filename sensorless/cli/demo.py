@@ -20,7 +20,9 @@ def demo_command(
     minutes: Annotated[float, typer.Option(help="Train for this long [min].")] = 2.0,
     size: Annotated[
         int,
-        typer.Option(metavar="N", min=2, help="Judge on this many scenarios of the suite stress."),
+        typer.Option(
+            metavar="N", min=2, help="Judge on this many scenarios of the suite stress-1."
+        ),
     ] = 400,
     seed: SeedOption = 7,
 ) -> None:

@@ -49,11 +49,13 @@ def fresh_folder(folder: Path) -> None:
 
 
 def judge(folder: Path, run: str, size: int, seed: int, report: PolicyProgress) -> Results:
-    """Rules, the trained table and the sensored drive on the stress suite."""
+    """Rules, the trained table and the sensored drive on the suite stress-1."""
     motor = Motor.load("paper")
     policies = make_policies([*RULES, run, "sensored"], motor)
     out = folder / "results.json"
-    return evaluate(motor, DriveDesign(), "stress", seed, size, policies, out=out, progress=report)
+    return evaluate(
+        motor, DriveDesign(), "stress-1", seed, size, policies, out=out, progress=report
+    )
 
 
 def draw(folder: Path, run: str, results: Results) -> list[Path]:

@@ -66,7 +66,7 @@ SuiteOption = Annotated[
 def evaluate_command(
     policy: PoliciesOption,
     motor: MotorOption = "paper",
-    suite: SuiteOption = "stress",
+    suite: SuiteOption = "stress-1",
     seed: SeedOption = 1,
     size: Annotated[
         int,

@@ -27,7 +27,7 @@ def check_command(
 
     The check looks for slips of unit, holds the rated point against current and voltage, follows
     saliency and cross-coupling over the current, weighs the signal of injection against noise, and
-    suggests settings. Then it runs Eq. 25 on some scenarios of suite stress.
+    suggests settings. Then it runs Eq. 25 on some scenarios of suite stress-1.
 
     For example:
 

@@ -36,7 +36,7 @@ def report_command(
             "--suite",
             metavar="SUITE",
             help="Judge on this suite of scenarios (`sensorless evaluate --help` explains them); "
-            "repeat the option for several. Default: stress and handoff.",
+            "repeat the option for several. Default: stress-1 and handoff.",
         ),
     ] = None,
     seed: SeedOption = 7,

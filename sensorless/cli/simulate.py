@@ -42,7 +42,7 @@ def simulate_command(
             metavar="SCENARIO",
             help="Replay one scenario of a suite instead of the plans: SUITE:SEED:INDEX, or "
             "SUITE:SEED:INDEX:SIZE for the suite envelope. `sensorless evaluate` lists its worst "
-            "cases this way, for example stress:7:12. Default: the plans.",
+            "cases this way, for example stress-1:7:12. Default: the plans.",
         ),
     ] = None,
     seed: Annotated[
@@ -118,7 +118,7 @@ def simulate_command(
 
         sensorless simulate --plot fig9.png
         sensorless simulate --speed 0:150,1:650 --ramp 600 --load 0:0,0.5:6
-        sensorless simulate --scenario stress:7:12 --policy hysteresis --out run.csv
+        sensorless simulate --scenario stress-1:7:12 --policy hysteresis --out run.csv
     """
     from sensorless.files import check_writable
 

@@ -246,6 +246,7 @@ def plant_record(motor: Motor) -> Array:
             "h": motor.T_s / SUB_STEPS,
             "n_sub": SUB_STEPS,
             "bridge": int(motor.saturation.a_b > 0.0),
+            "k_iron": 1.0,
         },
     )
     return record

@@ -21,7 +21,7 @@ from sensorless.tuning.batch import costs
 
 Floats = NDArray[np.float64]
 
-SUITE, SEED, SIZE = "stress", 2025, 200
+SUITE, SEED, SIZE = "stress-1", 2025, 200
 """Scenarios of the role ``tune`` that the loss is found on."""
 SPEEDS = 1001
 """Places on the speed axis, from standstill to 1.25 times its end."""

@@ -50,9 +50,9 @@ def pil_scenarios(motor: Motor, seed: int = 5, size: int = 16) -> tuple[tuple[st
     planned.theta_err_0[resting] = 2.5
     planned.omega_0[spinning] = PLANS["spinning shaft"][0][1] * rated
     planned.offset[-1, 0] = BROKEN * motor.i_rated
-    random = suite("stress", motor, seed, size - len(PLANS))
+    random = suite("stress-1", motor, seed, size - len(PLANS))
     random.L_q_hat[:] = random.cross_hat[:] = 1.0
-    names = (*PLANS, *(f"stress:{seed}:{j}" for j in range(len(random))))
+    names = (*PLANS, *(f"stress-1:{seed}:{j}" for j in range(len(random))))
     return names, join(planned, random)
 
 

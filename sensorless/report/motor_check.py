@@ -19,7 +19,7 @@ from sensorless.report.page import Figure
 from sensorless.suitability.examine import Examination, examine
 from sensorless.suitability.finding import LIMIT, NO, Finding
 
-SUITE, SEED, SIZE = "stress", 1, 100
+SUITE, SEED, SIZE = "stress-1", 1, 100
 """Of the quick run."""
 LOST = (0.05, 0.5)
 """Lost share of the quick run: above, a limit; above the second, no drive."""

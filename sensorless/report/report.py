@@ -26,7 +26,7 @@ from sensorless.report.cases import Case, cases
 from sensorless.report.page import Figure, Section, render
 
 PAGE = "index.html"
-SUITES = ("stress", "handoff")
+SUITES = ("stress-1", "handoff")
 
 
 class Report:

@@ -29,7 +29,7 @@ from sensorless.policies.tuned import Tuned
 from sensorless.tuning.batch import costs
 from sensorless.versions import versions
 
-SUITE, ROLE = "stress", "tune"
+SUITE, ROLE = "stress-1", "tune"
 CHECK = 3
 """Generations from one judgement of the centre to the next."""
 GENERATIONS = 30

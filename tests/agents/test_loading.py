@@ -67,7 +67,7 @@ def test_a_damaged_configuration_is_named(text: str, tmp_path: Path) -> None:
 def test_an_estimator_that_does_not_exist_is_named(tmp_path: Path) -> None:
     policy = load_run(write(tmp_path / "run", None, "magic"), MOTOR)
     with pytest.raises(UserError, match="estimator: 'magic': must be smo"):
-        rollout(policy, suite("stress", MOTOR, 3, 2), SimFactory(MOTOR, DriveDesign()))
+        rollout(policy, suite("stress-1", MOTOR, 3, 2), SimFactory(MOTOR, DriveDesign()))
 
 
 @pytest.mark.parametrize("design", [DriveDesign(), FLUX], ids=["smo", "flux"])
@@ -77,7 +77,7 @@ def test_the_design_of_the_evaluation_does_not_matter(design: DriveDesign, tmp_p
         load_run(write(tmp_path / "run", "flux", None), MOTOR),
         make_policy("eq25", MOTOR),
     )
-    scenarios = suite("stress", MOTOR, 3, 4)
+    scenarios = suite("stress-1", MOTOR, 3, 4)
     asked = rollout(policy, scenarios, SimFactory(MOTOR, design)).sums
     assert asked.tobytes() == rollout(eq25, scenarios, SimFactory(MOTOR, FLUX)).sums.tobytes()
     one = suite("paper", MOTOR, 0, 1)

@@ -33,7 +33,7 @@ def test_it_is_eq25_on_that_design(name: str, estimator: str) -> None:
     """The same to the bit, and not the same as Eq. 25 on the design's own estimator."""
     policy, eq25 = make_policy(name, PAPER), make_policy("eq25", PAPER)
     assert policy.estimator == estimator and eq25.estimator is None
-    scenarios = suite("stress", PAPER, 3, 4)
+    scenarios = suite("stress-1", PAPER, 3, 4)
     own, other = (
         SimFactory(PAPER, DriveDesign()),
         SimFactory(PAPER, DriveDesign(estimator=estimator)),

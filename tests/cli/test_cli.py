@@ -25,13 +25,13 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["evaluate", "--policy", "nobody"], "nobody"),
         (["evaluate", "--policy", "constant:1.5"], "constant"),
         (["evaluate", "--policy", "constant:nan"], "constant"),
-        (["evaluate", "--policy", "eq25", "--suite", "easy"], "stress"),
+        (["evaluate", "--policy", "eq25", "--suite", "easy"], "stress-1"),
         (["evaluate", "--policy", "eq25", "--motor", "nomotor"], "paper"),
         (["evaluate", "--policy", "eq25", "--set", "smo_pll_hz=many"], "smo_pll_hz"),
         (["evaluate", "--policy", "eq25", "--set", "smo_gain=3"], "smo_gain"),
         (["evaluate", "--policy", "eq25", "--out", "missing/results.json"], "missing"),
         (["simulate", "--speed", "0:200,x"], "speed"),
-        (["simulate", "--scenario", "stress"], "SUITE:SEED:INDEX"),
+        (["simulate", "--scenario", "stress-1"], "SUITE:SEED:INDEX"),
         (["simulate", "--start", "--theta-err", "200"], "theta_err"),
         (["simulate", "--spin", "4000"], "spin"),
         (["simulate", "--start", "--motor", "ipmsm_2200w"], "does not saturate"),
@@ -68,14 +68,14 @@ def test_a_mistake_ends_the_process_with_status_2(tmp_path: Path) -> None:
 
 def test_evaluation_is_the_same_file_to_the_bit(tmp_path: Path) -> None:
     """Also from another process."""
-    words = ["evaluate", "--policy", "eq25", "--policy", "hysteresis", "--suite", "stress"]
+    words = ["evaluate", "--policy", "eq25", "--policy", "hysteresis", "--suite", "stress-1"]
     for name, seed, start in (("a", "7", run), ("b", "7", process), ("c", "8", run)):
         done = start(*words, "--seed", seed, "--size", "12", "--out", name, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
     a, b, c = ((tmp_path / name).read_bytes() for name in "abc")
     assert a == b != c
     results = json.loads(a)
-    assert (results["suite"], results["seed"], results["size"]) == ("stress", 7, 12)
+    assert (results["suite"], results["seed"], results["size"]) == ("stress-1", 7, 12)
     eq25 = results["policies"]["eq25"]
     names = ("torque_dev_rms", "torque_ripple_rms", "overshoot_pct", "angle_err_rms_deg")
     assert all(isinstance(eq25[name], float) for name in ("lost_rate", *names))

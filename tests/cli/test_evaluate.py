@@ -32,7 +32,7 @@ def test_details_and_a_file_without_scenarios(tmp_path: Path) -> None:
     assert done.stdout.count("window:") == 2 * 2, "means and pairs"
     data = json.loads(out.read_text(encoding="utf-8"))
     assert "scenarios" not in data["policies"]["eq25"]
-    assert data["policies"]["eq25"]["worst"][0]["scenario"].startswith("stress:1:")
+    assert data["policies"]["eq25"]["worst"][0]["scenario"].startswith("stress-1:1:")
 
 
 def test_the_envelope_is_drawn_as_it_was_judged(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.envs.signals import N_SIGNALS
 from sensorless.machine.motor import Motor
 
@@ -50,7 +50,7 @@ def lie_about_drive(sims: Array) -> None:
 def running_drives() -> Array:
     motor, n = Motor.load("paper"), 4
     seeds = combine(np.arange(n, dtype=np.uint64), 5)
-    sims = SimFactory(motor, DriveDesign()).build(stress_scenarios(motor, seeds))
+    sims = SimFactory(motor, DriveDesign()).build(stress_1_scenarios(motor, seeds))
     sim_run(sims, 1000, np.full(n, 0.7, np.float32), np.zeros((n, N_SIGNALS), np.float32))
     return sims
 

@@ -9,7 +9,7 @@ from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import Seeds
 from sensorless.envs.scenarios.machine_family import family
 from sensorless.envs.scenarios.scenario import Scenarios
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.envs.several import FINAL, SeveralMachines
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -21,7 +21,7 @@ ROWS = (slice(0, 3), slice(3, 4), slice(4, 6))
 
 def brief(motor: Motor, seeds: Seeds) -> Scenarios:
     """Episodes of 4 to 16 ms, some of which lose lock."""
-    scenarios = stress_scenarios(motor, seeds)
+    scenarios = stress_1_scenarios(motor, seeds)
     scenarios.duration = 0.004 + 0.001 * (seeds % np.uint64(13)).astype(float)
     scenarios.theta_err_0 = np.where(seeds % np.uint64(3) == 0, 2.0, scenarios.theta_err_0)
     return scenarios

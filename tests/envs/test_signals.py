@@ -9,7 +9,7 @@ from sensorless.envs.blend_env import BlendEnv
 from sensorless.envs.counter_random import combine
 from sensorless.envs.reward import HORIZON_MS, TERMS, RewardWeights
 from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, LOST_TIME, SimFactory
-from sensorless.envs.scenarios.stress import DURATION, stress_scenarios
+from sensorless.envs.scenarios.stress import DURATION, stress_1_scenarios
 from sensorless.envs.signals import HIGH, LOW, N_SIGNALS, SIGNALS, bounded
 from sensorless.machine.motor import Motor
 
@@ -52,7 +52,7 @@ def test_signals_of_living_drives_stay_inside_the_bounds() -> None:
     """Erratic weights on the hardest scenarios; clipping is for drives that are breaking up."""
     motor, n = Motor.load("paper"), 48
     seeds = combine(np.arange(n, dtype=np.uint64), 11)
-    sims = SimFactory(motor, DriveDesign()).build(stress_scenarios(motor, seeds), twin=False)
+    sims = SimFactory(motor, DriveDesign()).build(stress_1_scenarios(motor, seeds), twin=False)
     rng = np.random.default_rng(0)
     signals = np.zeros((n, N_SIGNALS), dtype=np.float32)
     low, high = np.full(N_SIGNALS, np.inf), np.full(N_SIGNALS, -np.inf)

@@ -10,7 +10,7 @@ import pytest
 import sensorless.evaluation.evaluate
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import evaluate, score
 from sensorless.evaluation.metrics.catalogue import METRICS
@@ -22,7 +22,7 @@ DESIGN = DriveDesign()
 SIZE = 8
 
 
-def run(*policies: str, seed: int = 7, suite: str = "stress", **options: Any) -> dict[str, Any]:
+def run(*policies: str, seed: int = 7, suite: str = "stress-1", **options: Any) -> dict[str, Any]:
     """Parsed results file."""
     results = evaluate(MOTOR, DESIGN, suite, seed, SIZE, make_policies(policies, MOTOR), **options)
     data: dict[str, Any] = json.loads(results.to_json())
@@ -38,7 +38,7 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 
 def test_the_file_says_what_was_run(data: dict[str, Any]) -> None:
-    assert (data["suite"], data["seed"], data["size"]) == ("stress", 7, SIZE)
+    assert (data["suite"], data["seed"], data["size"]) == ("stress-1", 7, SIZE)
     assert (data["motor"], data["motor_digest"]) == ("paper", MOTOR.digest)
     assert data["design"]["hfi_pll_hz"] == DESIGN.hfi_pll_hz
     assert {"sensorless", "core", "numpy", "scipy"} <= set(data["versions"])
@@ -131,7 +131,7 @@ def test_another_seed_other_scenarios(data: dict[str, Any]) -> None:
 
 
 def test_chunks_change_nothing() -> None:
-    scenarios = stress_scenarios(MOTOR, np.arange(5, dtype=np.uint64))
+    scenarios = stress_1_scenarios(MOTOR, np.arange(5, dtype=np.uint64))
     scenarios.duration[:] = 0.3
     factory = SimFactory(MOTOR, DESIGN)
     policy = make_policy("eq25", MOTOR)
@@ -154,12 +154,12 @@ def test_progress_names_the_policy() -> None:
 @pytest.mark.parametrize(
     ("policies", "seed", "size", "suite"),
     [
-        ((), 7, SIZE, "stress"),
-        (("eq25", "eq25"), 7, SIZE, "stress"),
-        (("eq25", "nonsense"), 7, SIZE, "stress"),
+        ((), 7, SIZE, "stress-1"),
+        (("eq25", "eq25"), 7, SIZE, "stress-1"),
+        (("eq25", "nonsense"), 7, SIZE, "stress-1"),
         (("eq25",), 7, SIZE, "nonsense"),
-        (("eq25",), 7, 0, "stress"),
-        (("eq25",), -1, SIZE, "stress"),
+        (("eq25",), 7, 0, "stress-1"),
+        (("eq25",), -1, SIZE, "stress-1"),
     ],
 )
 def test_bad_requests(

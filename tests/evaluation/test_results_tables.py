@@ -28,7 +28,7 @@ def results() -> Results:
     return evaluate(
         Motor.load("paper"),
         DriveDesign(),
-        "stress",
+        "stress-1",
         7,
         8,
         make_policies(words, Motor.load("paper")),

@@ -10,7 +10,7 @@ from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, Array, sim_run
 from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.evaluation.rollout import (
     CAUSES,
     Rollout,
@@ -29,7 +29,7 @@ FACTORY = SimFactory(MOTOR, DriveDesign())
 
 def short(n: int, duration: float = 0.25) -> Scenarios:
     """Random scenarios, cut off."""
-    scenarios = stress_scenarios(MOTOR, np.arange(1, n + 1, dtype=np.uint64))
+    scenarios = stress_1_scenarios(MOTOR, np.arange(1, n + 1, dtype=np.uint64))
     scenarios.duration[:] = duration
     return scenarios
 

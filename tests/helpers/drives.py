@@ -5,14 +5,14 @@ import numpy as np
 from sensorless.core.api import SIGNAL_N, Array, sim_run
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.machine.motor import Motor
 
 
 def drives(n: int = 64) -> Array:
     motor = Motor.load("paper")
     return SimFactory(motor, DriveDesign()).build(
-        stress_scenarios(motor, np.arange(n, dtype=np.uint64))
+        stress_1_scenarios(motor, np.arange(n, dtype=np.uint64))
     )
 
 

@@ -81,7 +81,7 @@ def test_motors_suite_is_handoff_and_stress_in_turn() -> None:
     """Row by row the scenarios that those suites build, whatever the size."""
     motor = Motor.load("ipmsm_2200w")
     mixed = suite("motors", motor, 3, 11)
-    stress = suite("stress", motor, 3, 11)
+    stress = suite("stress-1", motor, 3, 11)
     np.testing.assert_array_equal(mixed.omega[1::2], stress.omega[1::2])
     np.testing.assert_array_equal(mixed.R_s[::2], np.ones(6))
     np.testing.assert_array_equal(mixed.omega[:5], suite("motors", motor, 3, 5).omega)

@@ -108,7 +108,7 @@ def test_the_page_stands_alone(run: Path, page: Page) -> None:
     assert page.links and all(link.startswith("#") for link in page.links)
     files = {path.name: path.read_bytes() for path in (run / "report").glob("*.png")}
     assert sorted(page.pictures) == sorted(files.values())
-    assert {"envelope.png", "schedule.png", "learning.png", "stress-places.png"} <= set(files)
+    assert {"envelope.png", "schedule.png", "learning.png", "stress-1-places.png"} <= set(files)
     assert sum(name.startswith("handoff-") for name in files) >= 3
     assert sum(map(len, files.values())) < 1_500_000
     assert not list((run / "report").glob(".*")), "nothing half-written is left"
@@ -116,7 +116,9 @@ def test_the_page_stands_alone(run: Path, page: Page) -> None:
 
 def test_the_page_says_what_the_evaluation_says(run: Path, page: Page) -> None:
     design = DriveDesign(smo_pll_hz=21.0)
-    results = evaluate(MOTOR, design, "stress", 7, SIZE, make_policies([str(run), *OTHERS], MOTOR))
+    results = evaluate(
+        MOTOR, design, "stress-1", 7, SIZE, make_policies([str(run), *OTHERS], MOTOR)
+    )
     rows = {row[0]: row for row in page.rows if len(row) == 1 + len(RATE_COLUMNS) + len(COLUMNS)}
     names = ["mine & yours", "eq25", "flux_observer (flux)", "sensored (bound)"]
     assert set(rows) >= set(names)
@@ -125,7 +127,7 @@ def test_the_page_says_what_the_evaluation_says(run: Path, page: Page) -> None:
     for row, policy in zip(table[1:], results.policies.values(), strict=True):
         for cell, (key, _, factor, digits) in zip(row[1:], (*RATE_COLUMNS, *COLUMNS), strict=True):
             assert cell.startswith(number(factor * policy[key], digits))
-    written = json.loads((run / "report" / "results-stress.json").read_text(encoding="utf-8"))
+    written = json.loads((run / "report" / "results-stress-1.json").read_text(encoding="utf-8"))
     rate = results.policies["eq25"]["lost_rate"]
     assert written["policies"]["eq25"]["lost_rate"] == pytest.approx(rate, rel=1e-8)
     assert "scenarios" not in written["policies"]["eq25"]
@@ -133,7 +135,7 @@ def test_the_page_says_what_the_evaluation_says(run: Path, page: Page) -> None:
 
 def test_pairs_are_ours_minus_theirs(run: Path, page: Page) -> None:
     design = DriveDesign(smo_pll_hz=21.0)
-    results = evaluate(MOTOR, design, "stress", 7, SIZE, make_policies([str(run), "eq25"], MOTOR))
+    results = evaluate(MOTOR, design, "stress-1", 7, SIZE, make_policies([str(run), "eq25"], MOTOR))
     row = next(
         row
         for row in page.rows
@@ -152,7 +154,7 @@ def test_pairs_are_ours_minus_theirs(run: Path, page: Page) -> None:
 def test_commands_and_versions_are_there(run: Path, page: Page) -> None:
     assert "sensorless train --name <mine>" in page.text
     assert f"--suite handoff --seed 7 --size {SIZE} --details --set smo_pll_hz=21" in page.text
-    assert "sensorless simulate --scenario stress:7:" in page.text
+    assert "sensorless simulate --scenario stress-1:7:" in page.text
     for text in ("torch, in training9.9", "numpy", "4000 decisions, seed 3", "45 nodes"):
         assert text in page.text
 

@@ -17,7 +17,7 @@ from sensorless.tuning.batch import SideBySide, costs
 
 MOTOR = Motor.load("paper")
 FACTORY = SimFactory(MOTOR, DriveDesign())
-SCENARIOS = suite("stress", MOTOR, 4, 3, "tune")
+SCENARIOS = suite("stress-1", MOTOR, 4, 3, "tune")
 SCENARIOS.duration[:] = 0.1
 
 
@@ -44,7 +44,7 @@ def test_costs_do_not_depend_on_the_company(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_the_cost_is_that_of_an_evaluation() -> None:
-    scenarios = suite("stress", MOTOR, 0, 6, "tune")
+    scenarios = suite("stress-1", MOTOR, 0, 6, "tune")
     policy = make_policy("hysteresis:50,60", MOTOR)
     (cost,), _ = costs([policy], scenarios, FACTORY)
     scores = score(policy, scenarios, FACTORY)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from sensorless.core.api import SIM
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.evaluation.metrics.catalogue import (
     METRICS,
     angle_err_max_deg,
@@ -142,7 +142,7 @@ class Half:
 
 
 def test_metrics_of_a_drive_are_its_own_whatever_runs_beside_it() -> None:
-    scenarios = stress_scenarios(MOTOR, np.arange(5, dtype=np.uint64))
+    scenarios = stress_1_scenarios(MOTOR, np.arange(5, dtype=np.uint64))
     scenarios.duration[:] = [0.4, 0.5, 0.3, 0.5, 0.2]
     factory = SimFactory(MOTOR, DriveDesign())
     together = rollout(Half(), scenarios, factory)

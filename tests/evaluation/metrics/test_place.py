@@ -6,7 +6,7 @@ import pytest
 from sensorless.core.api import SIM
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.evaluation.metrics.catalogue import angle_err_rms_deg, torque_dev_rms
 from sensorless.evaluation.metrics.place import (
     QUADRANTS,
@@ -72,7 +72,9 @@ def test_a_drive_that_never_lived_was_nowhere() -> None:
 @pytest.fixture(scope="module")
 def stressed() -> Rollout:
     return rollout(
-        make_policy("hfi", MOTOR), stress_scenarios(MOTOR, np.arange(24, dtype=np.uint64)), FACTORY
+        make_policy("hfi", MOTOR),
+        stress_1_scenarios(MOTOR, np.arange(24, dtype=np.uint64)),
+        FACTORY,
     )
 
 

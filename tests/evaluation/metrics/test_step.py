@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from sensorless.core.api import SIM, sim_run
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.evaluation.metrics.profile import reference
 from sensorless.evaluation.metrics.step import (
     dip_excess_pct_s,
@@ -198,7 +198,7 @@ def test_the_end_of_a_drive_ends_its_windows() -> None:
 
 
 def test_the_reference_is_that_of_the_core() -> None:
-    scenarios = stress_scenarios(MOTOR, np.arange(20, dtype=np.uint64))
+    scenarios = stress_1_scenarios(MOTOR, np.arange(20, dtype=np.uint64))
     factory = SimFactory(MOTOR, DriveDesign())
     ours = reference(rollout(make_policy("sensored", MOTOR), scenarios, factory))
     sims = factory.build(scenarios, sensored=True, twin=False)
