@@ -1,4 +1,4 @@
-"""A drive design from the words of ``--set``."""
+"""A drive design from the words of ``--set``, and names for people."""
 
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -6,6 +6,20 @@ from difflib import get_close_matches
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.settings import settings_of
+
+OBSERVERS = {
+    "smo": "SMO",
+    "unwrapped": "SMO",
+    "errors": "SMO",
+    "flux": "flux observer",
+    "coupled": "coupled observer",
+}
+"""Name of what leads at k_s = 0, by ``DriveDesign.estimator``; SMO is the sliding-mode observer."""
+
+
+def observer_name(estimator: str) -> str:
+    """Name of the observer of a drive with that estimator, for pictures and tables."""
+    return OBSERVERS[estimator]
 
 
 def design_from(words: Sequence[str] | None) -> DriveDesign:

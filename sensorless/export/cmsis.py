@@ -1,8 +1,8 @@
 """The schedule in the layout of ``arm_bilinear_interp_f32`` of CMSIS-DSP, for tables of two axes.
 
-That function gives 0 not only outside of its data but also from the last row and column on, and 0
-means: sliding-mode observer alone. The data therefore repeat the last row and the last column, and
-the indices are clipped before the call.
+That function returns 0 not only outside its data but also from the last row and column on, and 0
+means that the observer leads alone. So the data repeat the last row and the last column, and the
+indices are clipped before the call.
 """
 
 import numpy as np
@@ -16,31 +16,31 @@ AXES = 2
 HEADER = "cmsis/ks_table_cmsis.h"
 SOURCE = "cmsis/ks_table_cmsis.c"
 
-README = """`cmsis/` holds the float32 table once more for `arm_bilinear_interp_f32` of CMSIS-DSP:
+README = """`cmsis/` holds the float32 table for `arm_bilinear_interp_f32` of CMSIS-DSP:
 
     arm_bilinear_interp_instance_f32 s = {KS_CMSIS_ROWS, KS_CMSIS_COLS, ks_cmsis_data};
     float k_s = arm_bilinear_interp_f32(&s, ks_cmsis_x($x), ks_cmsis_y($y));
 
-The trap: that function returns 0 outside of its data *and at the last row and column*, which is the
-sliding-mode observer alone, by accident and at once. So `ks_cmsis_data` repeats the last row and
-column, and `ks_cmsis_x`, `ks_cmsis_y` turn a signal into an index and clip it to the table. The
-result is that of the core within rounding, not to the bit; `make selftest` compares the two.
+Beware: that function returns 0 outside its data *and at the last row and column*, which would hand
+over to the observer at once. So `ks_cmsis_data` repeats the last row and column, and `ks_cmsis_x`
+and `ks_cmsis_y` turn a signal into an index and clip it to the table. The result equals that of the
+core except for rounding; `make selftest` compares the two.
 
-What stays with you: a NaN reads the first node instead of the fallback; the core's CRC does not
-cover these data; older CMSIS releases, whose `pData` is not const and which read at `xIndex - 1`,
-are not usable (they count from 1 and compare X with the number of rows)."""
+Three limits remain. A NaN reads the first node instead of the fallback. The core's CRC does not
+cover these data. Older CMSIS releases, whose `pData` is not const and which read at `xIndex - 1`,
+cannot be used: they count from 1 and compare X with the number of rows."""
 
-LEFT_OUT = """There is no `cmsis/` with this schedule: `arm_bilinear_interp_f32` of CMSIS-DSP takes
-exactly two axes, this table has $n. `ks_table_eval` of the core takes one to four."""
+LEFT_OUT = """This export has no `cmsis/`: `arm_bilinear_interp_f32` of CMSIS-DSP takes exactly
+two axes, and this table has $n. `ks_table_eval` of the core takes one to four."""
 
 
 def padded(table: KsTable) -> NDArray[np.float32]:
-    """Node values (rows + 1, columns + 1), the last row and column twice."""
+    """Node values (rows + 1, columns + 1), with the last row and column repeated."""
     return np.pad(table.values, ((0, 1), (0, 1)), mode="edge")
 
 
 def readme(table: KsTable) -> str:
-    """Paragraph on the layout, or why there is none."""
+    """Paragraph about the layout, or about why there is none."""
     if len(table.axes) != AXES:
         return LEFT_OUT.replace("$n", str(len(table.axes)))
     y, x = (axis.signal for axis in table.axes)
@@ -58,14 +58,14 @@ def _header(row: Axis, column: Axis) -> str:
     return f"""{NOTE}#ifndef KS_TABLE_CMSIS_H
 #define KS_TABLE_CMSIS_H
 
-/* numRows and numCols: the nodes of the table and one more, which repeats the last. */
+/* numRows and numCols: one more than the table has nodes; the last is repeated. */
 #define KS_CMSIS_ROWS {row.n + 1}
 #define KS_CMSIS_COLS {column.n + 1}
 
 /* pData of arm_bilinear_interp_instance_f32. */
 extern const float ks_cmsis_data[KS_CMSIS_ROWS * KS_CMSIS_COLS];
 
-/* Index from 0 to last; 0 for NaN. Unclipped, arm_bilinear_interp_f32 gives 0 outside. */
+/* Index from 0 to last; 0 for NaN. Without it arm_bilinear_interp_f32 returns 0 outside. */
 static inline float ks_cmsis_clip(float index, float last) {{
     float low = index > 0.0f ? index : 0.0f;
     return low < last ? low : last;
@@ -95,7 +95,7 @@ def _source(table: KsTable) -> str:
     values = [c_float(x) for x in data.reshape(-1)]
     return f"""{NOTE}#include "ks_table_cmsis.h"
 
-/* A row a line; the last row and the last number of each row repeat those before. */
+/* One row per line; the last row, and the last number of each row, repeat the one before. */
 const float ks_cmsis_data[KS_CMSIS_ROWS * KS_CMSIS_COLS] = {{
 {lines(values, "    ", data.shape[1])}
 }};

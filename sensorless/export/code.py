@@ -1,4 +1,4 @@
-"""C text of an export: the drive's and the schedule's numbers. No logic is generated."""
+"""C text of an export: the numbers of the drive and of the schedule. No logic is generated."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -13,7 +13,7 @@ NOTE = "/* Numbers written by `sensorless export`. Do not edit: export again. */
 
 
 def c_float(x: Any, name: str = "number") -> str:
-    """Float literal that restores every float32.
+    """Float literal that gives back the same float32.
 
     Raises
     ------
@@ -27,13 +27,13 @@ def c_float(x: Any, name: str = "number") -> str:
 
 
 def lines(items: Sequence[str], indent: str, per_line: int) -> str:
-    """Comma-separated items over as many lines as they need."""
+    """Comma-separated items, ``per_line`` on a line."""
     rows = (items[j : j + per_line] for j in range(0, len(items), per_line))
     return "\n".join(indent + ", ".join(row) + "," for row in rows)
 
 
 def initialiser(record: Array, struct: str) -> str:
-    """Braced, designated initialiser of a C struct, one documented number a line."""
+    """Braced, designated initialiser of a C struct, one documented number per line."""
     fields = _fields(record, ffi.typeof(struct), field_docs(), "    ", "")
     return "{\n" + "\n".join(fields) + "\n}"
 
@@ -68,7 +68,7 @@ def params_header(
     ----------
     drive : record of ``drive_params_t``
     rule : tuple of float
-        Band of the built-in rule, speed over rated.
+        Band of the built-in linear rule, speed over rated.
     motor_hash : int
     periods : int
         PWM periods from one decision of the schedule to the next.
@@ -87,7 +87,7 @@ def params_header(
 
 static const drive_params_t drive_params = {initialiser(drive, "drive_params_t")};
 
-/* For the Q15 table put ks_table_q15 and ks_values_q15 here. */
+/* To use the Q15 table, put ks_table_q15 and ks_values_q15 here. */
 static const ks_schedule_params_t schedule_params = {{
     .table = &ks_table_f32,
     .values = ks_values_f32,

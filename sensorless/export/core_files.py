@@ -1,4 +1,4 @@
-"""What of the control core goes to the target, and what its headers say about each number."""
+"""Files of the control core that go to the target, and what their headers say about each field."""
 
 import re
 from pathlib import Path

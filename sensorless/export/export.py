@@ -1,4 +1,4 @@
-"""From a schedule table to a folder that drops into any C project and checks itself."""
+"""Turns a schedule table into a folder that drops into any C project and checks itself."""
 
 import os
 import shutil
@@ -12,6 +12,7 @@ import numpy as np
 
 from sensorless.decision import RUNNING, whole_periods
 from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.words import observer_name
 from sensorless.errors import UserError
 from sensorless.export.cmsis import cmsis_files
 from sensorless.export.cmsis import readme as cmsis_readme
@@ -62,21 +63,21 @@ def export(
     ----------
     table, motor, design
     folder : str or Path
-        New, empty, or an earlier export, which is replaced.
+        A new or empty folder, or an earlier export, which is replaced.
     policy : str
         Name of the schedule in the folder's texts.
     provenance : mapping, optional
-        JSON types, over the table's own: training command, seed, versions, ...
+        JSON types that replace the table's own: training command, seed, versions, ...
     decision_time : float
         Time from one decision of the schedule to the next [s].
     fit : bool
-        Also find the closest two thresholds of the speed and their loss of performance; seconds.
+        Also find the two speed thresholds closest to the table, and what they cost; takes seconds.
 
     Raises
     ------
     UserError
-        Table of another motor or slew limit, a number that is not finite, a folder that is not
-        writable or holds something else, or a self test that fails.
+        The table is for another motor or slew limit, a number is not finite, the folder cannot be
+        written to or holds other files, or the self test fails.
     """
     origin = {**table.provenance, **(provenance or {}), "policy": policy}
     _check_origin(origin, table, motor, design)
@@ -110,7 +111,7 @@ def table_of(policy: Policy, word: str) -> KsTable:
     Raises
     ------
     UserError
-        It has none; ``word`` is what the user called it.
+        It has none; ``word`` is the user's name for it.
     """
     if not isinstance(policy, TablePolicy):
         raise UserError(
@@ -139,13 +140,13 @@ def _check_origin(
 def _contents(
     table: KsTable, motor: Motor, design: DriveDesign, policy: str, periods: int, rule: str
 ) -> dict[str, bytes]:
-    """Every file of the folder but ``ks_table.json``."""
+    """Every file of the folder except ``ks_table.json``."""
     lookups_f32, lookups_q15 = table_vectors(table, "f32"), table_vectors(table, "q15")
     run = drive_vectors(table, motor, design, periods)
     tag = motor_hash(motor)
     cmsis = cmsis_files(table)
     tests = ["selftest.c", "faults.c", "faults.h", *(("cmsis.c", "cmsis.h") if cmsis else ())]
-    readme = _readme(table, motor, policy, periods, len(lookups_f32), len(run.words), rule)
+    readme = _readme(table, motor, design, policy, periods, len(lookups_f32), len(run.words), rule)
     text = {
         "README.md": readme,
         **cmsis,
@@ -166,7 +167,14 @@ def _contents(
 
 
 def _readme(
-    table: KsTable, motor: Motor, policy: str, periods: int, lookups: int, drive: int, rule: str
+    table: KsTable,
+    motor: Motor,
+    design: DriveDesign,
+    policy: str,
+    periods: int,
+    lookups: int,
+    drive: int,
+    rule: str,
 ) -> str:
     axes = "\n".join(
         f"| {j} | {a.signal} | {a.lo:g} | {a.hi:g} | {a.n} |" for j, a in enumerate(table.axes)
@@ -176,6 +184,7 @@ def _readme(
         motor=f"{motor.name} ({motor.description})",
         T_s_us=f"{motor.T_s * 1e6:g}",
         periods=periods,
+        observer=observer_name(design.estimator).replace("SMO", "sliding-mode observer"),
         axes=axes,
         drive_vectors=drive,
         table_bytes=20 * lookups,

@@ -1,4 +1,4 @@
-"""Two thresholds of the speed instead of a table, for firmware that has only these settings."""
+"""Two speed thresholds instead of a table, for firmware that has only such settings."""
 
 from dataclasses import asdict, dataclass
 from textwrap import fill
@@ -22,19 +22,19 @@ from sensorless.tuning.batch import costs
 Floats = NDArray[np.float64]
 
 SUITE, SEED, SIZE = "stress-1", 2025, 200
-"""Scenarios of the role ``tune`` that the loss is found on."""
+"""Scenarios of the role ``tune`` on which the cost is found."""
 SPEEDS = 1001
-"""Places on the speed axis, from standstill to 1.25 times its end."""
+"""Points on the speed axis, from standstill to 1.25 times its end."""
 LEAST_FALL = 0.1
-"""Of k_s from standstill to the highest speed; with less there is nothing to switch."""
+"""Least fall of k_s from standstill to the highest speed; below it there is nothing to switch."""
 DIGITS = 1
-"""Of thresholds [r/min]."""
+"""Decimals of thresholds [r/min]."""
 
 METHOD = (
-    "least squares over the speed, the other axes at their nodes with weights exp(-(x / a)^2), a: "
-    "half of the axis' largest magnitude (low torque current counts most). Ramp: k_s from 1 at the "
-    "first speed to 0 at the second. Hysteresis: mean of its two branches (1, 0.5, 0), gap at "
-    f"least +-{100 * GAP:g} %"
+    "least squares over the speed; the other axes at their nodes, with weights exp(-(x / a)^2) and "
+    "a half the largest magnitude of the axis (low torque current counts most). Ramp: k_s falls "
+    "from 1 at the first speed to 0 at the second. Hysteresis: the mean of its two branches "
+    f"(1, 0.5, 0) is fitted, with a gap of at least +-{100 * GAP:g} %"
 )
 
 
@@ -45,13 +45,13 @@ class TwoThreshold:
     ramp: tuple[float, float]
     """k_s is 1 below the first, 0 above the second and straight between."""
     hysteresis: tuple[float, float]
-    """Back to injection at the first, on to the sliding-mode observer at the second."""
+    """Back to injection at the first, on to the observer at the second."""
     misfit: float
-    """RMS of the ramp's k_s minus the table's, with the weights of the fit."""
+    """RMS difference between the ramp's k_s and the table's, with the weights of the fit."""
 
 
 def fit(table: KsTable, motor: Motor) -> TwoThreshold | None:
-    """Thresholds closest to the table; None if its k_s does not fall with the speed."""
+    """Return the thresholds closest to the table; None if its k_s does not fall with the speed."""
     axis = next((a for a in table.axes if a.signal == "speed"), None)
     if axis is None:
         return None
@@ -91,7 +91,7 @@ def _half(axis: Axis) -> float:
 
 
 def _ramp(x: Floats, mean: Floats) -> tuple[float, float]:
-    """Best of a coarse grid, then refined; over rated speed."""
+    """Ends of the ramp over rated speed: the best of a coarse grid, then refined."""
 
     def misfit(band: Floats) -> float:
         low, width = band
@@ -113,7 +113,7 @@ def _ramp(x: Floats, mean: Floats) -> tuple[float, float]:
 
 
 def _hysteresis(x: Floats, mean: Floats) -> tuple[float, float]:
-    """Where 1, 0.5 and 0 follow each other best; each threshold on its own."""
+    """Speeds at which 1, 0.5 and 0 follow each other best; each threshold on its own."""
     first = np.cumsum((mean - 1.0) ** 2 - (mean - 0.5) ** 2)
     second = np.cumsum((mean - 0.5) ** 2 - mean**2)
     down, up = float(x[np.argmin(first)]), float(x[np.argmin(second)])
@@ -139,7 +139,7 @@ def loss(table: KsTable, rule: TwoThreshold, motor: Motor, design: DriveDesign) 
 
 
 def two_threshold(table: KsTable, motor: Motor, design: DriveDesign) -> dict[str, Any]:
-    """Entry ``two_threshold`` of ``ks_table.json``: speeds [r/min], how they came about, loss."""
+    """Entry ``two_threshold`` of ``ks_table.json``: speeds [r/min], how they were found, cost."""
     rule = fit(table, motor)
     if rule is None:
         return {"none": "k_s of this table does not fall with the speed"}
@@ -157,15 +157,15 @@ def two_threshold(table: KsTable, motor: Motor, design: DriveDesign) -> dict[str
 def readme(entry: dict[str, Any] | None) -> str:
     """Section of the folder's README."""
     if entry is None:
-        return "Not fitted in this export: `sensorless export` does it unless told `--no-fit`."
+        return "Not fitted in this export, which was made with `--no-fit`."
     if "none" in entry:
-        return f"None: {entry['none']}."
+        return f"There are none: {entry['none']}."
     ramp, gap = entry["ramp"].values(), entry["hysteresis"].values()
     does = {
         "table": "the table of this folder",
-        "ramp": "`k_s` 1 below {:g} r/min, 0 above {:g} r/min, straight between".format(*ramp),
+        "ramp": "`k_s` is 1 below {:g} r/min, 0 above {:g} r/min, linear between".format(*ramp),
         "hysteresis": "injection below {:g} r/min, observer above {:g} r/min".format(*gap)
-        + ", between them as before",
+        + ", unchanged between them",
     }
     rows = "\n".join(
         f"| {name} | {does[name]} | {100 * c['lost_rate']:.1f} % | {100 * c['torque_dev']:.2f} % "
@@ -173,14 +173,16 @@ def readme(entry: dict[str, Any] | None) -> str:
         for name, c in entry["performance"].items()
     )
     fitted = fill(f"Fit: {entry['fit']}.", 100)
-    return f"""For firmware that has only a speed setting: the closest two thresholds of the
-estimated speed (`two_threshold` in `ks_table.json`), and what they cost on {SIZE} random stress
-scenarios, neither those of training nor those of `sensorless evaluate`. Torque: RMS over rated
-torque, mean over the drives that each rule does not lose.
+    return f"""For firmware that has only speed settings, these are the two thresholds of the
+estimated speed that come closest to the table (`two_threshold` in `ks_table.json`), with their cost
+on {SIZE} random stress scenarios, which neither training nor `sensorless evaluate` uses. Torque
+deviation is that from the same drive with a position sensor. Deviation and ripple are RMS over
+rated torque, means over the drives that a rule does not lose.
 
 | rule | what it does | drives lost | torque deviation | torque ripple |
 | --- | --- | --- | --- | --- |
 {rows}
 
 {fitted}
-The ramp's `k_s` minus the table's is {entry["ramp_k_s_rms"]:.3f} RMS, with the same weights."""
+The RMS difference between the ramp's `k_s` and the table's, with the same weights, is
+{entry["ramp_k_s_rms"]:.3f}."""

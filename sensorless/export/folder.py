@@ -1,4 +1,4 @@
-"""Puts an export in its place: new, or instead of an earlier one, never over anything else."""
+"""Puts an export in its place: a new folder or an earlier export, never over anything else."""
 
 import json
 import os
@@ -10,16 +10,16 @@ from sensorless.errors import UserError
 
 TABLE_JSON = "ks_table.json"
 BUILD = "build"
-"""Where the folder's own Makefile puts what it compiles."""
+"""Folder in which the export's own Makefile builds."""
 
 
 def check_replaceable(folder: Path) -> None:
-    """Refuse a place that holds anything but an earlier export.
+    """Refuse a folder that holds anything but an earlier export.
 
     Raises
     ------
     UserError
-        Names the folder and what is in it.
+        The folder holds other files; the message names one.
     """
     if not folder.exists():
         return
@@ -41,7 +41,7 @@ def check_replaceable(folder: Path) -> None:
 
 
 def _written(folder: Path) -> set[str] | None:
-    """Names of the files of an earlier export; None if the folder is none."""
+    """Names of the files of an earlier export; None if the folder is not one."""
     try:
         data = json.loads((folder / TABLE_JSON).read_text(encoding="utf-8"))
         return {*data["provenance"]["export"]["sha256"], TABLE_JSON}
@@ -58,7 +58,7 @@ def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
 
 
 def move_into_place(part: Path, folder: Path) -> None:
-    """Rename ``part`` to ``folder``; what was there is removed after that."""
+    """Rename ``part`` to ``folder``, then remove what was there before."""
     old = folder.with_name(f"{part.name}.old")
     if folder.exists():
         os.rename(folder, old)

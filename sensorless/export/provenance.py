@@ -1,4 +1,4 @@
-"""Where the numbers of an export come from, beside the numbers themselves."""
+"""Records where the numbers of an export come from."""
 
 import dataclasses
 import hashlib
@@ -15,7 +15,7 @@ DISTRIBUTIONS = ("sensorless", "numpy", "torch", "stable-baselines3", "gymnasium
 
 
 def motor_hash(motor: Motor) -> int:
-    """First 32 bits of the motor's digest, which table and parameters share."""
+    """First 32 bits of the motor's digest, stored in both table and parameters."""
     return int(motor.digest[:8], 16)
 
 

@@ -1,4 +1,4 @@
-"""Compiles an exported folder with the host's compiler and runs its self test."""
+"""Compiles an exported folder with this computer's compiler and runs its self test."""
 
 import os
 import shlex
@@ -15,7 +15,7 @@ FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-trappi
 
 @dataclass(frozen=True)
 class SelfTest:
-    """Outcome of a self test that did not fail."""
+    """Outcome of a self test that passed or could not run."""
 
     ran: bool
     message: str
@@ -37,14 +37,14 @@ def run_selftest(folder: Path) -> SelfTest:
     Raises
     ------
     UserError
-        It does not compile, or the self test found a difference.
+        The code does not compile, or the self test finds a difference.
     """
     compiler = find_compiler()
     if compiler is None:
         return SelfTest(
             False,
-            "self test not run: no C compiler (cc, gcc, clang or $CC); "
-            f"run 'make selftest' in {folder} where there is one",
+            "self test not run, because there is no C compiler (cc, gcc, clang or $CC); "
+            "run 'make selftest' in the folder on a computer that has one",
         )
     sources = [
         *sorted((folder / "test").glob("*.c")),

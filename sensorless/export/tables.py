@@ -8,7 +8,7 @@ _C_TYPE: dict[ValueFormat, str] = {"f32": "float", "q15": "int16_t"}
 
 
 def table_header(vectors: int, cmsis: bool) -> str:
-    """``ks_table_data.h``; ``vectors`` golden lookups of each table, ``cmsis``: see there."""
+    """``ks_table_data.h`` with ``vectors`` golden lookups per table; whether there is a cmsis/."""
     tables = "".join(
         f"""
 extern const ks_table_t ks_table_{form};
@@ -23,7 +23,7 @@ extern const ks_vector_t ks_vectors_{form}[KS_VECTORS_{form.upper()}];
 
 #include "core/ks_selftest.h"
 
-#define KS_TABLE_CMSIS {int(cmsis)} /* 1: cmsis/ holds the table once more */
+#define KS_TABLE_CMSIS {int(cmsis)} /* 1: cmsis/ holds the table, too */
 {tables}
 #endif
 """
@@ -60,7 +60,7 @@ const ks_table_t ks_table_{form} = {{
     .crc_header = 0x{t["crc_header"]:08X}UL,
 }};
 
-/* k_s at the nodes, last axis fastest and one row of it a line. */
+/* k_s at the nodes; the last axis varies fastest, one row of it per line. */
 const {_C_TYPE[form]} ks_values_{form}[] = {{
 {lines(values, "    ", table.axes[-1].n)}
 }};

@@ -1,4 +1,4 @@
-"""Golden vectors of an export: words that the control core gives here and has to give anywhere."""
+"""Golden vectors of an export: the words that the control core must give on every target."""
 
 import itertools
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ SEGMENTS = (
     (0.50, 0.36, 2.0, 0.5),
     (0.60, 0.10, 2.0, 0.3),
 )
-"""Closed loop: from [s], speed target [rated], its rate [rated/s], load [rated]; through the usual
+"""Closed loop: start [s], speed target [rated], its rate [rated/s], load [rated]; through the usual
 band and back, with a load step in between."""
 DURATION = 0.9
 NOISE_SEED = 2025
@@ -39,8 +39,8 @@ NOISE_SEED = 2025
 def table_vectors(table: KsTable, form: ValueFormat) -> Words:
     """Lookups (n, axes + 1): the signal of each axis, then the weight.
 
-    Edges, first nodes and middles of the axes in combination, places at random inside and outside,
-    and on one axis at a time what is hardly a number or none.
+    They take edges, first nodes and middles of the axes in combination, random places inside and
+    outside, and on one axis at a time infinities, NaN, huge, tiny and negative-zero numbers.
     """
     rng = np.random.default_rng(0)
     low = np.array([a.lo for a in table.axes], dtype=np.float32)
@@ -72,7 +72,7 @@ class DriveVectors:
 
 
 def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: int) -> DriveVectors:
-    """Run a drive on its machine under the table and note what goes in and out of ``drive_step``.
+    """Run a drive on its machine under the table and record inputs and outputs of ``drive_step``.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: in
     for j in range(n):
         k_s_ref = schedule.step(control, x)
         row = sim_trace(sim, 1, k_s_ref)
-        if not len(row):  # the drive got lost: what it did until then counts
+        if not len(row):  # the drive was lost: keep what it did until then
             out = out[:j]
             break
         x = sim["drive"]["x"]
@@ -140,6 +140,6 @@ def _scenario(motor: Motor) -> Scenarios:
 
 
 def _words(x: NDArray[np.float32]) -> Words:
-    """Bits of float32 numbers; every NaN gets the same ones."""
+    """Bits of float32 numbers; every NaN gets the same bits."""
     y = np.where(np.isnan(x), np.float32(np.nan), x).astype(np.float32)
     return y.view(np.uint32)

@@ -1,1 +1,1 @@
-"""Processor in the loop: the export on an emulated Cortex-M4F."""
+"""Processor in the loop: runs the exported code on an emulated Cortex-M4F."""

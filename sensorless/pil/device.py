@@ -1,7 +1,7 @@
-"""A program that runs the exported control core: the emulated target, or the host's own processor.
+"""Talks to a program that runs the exported control core, on the emulated target or on the host.
 
-``firmware/pil_wire.h`` has the words that travel, and the compiled core knows it: operations and
-layouts come from there. A device is asked and answers in NumPy arrays.
+Operations and layouts come from ``firmware/pil_wire.h``, through the compiled core. Questions and
+answers are NumPy arrays.
 """
 
 import os
@@ -19,11 +19,11 @@ from sensorless.core.api import SIGNAL_N, Array, lib, struct_dtype
 from sensorless.errors import UserError
 
 DRIVES: int = lib.PIL_DRIVES
-"""Most drives, or lookups, at a time."""
+"""Most drives, or lookups, in one request."""
 
 
 class Operation(IntEnum):
-    """What a device can be asked for."""
+    """Requests that a device answers."""
 
     EXIT = lib.PIL_EXIT
     INFO = lib.PIL_INFO
@@ -56,7 +56,7 @@ class Device:
     ----------
     command : list of str
     folder : Path, optional
-        Where to make two pipes with the names that the target opens; none: the program talks over
+        Folder for two pipes with the names that the target opens; without it the program talks over
         its standard input and output.
     timeout : float
         Longest wait for an answer [s].
@@ -114,7 +114,7 @@ class Device:
                 os.close(end)
 
     def ask(self, operation: Operation, items: Array | None = None) -> Array:
-        """Send a request and wait for its answers, one a row of ``items`` or a single one."""
+        """Send a request and wait for its answers: one per row of ``items``, or a single one."""
         self.send(operation, items)
         return self.receive(operation, 1 if items is None else len(items))
 
@@ -124,7 +124,7 @@ class Device:
         self._send(operation, n, b"" if items is None else np.ascontiguousarray(items).tobytes())
 
     def receive(self, operation: Operation, n: int) -> Array:
-        """Answers to a request that was sent, shape (n,)."""
+        """Receive the answers to a request, shape (n,)."""
         dtype = ANSWERS[operation]
         data = bytearray()
         while len(data) < n * dtype.itemsize:
@@ -137,7 +137,7 @@ class Device:
             data = data[os.write(self._to, data) :]
 
     def _read(self, n: int) -> bytes:
-        """At most n bytes, once there are some."""
+        """Wait for bytes and return at most n of them."""
         end = time.monotonic() + self._timeout
         while time.monotonic() < end:
             if select.select([self._from], [], [], 0.5)[0]:
@@ -161,9 +161,9 @@ class Device:
 
 
 def start_items(theta: Array, omega: Array, k_s: Array, seek: Array) -> Array:
-    """Where drives start: angle [rad], electrical speed [rad/s], weight; START_ITEM, (n,).
+    """Starts of drives as START_ITEM (n,): angle [rad], electrical speed [rad/s] and weight.
 
-    ``seek``: with the start sequence.
+    ``seek`` starts with the start sequence.
     """
     items = np.zeros(len(theta), dtype=START_ITEM)
     items["theta"], items["omega"], items["k_s"], items["seek"] = theta, omega, k_s, seek
@@ -171,7 +171,7 @@ def start_items(theta: Array, omega: Array, k_s: Array, seek: Array) -> Array:
 
 
 def lookup_items(rng: np.random.Generator, table_axes: Any, names: tuple[str, ...]) -> Array:
-    """Signals (n, SIGNAL_N) inside, outside and at the ends of a table's axes, and no numbers."""
+    """Signals (n, SIGNAL_N) inside, outside and at the ends of a table's axes, some not finite."""
     y = np.zeros((1024, SIGNAL_N), dtype=np.float32)
     odd = np.array([np.nan, np.inf, -np.inf, 3e38, -3e38, 1e-41, -0.0], dtype=np.float32)
     for axis in table_axes:

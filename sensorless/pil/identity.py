@@ -1,4 +1,4 @@
-"""Bit identity of the control core between compilers, optimisation levels and machines."""
+"""Compares the control core bit by bit between compilers, optimisation levels and processors."""
 
 import shutil
 import tempfile
@@ -21,14 +21,14 @@ from sensorless.table.ks_table import KsTable
 
 @dataclass(frozen=True)
 class Configuration:
-    """One way to compile and run the exported core, against the extension on the host."""
+    """One way to compile and run the exported core, to compare with the extension on the host."""
 
     machine: str
     """``target`` or ``host``"""
     level: str
     compiler: str = "gcc"
     plain: bool = False
-    """The extension computes drive by drive instead of in blocks as vector code."""
+    """The extension runs drive by drive instead of in blocks of vector code."""
 
 
 LEVELS = ("-O0", "-O2", "-O3", "-Os")
@@ -42,7 +42,7 @@ ALL = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a configuration gave."""
+    """Result of one configuration."""
 
     configuration: Configuration
     periods: int
@@ -58,9 +58,9 @@ def identity(
     configurations: Sequence[Configuration] = ALL,
     drives: int = DRIVES,
 ) -> Iterator[Outcome]:
-    """Compare every word of at least ``periods`` closed-loop control periods a configuration.
+    """Compare every word of at least ``periods`` closed-loop control periods per configuration.
 
-    A configuration whose compiler is not installed is left out.
+    Configurations whose compiler is not installed are left out.
 
     Parameters
     ----------

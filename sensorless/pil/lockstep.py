@@ -1,4 +1,4 @@
-"""Drives on their machines in lock-step with a device that runs the control core, word by word."""
+"""Runs drives in lock-step with a device that runs the control core, and compares every word."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,12 +24,12 @@ _X_AT = (SIM.fields["drive"][1] + SIM["drive"].fields["x"][1]) // 4  # type: ign
 _X_N = SIM["drive"]["x"].itemsize // 4
 _U_AT = (SIM.fields["drive"][1] + SIM["drive"].fields["u"][1]) // 4  # type: ignore[index]
 WORDS: int = STEP_ANSWER.fields["ticks"][1] // 4  # type: ignore[index]
-"""Words of a period that are compared: state of the drive, of the schedule, voltage."""
+"""Words compared per period: state of the drive, state of the schedule, voltage."""
 
 
 @dataclass
 class Lockstep:
-    """What came of a number of drives."""
+    """Result for n drives."""
 
     periods: NDArray[np.int64]
     """(n,) periods compared"""
@@ -40,13 +40,13 @@ class Lockstep:
     lost: NDArray[np.int32]
     """(n,) LOST_* bits"""
     ticks: NDArray[np.uint32]
-    """(total, 2) of every period compared: with the schedule, ``drive_step`` alone"""
+    """(total, 2) per compared period: with the schedule, and ``drive_step`` alone"""
     k_s: NDArray[np.float32]
     """(n, 2) smallest and largest weight"""
 
 
 def canonical(words: Words) -> Words:
-    """The same words with one representation of NaN."""
+    """Replace every NaN by the same word."""
     nan = np.isnan(words.view(np.float32))
     return np.where(nan, np.uint32(0x7FC00000), words)
 
@@ -60,10 +60,10 @@ def lockstep(
     plain: bool = False,
     progress: Progress | None = None,
 ) -> Lockstep:
-    """Run drives to their ends: the device's voltages drive the machines.
+    """Run drives to their ends, with the device's voltages on their machines.
 
     In every period the host's control core gets the same samples, and all words of both are
-    compared. The device stays on its own states from the start on.
+    compared. The device keeps its own states from the start on.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def lockstep(
     periods : int
         PWM periods from one decision to the next.
     plain : bool
-        The host computes drive by drive instead of in blocks as vector code.
+        The host runs drive by drive instead of in blocks of vector code.
     """
     n = len(sims)
     if not 1 <= n <= DRIVES:

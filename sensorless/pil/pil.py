@@ -41,7 +41,7 @@ from sensorless.table.image import lookup
 from sensorless.table.ks_table import KsTable
 
 EMPTY = 2
-"""Instructions of a call's measurement that are inside of the called function."""
+"""Instructions of a measured empty call that are inside the called function."""
 
 Report = dict[str, Any]
 
@@ -69,9 +69,9 @@ def pil(
     policy : str
         Name in the report.
     seed, size : int
-        Of the random scenarios; number of all scenarios, at most ``DRIVES``.
+        Seed of the random scenarios, and number of all scenarios, at most ``DRIVES``.
     level : str
-        Optimisation of the image.
+        Optimisation level of the image.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def pil(
     Raises
     ------
     UserError
-        Cross compiler or emulator are missing, or the image does not answer.
+        Cross compiler or emulator is missing, or the image does not answer.
     """
     require_tools()
     began = time.monotonic()
@@ -134,13 +134,13 @@ def pil(
 
 
 def passed(report: Report) -> bool:
-    """Nothing differs and no test on the target failed."""
+    """Whether nothing differs and no test on the target failed."""
     wrong = (report["mismatches"], report["lookup_mismatches"], report["fused_instructions"])
     return not any(wrong) and not any(report["target_tests"].values())
 
 
 def instructions(ticks: Array, info: Array) -> Array:
-    """Instructions from ticks of the target's counter, without those of the measurement."""
+    """Turn ticks of the target's counter into instructions, without those of the measurement."""
     per = (float(info["ticks_1000"]) - float(info["ticks_0"])) / CALL
     return np.rint((ticks.astype(np.float64) - float(info["ticks_0"])) / per)
 
@@ -167,7 +167,7 @@ def _scenarios(names: tuple[str, ...], run: Lockstep) -> list[Report]:
 
 
 def _lookups(device: Device, table: KsTable, info: Array) -> Report:
-    """Lookups in both formats, compared with the host."""
+    """Compare lookups in both formats with the host."""
     items = lookup_items(np.random.default_rng(1), table.axes, SIGNAL_NAMES)
     found = np.concatenate(
         [device.ask(Operation.LOOKUP, items[j : j + DRIVES]) for j in range(0, len(items), DRIVES)]
@@ -189,7 +189,7 @@ def _lookups(device: Device, table: KsTable, info: Array) -> Report:
 
 
 def _running(n: int, motor: Motor) -> Array:
-    """Inputs of a period for the count of its parts."""
+    """Inputs of a period, to count the instructions of its parts."""
     items = np.zeros(n, dtype=DRIVE_IN)
     items["i_a"], items["i_b"], items["u_dc"] = 0.3, -0.1, motor.u_dc
     items["omega_ref"] = 0.4 * motor.omega_rated

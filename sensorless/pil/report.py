@@ -1,4 +1,4 @@
-"""A processor-in-the-loop report as a table on the screen and as a file."""
+"""Prints a processor-in-the-loop report as a table and writes it as a file."""
 
 import json
 from pathlib import Path
@@ -6,6 +6,7 @@ from typing import Any
 
 from rich.table import Table
 
+from sensorless.design.words import observer_name
 from sensorless.files import write_atomic
 
 NAMES = {
@@ -22,7 +23,7 @@ NAMES = {
 
 
 def table(report: dict[str, Any]) -> Table:
-    """What was compared, instructions and memory."""
+    """Table of comparisons, instructions and memory."""
     out = Table(title=f"{report['policy']}, {report['motor']}: host against Cortex-M4F (QEMU)")
     out.add_column("")
     for name in ("min", "mean", "max"):
@@ -38,7 +39,9 @@ def table(report: dict[str, Any]) -> Table:
                 f"{len(report['scenarios'])}", end_section=True)  # fmt: skip
     out.add_row("[bold]instructions")
     for name, spread in report["instructions"].items():
-        out.add_row(NAMES[name], *(f"{spread[key]:,.0f}" for key in ("min", "mean", "max")))
+        aside = name == "part_smo" and observer_name(report["estimator"]) != "SMO"
+        label = NAMES[name] + (", not in this drive" if aside else "")
+        out.add_row(label, *(f"{spread[key]:,.0f}" for key in ("min", "mean", "max")))
     out.add_section()
     out.add_row("[bold]bytes")
     out.add_row("flash: control core, parameters, table", "", "", f"{report['flash_core']:,}")
@@ -52,5 +55,5 @@ def table(report: dict[str, Any]) -> Table:
 
 
 def write_report(report: dict[str, Any], path: Path) -> None:
-    """Write it as JSON, whole or not at all."""
+    """Write a report as JSON, whole or not at all."""
     write_atomic(path, json.dumps(report, indent=2) + "\n")

@@ -1,4 +1,4 @@
-"""Scenarios of the processor in the loop: the ones a drive meets, and one that it loses."""
+"""Scenarios for the processor in the loop: what a drive meets, and one case that it loses."""
 
 import dataclasses
 
@@ -19,8 +19,8 @@ PLANS: dict[str, tuple[tuple[float, float, float], ...]] = {
     "spinning shaft": ((0.0, -0.6, 0.0), (0.3, 0.3, 0.0)),
     "lost": ((0.0, 0.3, 0.0), (0.6, 0.3, 0.5)),
 }
-"""From [s], speed target [rated], load [rated]. Two find their rotor first; a current sensor of the
-last one is broken."""
+"""Start [s], speed target [rated], load [rated]. Two drives find their rotor first; the last one
+has a broken current sensor."""
 
 BROKEN = 0.7
 """Offset of the broken sensor [rated current]."""
@@ -31,10 +31,10 @@ DURATION = 2.0
 
 
 def pil_scenarios(motor: Motor, seed: int = 5, size: int = 16) -> tuple[tuple[str, ...], Scenarios]:
-    """Names and scenarios: the planned ones, and as many random ones as make ``size`` together.
+    """Names and scenarios: the planned ones, filled up to ``size`` with random ones.
 
-    The controller's own numbers are those of the export, so what differs between scenarios are the
-    machine, its load and its sensors.
+    The controller's numbers are always those of the export, so scenarios differ in the machine, its
+    load and its sensors only.
     """
     planned = Scenarios.nominal(
         motor, np.arange(len(PLANS), dtype=np.uint64) + np.uint64(seed), DURATION
@@ -57,6 +57,6 @@ def pil_scenarios(motor: Motor, seed: int = 5, size: int = 16) -> tuple[tuple[st
 
 
 def join(*parts: Scenarios) -> Scenarios:
-    """All rows of several batches."""
+    """Join the rows of several batches."""
     fields = [f.name for f in dataclasses.fields(Scenarios)]
     return Scenarios(**{f: np.concatenate([getattr(p, f) for p in parts]) for f in fields})

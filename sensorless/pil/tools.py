@@ -1,4 +1,4 @@
-"""The cross compiler and the emulator: are they there, and what they make of an exported folder."""
+"""Cross compiler and emulator: checks for them and builds an exported folder with them."""
 
 import re
 import shutil
@@ -11,7 +11,7 @@ from sensorless.export.core_files import FIRMWARE, core_files
 CROSS = "arm-none-eabi-"
 QEMU = "qemu-system-arm"
 PACKAGES = {f"{CROSS}gcc": "gcc-arm-none-eabi", QEMU: "qemu-system-arm", "make": "make"}
-"""Program and the Debian package it comes in."""
+"""Programs, each with its Debian package."""
 
 
 def missing_packages() -> list[str]:
@@ -20,17 +20,17 @@ def missing_packages() -> list[str]:
 
 
 def require_tools() -> None:
-    """Refuse to go on without cross compiler and emulator.
+    """Stop if cross compiler or emulator is missing.
 
     Raises
     ------
     UserError
-        Names the Debian packages.
+        A program is missing; the message names the Debian packages.
     """
     missing = missing_packages()
     if missing:
         raise UserError(
-            f"pil: programs are missing; on Debian, run: apt-get install --no-install-recommends "
+            "pil: programs are missing; on Debian, run: apt-get install --no-install-recommends "
             f"{' '.join(missing)}"
         )
 
@@ -41,18 +41,18 @@ def build(exported: Path, folder: Path, what: str, level: str = "-O2", cc: str =
     Parameters
     ----------
     exported : Path
-        What ``sensorless export`` wrote.
+        Folder that ``sensorless export`` wrote.
     folder : Path
-        For objects and the program.
+        Folder for objects and the program.
     what : str
-        ``image`` for the emulated target, ``host`` for a program on this machine.
+        ``image`` for the emulated target, ``host`` for a program on this computer.
     level, cc : str
-        Optimisation, and the host's compiler.
+        Optimisation level, and compiler of the host.
 
     Raises
     ------
     UserError
-        It does not compile; with the compiler's first error.
+        The code does not compile; the message has the compiler's first error.
     """
     command = ["make", "-s", "-f", str(FIRMWARE / "Makefile"), f"EXPORT={exported}",
                f"BUILD={folder}", f"OPT={level}", f"CC={cc}", what]  # fmt: skip
@@ -79,7 +79,7 @@ def _output(*command: str) -> str:
 
 
 def versions() -> dict[str, str]:
-    """First line of what cross compiler and emulator say of themselves."""
+    """First line of the versions of cross compiler and emulator."""
     return {name: _output(name, "--version").splitlines()[0] for name in (f"{CROSS}gcc", QEMU)}
 
 
@@ -100,18 +100,18 @@ def symbol_sizes(path: Path) -> dict[str, int]:
 
 
 def fused_instructions(image: Path) -> int:
-    """Number of fused multiply-adds in an image, which would change the bits."""
+    """Number of fused multiply-adds in an image; they would change the bits."""
     return len(re.findall(r"\tvf(?:n?m[as])\.", _output(f"{CROSS}objdump", "-d", str(image))))
 
 
 def stack_of(folder: Path, functions: tuple[str, ...]) -> int:
-    """Most stack that one of the functions takes for itself [byte]."""
+    """Largest stack frame of the functions [byte]."""
     rows = [line.split("\t") for path in folder.glob("*.su") for line in path.open()]
     return max((int(row[1]) for row in rows if row[0].split(":")[-1] in functions), default=0)
 
 
 def shipped() -> list[str]:
-    """Objects of the control core; a product does not need the comparison with golden vectors."""
+    """Objects of the control core without the golden-vector test, which a product can leave out."""
     sources = (Path(name) for name in core_files() if name.endswith(".c"))
     return [path.stem for path in sources if path.stem != "ks_selftest"]
 

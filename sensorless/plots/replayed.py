@@ -5,13 +5,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sensorless.plots.figure import COLOURS, new_figure
-from sensorless.replay.replay import NAMES, Replay
+from sensorless.replay.replay import Replay
 from sensorless.units import RAD_S_TO_RPM
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-COLOUR = {name: COLOURS.get(name, "#6a994e") for name in NAMES}
+OTHER = "#6a994e"
+"""Colour of an estimator that other figures do not have."""
 
 
 def replayed(r: Replay) -> "Figure":
@@ -27,7 +28,7 @@ def replayed(r: Replay) -> "Figure":
         rpm = RAD_S_TO_RPM / r.motor.n_p * true
         speed.plot(middle, rpm, color=COLOURS["twin"], lw=2.5, label="encoder, over 5 ms")
     for name, estimate in r.estimates.items():
-        style = {"color": COLOUR[name], "lw": 0.8, "label": NAMES[name]}
+        style = {"color": COLOURS.get(name, OTHER), "lw": 0.8, "label": r.label(name)}
         speed.plot(t, RAD_S_TO_RPM / r.motor.n_p * estimate.omega_e, **style)
         error = r.error(name)
         shown = np.rad2deg(estimate.theta_e if error is None else error)
@@ -38,7 +39,7 @@ def replayed(r: Replay) -> "Figure":
     angle.set_ylabel(
         "angle [° el.]" if theta_e is None else "angle error [° el.]\ntruth − estimate"
     )
-    weight.set_ylabel("$k_s$\n1 = HFI, 0 = SMO")
+    weight.set_ylabel(f"$k_s$\n1 = HFI, 0 = {r.observer}")
     weight.set_xlabel("time [s]")
     for ax in axes:
         ax.grid(alpha=0.3)

@@ -1,4 +1,4 @@
-"""The drive's observers, their blend and an independent filter over a recorded log."""
+"""Runs the drive's estimators, their blend and an independent filter over a recorded log."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,6 +9,7 @@ from rich.table import Table
 from sensorless.core.api import REPLAY_NAMES, SIGNAL_N, Array, ObserverRun
 from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.words import observer_name
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
@@ -19,8 +20,6 @@ from sensorless.replay.log import Log, clarke, read_log
 
 SAMPLE = Path(__file__).parent / "sample_log.csv"
 """A log of the paper's motor that comes with the package."""
-NAMES = {"hfi": "HFI", "smo": "SMO", "blend": "blend", "ekf": "EKF"}
-"""Estimators by the ending of their columns."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,7 @@ class Estimate:
     omega_e: Floats
     """(n,) speed, electrical [rad/s]"""
     valid: Array
-    """(n,) bool: it had its own signal; else it followed the blend"""
+    """(n,) bool: it had its own signal; otherwise it followed the blend"""
 
 
 @dataclass(frozen=True)
@@ -44,8 +43,14 @@ class Replay:
     log: Log
     k_s: Floats
     """(n,) weight of the blend"""
+    observer: str
+    """name of the observer beside the injection, see ``observer_name``"""
     estimates: dict[str, Estimate] = field(default_factory=dict)
-    """by the keys of ``NAMES``"""
+    """by the ending of their columns: hfi, smo (the observer), blend and ekf"""
+
+    def label(self, name: str) -> str:
+        """Name of an estimator for people."""
+        return {"hfi": "HFI", "smo": self.observer, "blend": "blend", "ekf": "EKF"}[name]
 
     def error(self, name: str) -> Floats | None:
         """Truth minus estimate (n,) [rad]; None without an encoder."""
@@ -55,7 +60,7 @@ class Replay:
         return np.asarray(np.remainder(turn + np.pi, 2.0 * np.pi) - np.pi)
 
     def write_csv(self, path: Path) -> None:
-        """Angle, speed and error of every estimator, one row a sample."""
+        """Write angle, speed and error of every estimator, one row per sample."""
         columns: dict[str, Array] = {"t": self.log.t, "k_s": self.k_s}
         if self.log.theta_e is not None:
             columns["theta_e"] = self.log.theta_e
@@ -74,17 +79,21 @@ class Replay:
         """Errors of every estimator while it had its own signal, from ``after`` [s] on."""
         since = f" from {after:g} s on" if after > 0.0 else ""
         table = Table(title=f"{len(self.log.t)} samples of {self.motor.name}, k_s: {self.policy}")
-        table.caption = f"angle: truth − estimate, electrical, while on its own signal{since}"
+        table.caption = (
+            "own signal: share of samples in which the estimator had a signal of its own instead "
+            "of following the blend. RMS, largest, mean: angle error there, truth − estimate, "
+            f"electrical{since}. HFI: injection. EKF: a Kalman filter to compare with."
+        )
         for heading in ("estimator", "own signal\n[%]", "RMS [°]", "largest [°]", "mean [°]"):
             table.add_column(heading, justify="left" if heading == "estimator" else "right")
         for name, row in self.summary(after).items():
             cells = (f"{row[key]:.2f}" for key in ("rms_deg", "max_deg", "mean_deg"))
             shown = cells if self.log.theta_e is not None and row["share"] else ("–",) * 3
-            table.add_row(NAMES[name], f"{100.0 * row['share']:.0f}", *shown)
+            table.add_row(self.label(name), f"{100.0 * row['share']:.0f}", *shown)
         return table
 
     def summary(self, after: float = 0.0) -> dict[str, dict[str, float]]:
-        """Share of samples on their own signal and angle errors over those, by estimator.
+        """Share of samples with an own signal and angle errors over those, by estimator.
 
         Returns
         -------
@@ -139,24 +148,25 @@ def replay(
     Parameters
     ----------
     policy : Policy
-        Chooses k_s at the pace of the drive from signals as the drive's; the speed reference, which
-        a log does not have, is the estimated speed.
+        Chooses k_s as often as in the drive, from the same signals; the speed reference, which a
+        log does not have, is the estimated speed.
     theta_0, omega_0 : float
-        Where the estimators begin, electrical [rad, rad/s]: an injection shows the angle only up to
-        half a turn.
+        Start of the estimators, electrical [rad, rad/s]; injection shows the angle only up to half
+        a turn.
     k_s_0 : float
         First weight.
 
     Raises
     ------
     UserError
-        The policy needs what no log has.
+        The policy needs the true angle.
     """
     if policy.sensored or isinstance(policy, PrivilegedPolicy):
         raise UserError(
             f"policy: {policy.name!r} needs the true angle, which a log lacks; give a rule or table"
         )
-    run = ObserverRun(control_record(motor, design_for(policy, design)), theta_0, omega_0, k_s_0)
+    own = design_for(policy, design)
+    run = ObserverRun(control_record(motor, own), theta_0, omega_0, k_s_0)
     rows, every = log.rows(), decision_periods(motor)
     policy.reset(1)
     out = []
@@ -178,4 +188,5 @@ def replay(
     phases = np.stack([log.i[:, 0], log.i[:, 1], -log.i.sum(axis=1)], axis=-1)
     theta, omega = run_ekf(motor, log.u, clarke(phases), theta_0, omega_0)
     estimates["ekf"] = Estimate(theta, omega, always)
-    return Replay(motor, policy.name, log, column["k_s"], estimates)
+    observer = observer_name(own.estimator)
+    return Replay(motor, policy.name, log, column["k_s"], observer, estimates)

@@ -30,6 +30,11 @@ def test_a_simulated_log_is_replayed(tmp_path: Path) -> None:
     assert plot.read_bytes()[:4] == b"\x89PNG"
 
 
+def test_the_observer_is_called_what_it_is(tmp_path: Path) -> None:
+    said = run("replay", SAMPLE, "--set", "estimator=flux")
+    assert "flux observer" in said and "SMO" not in said
+
+
 def test_mistakes(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"out: .* does not exist"):
         run("replay", SAMPLE, "--out", str(tmp_path / "none" / "out.csv"))

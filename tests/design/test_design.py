@@ -16,6 +16,7 @@ from sensorless.design.drive import (
     plant_record,
     sensor_record,
 )
+from sensorless.design.words import OBSERVERS, observer_name
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.observers.hfi_design import SCHEMES, error_slope, hf_current
@@ -24,6 +25,11 @@ from sensorless.observers.smo_design import deadbeat_gain, low_pass
 from sensorless.settings import Setting, settings_of
 
 NUMBERS = [s for s in settings_of(DriveDesign).values() if s.kind is float]
+
+
+def test_every_estimator_has_a_name_for_people() -> None:
+    assert set(OBSERVERS) == set(ESTIMATORS)
+    assert observer_name("flux") == "flux observer"
 
 
 @pytest.mark.parametrize(

@@ -63,7 +63,7 @@ def test_the_files_hold_the_padded_data(exported: Exported, table: KsTable) -> N
     read = np.array(re.findall(r"([\d.e+-]+)f\b", body), dtype=F)
     assert read.tobytes() == padded(table).tobytes()
     said = (exported.folder / "README.md").read_text()
-    assert "ks_cmsis_x(torque_current), ks_cmsis_y(speed)" in said and "The trap" in said
+    assert "ks_cmsis_x(torque_current), ks_cmsis_y(speed)" in said and "Beware" in said
 
 
 @pytest.mark.parametrize("n_axes", [1, 3])
@@ -72,4 +72,4 @@ def test_other_tables_have_no_such_layout(n_axes: int) -> None:
     axes = tuple(Axis(name, 0.0, 1.0, 2) for name in names)
     t = KsTable(axes, np.zeros((2,) * n_axes, dtype=F))
     assert not cmsis_files(t)
-    assert f"exactly two axes, this table has {n_axes}" in readme(t)
+    assert f"two axes, and this table has {n_axes}" in readme(t)

@@ -51,7 +51,7 @@ def test_where_there_is_nothing_to_switch_none_is_given(
 ) -> None:
     entry = two_threshold(table, motor, design)
     assert entry == {"none": "k_s of this table does not fall with the speed"}
-    assert readme(entry) == "None: k_s of this table does not fall with the speed."
+    assert readme(entry) == "There are none: k_s of this table does not fall with the speed."
 
 
 def test_the_hard_switch_keeps_a_gap(motor: Motor) -> None:

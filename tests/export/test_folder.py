@@ -31,6 +31,20 @@ def test_the_json_is_the_table_and_its_origin(
 
 
 @pytest.mark.usefixtures("without_selftest")
+@pytest.mark.parametrize(
+    ("estimator", "observer"), [("smo", "sliding-mode observer"), ("flux", "flux observer")]
+)
+def test_the_readme_names_the_observer_that_leads(
+    estimator: str, observer: str, tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
+) -> None:
+    done = export(table, motor, replace(design, estimator=estimator), tmp_path / "out")
+    said = (done.folder / "README.md").read_text(encoding="utf-8")
+    assert f"0: the {observer} leads" in said
+    other = {"sliding-mode", "flux observer"} - {observer, observer.split()[0]}
+    assert not any(name in said for name in other)
+
+
+@pytest.mark.usefixtures("without_selftest")
 def test_the_same_policy_gives_the_same_files(
     exported: Exported, tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
 ) -> None:

@@ -127,7 +127,7 @@ def test_without_a_compiler_the_export_says_so(
     monkeypatch.delenv("CC", raising=False)
     done = export(table, motor, design, tmp_path / "out")
     assert not done.self_test.ran
-    assert done.self_test.message.startswith("self test not run: no C compiler")
+    assert done.self_test.message.startswith("self test not run, because there is no C compiler")
 
 
 @GCC
