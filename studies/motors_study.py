@@ -22,7 +22,7 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.evaluation.aggregate import paired, summary
 from sensorless.evaluation.evaluate import Scores, score
 from sensorless.files import write_atomic
-from sensorless.machine.motor import MOTORS, Motor
+from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy, TablePolicy
 from sensorless.versions import versions
@@ -34,7 +34,7 @@ METRICS = ("torque_dev_rms", "torque_ripple_rms", "overshoot_pct")
 FAMILY = "results/studies/motors"
 POLICIES = (f"{FAMILY}/ppo", "eq25", "logistic-flux-tuned")
 AGAINST = (f"{FAMILY}/linear-family.json", "linear-tuned", "flux_observer")
-MACHINES = tuple(sorted(path.stem for path in MOTORS.glob("*.toml")))
+MACHINES = ("ipmsm_2200w", "paper", "pmsyrm_5600w")
 
 
 def compared(found: Scores, other: Scores, seed: int) -> dict[str, Any]:

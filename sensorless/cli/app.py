@@ -11,6 +11,7 @@ from sensorless.cli.evaluate import evaluate_command
 from sensorless.cli.export import export_command
 from sensorless.cli.identify import app as identify_app
 from sensorless.cli.motor import app as motor_app
+from sensorless.cli.motors import motors_command
 from sensorless.cli.options import console
 from sensorless.cli.pil import pil_command
 from sensorless.cli.plain import Command, Group
@@ -31,7 +32,11 @@ PANELS: dict[str, dict[str, Callable[..., None]]] = {
     },
     "Judge it": {"evaluate": evaluate_command, "report": report_command},
     "Ship it": {"export": export_command, "pil": pil_command},
-    "Your own drive": {"settings": settings_command, "replay": replay_command},
+    "Your own drive": {
+        "motors": motors_command,
+        "settings": settings_command,
+        "replay": replay_command,
+    },
 }
 """Functions by command and by the heading above it."""
 

@@ -23,8 +23,9 @@ MotorOption = Annotated[
     typer.Option(
         "--motor",
         metavar="MOTOR",
-        help="Use this motor: the name of a shipped one (paper, ipmsm_2200w, pmsyrm_5600w), or "
-        "your own TOML file, laid out as docs/bring-a-motor.md shows.",
+        help="Use this motor: the name of a shipped one (paper, ipmsm_2200w, pmsyrm_5600w, "
+        "brusa_hsm1, pmsrm_15kw, formula_wheel), or your own "
+        "TOML file, laid out as docs/bring-a-motor.md shows.",
     ),
 ]
 SetOption = Annotated[

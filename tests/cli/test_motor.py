@@ -114,3 +114,13 @@ def test_a_flux_map_becomes_a_motor_file(tmp_path: Path) -> None:
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
     again = run("motor", "check", "made.toml", "--size", "0", cwd=tmp_path)
     assert "suitable: yes" in again.stdout
+
+
+def test_the_list_has_every_shipped_motor(tmp_path: Path) -> None:
+    done = run("motors", cwd=tmp_path)
+    assert done.returncode == 0
+    names = [path.stem for path in MOTORS.glob("*.toml")]
+    assert len(names) >= 6
+    for name in names:
+        assert name in done.stdout
+    assert "4.54" in done.stdout and "yes" in done.stdout

@@ -16,6 +16,8 @@ from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import make_policy
 
 NAMES = sorted(path.stem for path in MOTORS.glob("*.toml"))
+DRIVEN = ("ipmsm_2200w", "paper", "pmsyrm_5600w")
+"""Machines that the default design drives; of the others ``motor check`` says that it does not."""
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -51,7 +53,7 @@ def test_saliency_holds_on_the_operating_line(name: str) -> None:
     assert all(np.isfinite(curve).all() for curve in curves)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", DRIVEN)
 def test_each_estimator_holds_rated_torque(name: str) -> None:
     """Injection at 10 % of rated speed, the observer at 30 %, in both directions of torque.
 

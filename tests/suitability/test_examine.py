@@ -24,8 +24,8 @@ def changed(motor: Motor, **changes: Any) -> Examination:
     return examine(out, 15.0)
 
 
-@pytest.mark.parametrize("name", ["paper", "ipmsm_2200w", "pmsyrm_5600w"])
-def test_the_first_machines_are_suitable(name: str) -> None:
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_machines_are_suitable_on_paper(name: str) -> None:
     assert examine(Motor.load(name), 15.0).verdict.word == "yes"
 
 
