@@ -10,6 +10,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from sensorless.agents.train.config import TrainConfig
 from sensorless.cli.options import SetOption, console, describe, errors
+from sensorless.cli.suited import say_if_unsuited
 from sensorless.errors import UserError
 from sensorless.settings import settings_of
 
@@ -87,6 +88,8 @@ def run_training(config: TrainConfig, design: Any, folder: Path, *, resume: bool
     from sensorless.machine.motor import Motor
     from sensorless.policies.registry import table_named
 
+    if not resume and not config.machines:
+        say_if_unsuited(Motor.load(config.motor), design)
     columns = [TextColumn("training"), BarColumn(), TextColumn("{task.percentage:.0f} %")]
     columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
     quiet = not errors.is_terminal

@@ -17,6 +17,7 @@ from sensorless.cli.options import (
     describe,
     errors,
 )
+from sensorless.cli.suited import say_if_unsuited
 
 if TYPE_CHECKING:
     from sensorless.evaluation.objective import Cost
@@ -76,6 +77,8 @@ def tune_command(
 
     check_writable(out)
     machine, design = Motor.load(motor), design_from(settings)
+    if not machines:
+        say_if_unsuited(machine, design)
     columns = [TextColumn(f"tuning {name}"), BarColumn(), TextColumn("{task.percentage:.0f} %")]
     columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
     bar = Progress(*columns, console=errors, disable=not errors.is_terminal)

@@ -1,13 +1,16 @@
 """From a data sheet to a checked motor file, and what the check says on screen and page."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from sensorless.cli.app import app
-from sensorless.machine.motor import MOTORS, Motor
+from sensorless.cli.suited import say_if_unsuited
+from sensorless.design.drive import DriveDesign
+from sensorless.machine.motor import MOTORS, Motor, Saturation
 from tests.helpers.command import run
 
 SHEET = {
@@ -124,3 +127,23 @@ def test_the_list_has_every_shipped_motor(tmp_path: Path) -> None:
     for name in names:
         assert name in done.stdout
     assert "4.54" in done.stdout and "yes" in done.stdout
+
+
+def test_training_says_first_what_speaks_against_a_machine(tmp_path: Path) -> None:
+    """A machine without saliency is refused before there is a run folder."""
+    text = (MOTORS / "ipmsm_2200w.toml").read_text(encoding="utf-8")
+    (tmp_path / "none.toml").write_text(text.replace("L_q = 0.051 ", "L_q = 0.036 "))
+    done = run("train", "--name", "x", "--motor", "none.toml", "--steps", "1000", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "suitable: no, because no saliency" in done.stderr
+    assert "without saliency" in done.stderr.splitlines()[-1]
+    assert not (tmp_path / "runs" / "x" / "config.json").exists()
+
+
+def test_weak_saliency_is_said_and_strong_is_not(capsys: pytest.CaptureFixture[str]) -> None:
+    known = Motor.load("ipmsm_2200w")
+    weak = replace(known, L_q=0.0385, saturation=Saturation.linear(known.L_d, 0.0385, known.psi_f))
+    say_if_unsuited(weak, DriveDesign())
+    assert "inductance ratio 1.07 within rated current" in " ".join(capsys.readouterr().err.split())
+    say_if_unsuited(known, DriveDesign())
+    assert not capsys.readouterr().err

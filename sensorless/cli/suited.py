@@ -1,0 +1,20 @@
+"""What speaks against a machine, said before minutes of work on it."""
+
+from typing import TYPE_CHECKING
+
+from rich.markup import escape
+
+from sensorless.cli.options import errors
+
+if TYPE_CHECKING:
+    from sensorless.design.drive import DriveDesign
+    from sensorless.machine.motor import Motor
+
+
+def say_if_unsuited(motor: "Motor", design: "DriveDesign") -> None:
+    """Print the verdict of the check without its run, unless it is yes."""
+    from sensorless.suitability.examine import examine
+
+    verdict = examine(motor, design.hfi_pll_hz).verdict
+    if verdict.word != "yes":
+        errors.print(f"[bold]{escape(motor.name)}[/]: {escape(str(verdict))}", highlight=False)
