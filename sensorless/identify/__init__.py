@@ -1,1 +1,1 @@
-"""Commissioning: curves that a real drive would measure."""
+"""Commissioning: curves that a real drive would measure in a test run."""

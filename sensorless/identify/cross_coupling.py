@@ -1,8 +1,8 @@
-"""Cross-coupling as a commissioning run finds it: a load sweep on the injection estimator alone.
+"""Identifies cross-coupling as in commissioning: a load sweep on the injection estimator alone.
 
-The drive runs at low speed on its injection estimator; the load goes from full torque in one
-direction to full torque in the other while an encoder watches. Without compensation the estimator
-stands off the rotor by half the cross-coupling angle (Fig. 4 and Eq. 16 of doi
+The drive runs at low speed on its injection estimator, and the load goes from full torque in one
+direction to full torque in the other while an encoder watches. Without compensation the estimate is
+off the rotor by half the cross-coupling angle theta_m (Fig. 4 and Eq. 16 of doi
 10.12177/emca.2025.011). Angles here are truth minus estimate, theta_m / 2: what compensation adds.
 """
 
@@ -30,24 +30,24 @@ CURRENT = 1.1
 SPEED = 0.1
 """Speed of the sweep over rated speed."""
 SPEED_HZ = 1.0
-"""Speed loop of the sweep: slow, so that the drive stands still at each load [Hz]."""
+"""Speed loop of the sweep: slow, so that the drive comes to rest at each load [Hz]."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A compensation fitted to measured angles: how well it meets them."""
+    """How well a compensation fits the measured angles."""
 
     r2: float
-    """share of the angles' variance that it explains"""
+    """share of the variance of the angles that it explains"""
     residual_rms_deg: float
     residual_max_deg: float
 
 
 @dataclass(frozen=True)
 class Line:
-    """A line through zero, as the source paper compensates; least squares up to a working torque.
+    """A line through zero, the source paper's compensation; least squares up to a working torque.
 
-    It cannot be good everywhere: the q axis saturates, and the slope falls with the current.
+    It cannot fit everywhere: the q axis saturates, so the slope falls with the current.
     """
 
     slope: float
@@ -55,18 +55,18 @@ class Line:
     up_to: float
     """|i_q| of the working torque, where the fit ends [A]"""
     fit: Fit
-    """over what it was fitted to"""
+    """over the range that it was fitted to"""
     slopes: tuple[float, float]
-    """of a line for positive and one for negative torque alone, over the same range [rad/A]"""
+    """of lines for positive and for negative torque alone, over the same range [rad/A]"""
     fits: tuple[Fit, Fit]
     """of the common line, for positive and for negative torque"""
     to_rated: Fit
-    """of the same line over all of the sweep up to rated current"""
+    """of the same line over the whole sweep up to rated current"""
 
 
 @dataclass(frozen=True)
 class CrossCoupling:
-    """What the sweep came to. Currents in the encoder's frame."""
+    """Result of the sweep. Currents are in the encoder's frame."""
 
     motor: Motor
     mtpa: bool
@@ -79,16 +79,16 @@ class CrossCoupling:
     nodes: Floats
     """(CURVE_N,) |i_q| of the table [A]"""
     table: Floats
-    """(CURVE_N,) theta_m / 2 at positive i_q [rad], from a second sweep under the first one's"""
+    """(CURVE_N,) theta_m / 2 at positive i_q [rad], from a second sweep under the first fit"""
     table_fit: Fit
     left: Floats
     """(m,) error of the drive that runs on the table [rad], over ``left_i_q`` [A]"""
     left_i_q: Floats
     left_line: Floats
-    """the same of the drive that runs on the line, as far as the line was fitted [rad]"""
+    """error of the drive that runs on the line, as far as the line was fitted [rad]"""
 
     def report(self) -> dict[str, Any]:
-        """Plain data: amperes and degrees."""
+        """Return plain data in amperes and degrees."""
         rad = np.rad2deg
         theory = cross_angle(self.motor, self.i)
         line = self.line
@@ -136,16 +136,16 @@ class CrossCoupling:
 
 
 def identify_cross_coupling(motor: Motor, design: DriveDesign) -> CrossCoupling:
-    """Sweep, fit, and sweep again under the fit.
+    """Sweep, fit, and sweep again with the fit in force.
 
-    Without compensation the current itself is turned off the line it is meant to be on. So the
-    table comes from a second sweep, with the first one's fit in force: what compensation adds plus
-    what is left of the error.
+    Without compensation the wrong angle moves the current itself off its operating line. So the
+    table comes from a second sweep with the first fit in force: what compensation adds, plus the
+    error that is left.
 
     Raises
     ------
     UserError
-        The drive does not hold enough of the sweep.
+        The drive holds too few loads of the sweep.
     """
     design = dataclasses.replace(design, cross="none", speed_hz=SPEED_HZ)
     raw = _sweep(motor, design, np.zeros(CURVE_N))
@@ -178,7 +178,7 @@ def identify_cross_coupling(motor: Motor, design: DriveDesign) -> CrossCoupling:
 
 
 def _sweep(motor: Motor, design: DriveDesign, table: Floats) -> Steady:
-    """The part of the sweep that the drive holds within 97 % of its current limit."""
+    """Run the sweep; return the part that the drive holds within 97 % of its current limit."""
 
     def change(sims: Array) -> None:
         sims["control"]["theta_cross"]["y"] = table
@@ -222,7 +222,7 @@ def fit_line(i_q: Floats, angle: Floats, working: Array, rated: float) -> Line:
 def fit_table(nodes: Floats, i_q: Floats, angle: Floats) -> Floats:
     """Least-squares values at evenly spaced |i_q| ``nodes`` of an odd, piecewise linear function.
 
-    Beyond the measured currents it runs on straight.
+    Beyond the measured currents it continues in a straight line.
     """
     step, size = nodes[1] - nodes[0], np.abs(i_q)
     hats = np.maximum(0.0, 1.0 - np.abs(size[:, None] - nodes) / step) * np.sign(i_q)[:, None]

@@ -1,1 +1,1 @@
-"""The machine alone under given voltages."""
+"""Runs the machine alone under given voltages."""

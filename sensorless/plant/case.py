@@ -1,8 +1,8 @@
 """The description of an open-loop run of the machine alone, in JSON.
 
-It names the machine (``linear`` or ``pmsyrm``), the mechanics (``J`` and ``B``, or a held speed
-``w_M``), the start (``init``) and the period ``T_s``. A capital ``M`` marks what is mechanical, a
-small ``m`` what is electrical.
+It gives the machine (``linear`` or ``pmsyrm``), the mechanics (``J`` and ``B``, or a held speed
+``w_M``), the start (``init``) and the period ``T_s``. A capital ``M`` marks mechanical quantities,
+a small ``m`` electrical ones.
 """
 
 import json
@@ -19,7 +19,7 @@ SATURATED = tuple("n_p R_s a_d0 a_dd S a_q0 a_qq T a_dq U V".split())
 BRIDGE = ("a_b", "a_bp", "k_q", "psi_n", "W")
 POSITIVE = ("T_s", "L_d", "L_q", "a_d0", "a_q0", "J")
 NOTES = ("rtol", "atol")
-"""Keys that tell how a reference was made; they are read over."""
+"""Keys that say how a reference was made; they are ignored."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def read_case(path: str | Path) -> PlantCase:
     Raises
     ------
     UserError
-        Names the file and the field that is missing, unknown or out of range.
+        The file cannot be read, or a field is missing, unknown or out of range.
     """
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))

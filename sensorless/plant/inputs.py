@@ -1,7 +1,7 @@
 """The inputs of an open-loop run of the machine alone, in CSV.
 
-One row a period: ``u_alpha``, ``u_beta`` [V] in the stator frame and, where the shaft is free,
-``tau_L`` [N m]; the header names the columns, in any order.
+There is one row per PWM period: ``u_alpha``, ``u_beta`` [V] in the stator frame and, if the shaft
+is free, ``tau_L`` [N m]. The header names the columns, in any order.
 """
 
 import csv
@@ -23,7 +23,7 @@ def read_inputs(path: str | Path) -> Floats:
     Raises
     ------
     UserError
-        Names the file, the line and the column.
+        The file cannot be read; the message names file, line and column.
     """
     try:
         with open(path, newline="", encoding="utf-8-sig") as file:

@@ -1,4 +1,4 @@
-"""The machine alone under given voltages: ``sensorless simulate --plant --inputs --out``."""
+"""Runs the machine alone: ``sensorless simulate --plant --inputs --out``."""
 
 import math
 from dataclasses import dataclass
@@ -32,20 +32,20 @@ COLUMNS = (
 )
 THETA_E = PLANT_NAMES.index("theta_e")
 STEP_ERROR = 1e-8
-"""Largest difference to a run with half the step that is accepted [A, rad, ...]."""
+"""Largest accepted difference to a run with half the step [A, rad, ...]."""
 SPLITS = 256
-"""Most pieces a period is cut into, each of ``SUB_STEPS`` Runge-Kutta steps."""
+"""Most pieces that a period is cut into, each of ``SUB_STEPS`` Runge-Kutta steps."""
 CHUNK = 2**17
 
 
 @dataclass(frozen=True)
 class PlantRun:
-    """What a run came to."""
+    """Result of a run."""
 
     rows: Floats
     """shape (n + 1, 13), ``COLUMNS`` at every sampling instant"""
     sub_steps: int
-    """Runge-Kutta steps a period"""
+    """Runge-Kutta steps per period"""
     step_error: float
     """largest difference to the run with twice the step"""
 
@@ -60,7 +60,7 @@ def plant_arrays(
     sub_steps : int
         Runge-Kutta steps per piece of a period.
     split : int
-        Pieces a period is cut into.
+        Pieces that a period is cut into.
     """
     plant = np.zeros(1, dtype=PLANT)
     plant["map"] = flux_map_record(case.saturation)
@@ -99,9 +99,9 @@ def integrate(case: PlantCase, inputs: Floats, split: int = 1) -> Floats:
 
 
 def run_case(case: PlantCase, inputs: Floats) -> PlantRun:
-    """Run a case; the step is halved until that changes nothing beyond ``STEP_ERROR``.
+    """Run a case, halving the step until the change is within ``STEP_ERROR``.
 
-    It starts from the step of the closed loop.
+    The first step is that of the closed loop.
 
     Raises
     ------
@@ -167,16 +167,16 @@ def simulate_plant(plant: str | Path, inputs: str | Path, out: str | Path) -> Pl
     Parameters
     ----------
     plant : path
-        JSON of ``plant_case.read_case``.
+        JSON as for ``sensorless.plant.case.read_case``.
     inputs : path
-        CSV of ``plant_inputs.read_inputs``.
+        CSV as for ``sensorless.plant.inputs.read_inputs``.
     out : path
-        CSV to write, one row a sampling instant; appears whole or not at all.
+        CSV to write, one row per sampling instant; it appears whole or not at all.
 
     Raises
     ------
     UserError
-        Names what is wrong with a file.
+        A file is wrong, or the machine runs away.
     """
     case = read_case(plant)
     run = run_case(case, read_inputs(inputs))

@@ -52,7 +52,7 @@ def cross_coupling(c: CrossCoupling) -> "Figure":
     gap = deg(c.angle - c.line.slope * i_q)
     low.plot(i_q, gap, "o-", color=COLOURS["ref"], ms=3, label="measured − line")
     low.plot(c.left_i_q, deg(c.left), "o-", color=COLOURS["smo"], ms=3, label="drive on the table")
-    low.set_ylabel("left over [° el.]")
+    low.set_ylabel("error left [° el.]")
     low.set_xlabel("torque current $i_q$, encoder frame [A]")
     for axes in (top, low):
         axes.grid(alpha=0.3)

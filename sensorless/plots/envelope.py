@@ -1,4 +1,4 @@
-"""Maps of what holds lock over speed and load, one a policy. Needs the extra ``plot``."""
+"""Maps of where lock holds over speed and load, one per policy. Needs the extra ``plot``."""
 
 import math
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""Empty figures, and figures as files. Needs matplotlib."""
+"""Makes empty figures and writes figures as PNG. Needs matplotlib."""
 
 import io
 from pathlib import Path
@@ -19,11 +19,11 @@ COLOURS = {
 }
 DPI = 120
 LARGE = 100_000
-"""Bytes of a picture that is worth a palette: waveforms are, maps with their gradients are not."""
+"""Pictures larger than this [byte] get a palette: waveforms do, maps with gradients do not."""
 
 
 def require_matplotlib() -> None:
-    """Find out before the work whether there can be figures.
+    """Check before any work that figures can be drawn.
 
     Raises
     ------

@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 RULES = {"smo": "linear-tuned", "flux": "flux_observer-tuned"}
-"""Tuned ramp that a schedule that learns has to pass, by the estimator of its drive."""
+"""Tuned ramp that a trained schedule has to beat, by the estimator of its drive."""
 CURVES = (
     ("objective", "objective [%]"),
     ("lost_rate", "lost in validation [%]"),
     ("torque_dev", "torque deviation [% of rated]"),
     ("torque_ripple", "torque ripple [% of rated]"),
 )
-"""Of ``progress.csv`` and of ``Cost``."""
+"""Columns of ``progress.csv``, which are fields of ``Cost``, with their labels."""
 STYLES = ("--", ":", "-.")
 
 Curve = dict[str, Any]
@@ -36,9 +36,9 @@ Curve = dict[str, Any]
 
 
 def curves_of(folder: Path) -> dict[str, Curve]:
-    """Validation over training time, columns by name, of the runs inside a folder or of its own.
+    """Validation over training time of the runs inside a folder, or of the folder's own run.
 
-    A folder with runs in it is a copy of one of them, and left out where it is itself inside.
+    Columns are by name. A run that contains other runs is a copy of one of them and is left out.
     """
     out = {}
     for path in sorted(folder.glob(f"*/{PROGRESS}")) or [folder / PROGRESS]:
@@ -53,19 +53,19 @@ def curves_of(folder: Path) -> dict[str, Curve]:
 
 
 def levels_of(folder: Path, words: Sequence[str]) -> dict[str, Cost]:
-    """Cost of other policies on the very scenarios that a run is validated on, by name.
+    """Cost of other policies on the scenarios that a run was validated on, by name.
 
     Parameters
     ----------
     folder : Path
-        Of a training run.
+        Folder of a training run.
     words : sequence of str
         Policies, as in ``sensorless.policies.registry.known``.
 
     Raises
     ------
     UserError
-        No training run there, or no such policy for its motor.
+        The folder has no training run, or its motor has no such policy.
     """
     design, motor = design_and_motor(folder)
     size = int(json.loads((folder / CONFIG).read_text(encoding="utf-8"))["train"]["validate_size"])
@@ -74,9 +74,9 @@ def levels_of(folder: Path, words: Sequence[str]) -> dict[str, Cost]:
 
 
 def shipped_levels(folder: Path) -> dict[str, Cost]:
-    """Cost of the tuned ramp and of the reference on a run's scenarios, as far as there are such.
+    """Cost of the tuned ramp and the reference on a run's scenarios, if they are shipped.
 
-    The reference is made for one machine, and for no other.
+    The reference is for one machine only.
     """
     if not (folder / CONFIG).is_file():
         return {}
@@ -98,7 +98,7 @@ def _motor_of(folder: Path) -> str:
 
 
 def learning_curves(curves: Mapping[str, Curve], levels: Mapping[str, Cost]) -> "Figure":
-    """Objective and its parts in validation over training time, one line a run, one a level."""
+    """Objective and its parts in validation over training time: a line per run and per level."""
     figure, axes = new_figure(figsize=(11.0, 6.4), nrows=2, ncols=2)
     for ax, (key, label) in zip(axes.flat, CURVES, strict=True):
         for name, curve in curves.items():

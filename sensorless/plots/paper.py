@@ -1,4 +1,4 @@
-"""Pictures beside the paper's figures. Needs the extra ``plot``."""
+"""Pictures of our runs of the paper's experiments. Needs the extra ``plot``."""
 
 from typing import TYPE_CHECKING
 
@@ -68,7 +68,7 @@ def speed_runs(published: Trace, corrected: Trace, title: str) -> "Figure":
 
 
 def hand_over(runs: dict[str, dict[str, Trace]], title: str) -> "Figure":
-    """Torque over speed while the drive goes up and down, hard switch against blend."""
+    """Torque over time while the speed goes up and down, hard switch against blend."""
     figure, axes = new_figure(figsize=(10.0, 4.2), ncols=len(runs), sharey=True, squeeze=False)
     for one, (drive, pair) in zip(axes[0], runs.items(), strict=True):
         for colour, (rule, t) in zip((COLOURS["hfi"], COLOURS["smo"]), pair.items(), strict=True):

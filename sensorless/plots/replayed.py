@@ -16,7 +16,7 @@ OTHER = "#6a994e"
 
 
 def replayed(r: Replay) -> "Figure":
-    """Speed, angle error (without an encoder: angle) and weight over time."""
+    """Speed, angle error (angle, if there is no encoder) and weight over time."""
     figure, axes = new_figure(figsize=(9.0, 8.0), nrows=3, sharex=True, height_ratios=(2, 2.4, 1))
     speed, angle, weight = axes
     t, theta_e = r.log.t, r.log.theta_e

@@ -1,4 +1,4 @@
-"""Figures of a report: losses by place, the schedule as maps. Extra ``plot``."""
+"""Figures of a report: losses by place, and the schedule as maps. Needs the extra ``plot``."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_POLICIES = 8
-"""Policies in a figure."""
+"""Most policies in a figure."""
 
 
 def lost_by_place(results: Results) -> "Figure":
-    """Share lost in each quadrant and at each speed, with Wilson intervals, one colour a policy.
+    """Share lost in each quadrant and at each speed, with Wilson intervals, one colour per policy.
 
-    Of many policies ``MOST_POLICIES`` are shown: the first two, the bounds, and the best others.
+    At most ``MOST_POLICIES`` are shown: the first two, the bounds, and the best others.
     """
     shown = _shown(results.policies)
     figure, axes = new_figure(figsize=(11.0, 6.4), nrows=2)
@@ -69,7 +69,7 @@ def _shown(policies: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
 def schedule_maps(name: str, table: KsTable, reference: KsTable, motor: Motor) -> "Figure":
     """k_s of a table beside that of Eq. 25 over the same axes; a third axis at three values.
 
-    Signals that are no axis of a map are 0, or at the middle of a fourth axis.
+    A fourth axis is at its middle, and signals that are no axis are 0.
     """
     across, up = table.axes[0], _second(table)
     slices = _slices(table)
@@ -106,7 +106,7 @@ def schedule_maps(name: str, table: KsTable, reference: KsTable, motor: Motor) -
 
 
 def _second(table: KsTable) -> Axis:
-    """Second axis of the map; the torque current if the table has only one."""
+    """Second axis of the map; another signal if the table has only one."""
     if len(table.axes) > 1:
         return table.axes[1]
     other = "torque_current" if table.axes[0].signal != "torque_current" else "speed"

@@ -1,4 +1,4 @@
-"""Waveforms of a drive."""
+"""Waveforms of a drive over time."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def waveforms(traces: dict[str, Trace]) -> "Figure":
-    """Speed, torque, angle errors and weight over time, one column a run; keys are titles."""
+    """Speed, torque, angle errors and weight over time, one column per run; keys are titles."""
     figure, axes = new_figure(
         figsize=(7.0 * len(traces) + 1.5, 9.5),
         nrows=4,
@@ -53,14 +53,14 @@ def waveforms(traces: dict[str, Trace]) -> "Figure":
 
 
 def _shade_start(ax: Any, t: Trace) -> None:
-    """Grey where the drive was still looking for its rotor."""
+    """Shade the time in which the drive was still looking for its rotor."""
     seeking = t["t"][t["starting"] > 0.0]
     if len(seeking):
         ax.axvspan(seeking[0], seeking[-1], color="0.88", lw=0)
 
 
 def _quantile(x: Any) -> float:
-    """Angle that 99.9 % of the errors stay within, at most 90 [deg]."""
+    """Bound on 99.9 % of the errors, at most 90 [deg]."""
     return min(float(np.quantile(np.abs(np.rad2deg(x)), 0.999)), 90.0) if len(x) else 90.0
 
 
@@ -93,5 +93,5 @@ def _angles(ax: Any, t: Trace) -> None:
 
 
 def _pairs(x: Any) -> Any:
-    """Mean of each two samples in a row."""
+    """Mean of two successive samples."""
     return 0.5 * (x + np.concatenate([x[:1], x[:-1]]))

@@ -1,1 +1,1 @@
-"""Observers and blend over a recorded log."""
+"""Runs the drive's estimators over a recorded log."""

@@ -1,6 +1,6 @@
-"""Recorded logs of a drive in CSV: what ``sensorless replay`` reads, ``simulate --log`` writes.
+"""Logs of a drive in CSV, which ``sensorless replay`` reads and ``simulate --log`` writes.
 
-One row a PWM period, sampled at ``t``; ``docs/replay.md`` has all columns with their units.
+There is one row per PWM period, sampled at ``t``; ``docs/replay.md`` has all columns with units.
 """
 
 import csv
@@ -18,10 +18,10 @@ from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 
 VOLTAGES = (("u_alpha", "u_beta"), ("u_a", "u_b", "u_c"), ("d_a", "d_b", "d_c", "u_dc"))
-"""Ways to give the voltage, the first complete one is taken."""
+"""Ways to give the voltage; the first complete one is used."""
 COLUMNS = ("t", "i_a", "i_b", "i_c", *sum(VOLTAGES, ()), "inj", "theta_e", "theta_m")
 JITTER = 0.01
-"""Deviation of a period that is still uniform, over the period."""
+"""Largest deviation of a period that counts as uniform, over the period."""
 SIXTHS = np.exp(2j * np.pi * np.arange(3) / 3.0)
 
 
@@ -60,14 +60,14 @@ def clarke(phases: Floats) -> Floats:
 
 
 def duties(u: Floats, u_dc: Floats) -> Floats:
-    """Duty cycles (n, 3) of stator voltages (n, 2) [V] at DC links (n,) [V], as the inverter's."""
+    """Duty cycles (n, 3) of the inverter for voltages (n, 2) [V] at DC-link voltages (n,) [V]."""
     phases = ((u[:, 0] + 1j * u[:, 1])[:, None] * np.conj(SIXTHS)).real
     middle = 0.5 * (phases.max(axis=1) + phases.min(axis=1))
     return np.asarray(np.clip(0.5 + (phases - middle[:, None]) / u_dc[:, None], 0.0, 1.0))
 
 
 def write_log(t: Trace, path: Path) -> None:
-    """A traced run as its drive could have recorded it, with an encoder."""
+    """Write a traced run as its drive could have recorded it, with an encoder."""
     u = np.stack([t["u_a"], t["u_b"]], axis=-1)
     head = "t,i_a,i_b,u_alpha,u_beta,inj,d_a,d_b,d_c,u_dc,theta_e"
     columns = [np.round(t["t"], 9)]
@@ -84,19 +84,19 @@ def read_log(path: Path, motor: Motor, *, u_dt: float, inv_i_dt: float, delay: i
     Parameters
     ----------
     motor : Motor
-        Its period has to be the log's, its pole pairs turn a mechanical angle into an electrical
-        one, its DC link stands in for a missing column.
+        Its period must be the log's, its pole pairs turn a mechanical angle into an electrical one,
+        and its DC-link voltage replaces a missing column.
     u_dt, inv_i_dt : float
-        Dead-time voltage a leg [V] to take off duty cycles against the measured current, and the
-        slope of its transition [1/A]: what the drive's own compensation adds.
+        Dead-time voltage per leg [V] that is subtracted from duty cycles against the measured
+        current, and the slope of its transition [1/A], as in the drive's own compensation.
     delay : int
-        Rows between the one that has a voltage and the one where it begins to act: 0 for what acts
-        over the period that begins with the row, 1 for what was computed from its sample.
+        Rows from a logged voltage to the row where it begins to act: 0 if it acts over the period
+        that begins with its row, 1 if it was computed from the row's sample.
 
     Raises
     ------
     UserError
-        Names the file, the line and the column.
+        The file cannot be read; the message names file, line and column.
     """
     where = f"log {str(path)!r}"
     try:
@@ -131,12 +131,12 @@ def read_log(path: Path, motor: Motor, *, u_dt: float, inv_i_dt: float, delay: i
 
 
 def _later(x: Floats, rows: int) -> Floats:
-    """Column moved down by so many rows, zeros before."""
+    """Move a column down by some rows, with zeros before."""
     return np.asarray(np.concatenate([np.zeros_like(x[:rows]), x[:-rows]]))
 
 
 def _currents(columns: dict[str, Floats]) -> Floats:
-    """Two phase currents (n, 2); a third one takes the common part out."""
+    """Two phase currents (n, 2); with a third one their common part is removed."""
     two = np.stack([columns["i_a"], columns["i_b"]], axis=-1)
     if "i_c" not in columns:
         return two
@@ -146,7 +146,7 @@ def _currents(columns: dict[str, Floats]) -> Floats:
 def _voltage(
     columns: dict[str, Floats], i: Floats, u_dc: Floats, u_dt: float, inv_i_dt: float, where: str
 ) -> Floats:
-    """Stator voltage (n, 2) [V] over the period that a row begins."""
+    """Stator voltage (n, 2) [V] over the period that begins with each row."""
     way = next((names for names in VOLTAGES if all(n in columns for n in names)), None)
     if way is None:
         given = "; or ".join(", ".join(names) for names in VOLTAGES)
@@ -181,7 +181,7 @@ def _check_time(t: Floats, lines: Array, motor: Motor, where: str) -> None:
 
 
 def _parse(file: Iterable[str], where: str) -> tuple[dict[str, Floats], Array]:
-    """Columns by name, and the line each row stands on."""
+    """Columns by name, and the line number of each row."""
     reader = csv.reader(file)
     header = [name.strip() for name in next(reader, [])]
     for name in header:
