@@ -55,8 +55,8 @@ def paired_table(results: Results, columns: Columns = COLUMNS) -> Table:
     first = next(iter(results.policies))
     caption = (
         "mean difference scenario by scenario (95 % interval), below it in percent of the first "
-        "policy's mean; negative: less than the first. Rates over all scenarios, others over those "
-        "that both survive."
+        "policy's mean; negative: less than the first. Rates over the feasible scenarios, others "
+        "over those that both survive."
     )
     table = Table(title=f"difference to {escape(first)}", caption=caption)
     table.add_column("policy", overflow="fold")

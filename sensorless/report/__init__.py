@@ -1,1 +1,1 @@
-"""One HTML page about a schedule."""
+"""HTML pages: a report about a schedule, a check of a motor."""

@@ -1,4 +1,4 @@
-"""Which scenarios of an evaluation a report shows as waveforms."""
+"""Chooses the scenarios of an evaluation that a report shows as waveforms."""
 
 from dataclasses import dataclass
 
@@ -8,9 +8,9 @@ from sensorless.envs.scenarios.suites import scenario_word
 from sensorless.evaluation.results import Results
 
 MEASURE = "torque_p2p_handover"
-"""What makes a hand-over a typical one: the median of it among those survived."""
+"""Metric that picks the typical hand-over: the median among the survived ones."""
 CROSSED = 1.0
-"""Total variation of the weight from which on a scenario counts as a hand-over."""
+"""Total variation of the weight above which a scenario counts as a hand-over."""
 
 
 @dataclass(frozen=True)
@@ -18,17 +18,17 @@ class Case:
     """One scenario to look at."""
 
     key: str
-    """Name of its figure."""
+    """name of its figure"""
     title: str
     scenario: str
-    """Word for ``simulate --scenario``."""
+    """argument of ``simulate --scenario``"""
 
 
 def cases(results: Results, name: str, reference: str) -> list[Case]:
-    """Typical and worst hand-over of a policy, its worst case, and that of the one to compare with.
+    """Typical and worst hand-over of a policy, its worst case, and the worst case of the reference.
 
-    Hand-overs: of the suite ``handoff`` alone; a policy that never moved its weight by as much has
-    none. A scenario is shown once.
+    Hand-overs come from the suite ``handoff`` alone; a policy that never moves its weight that much
+    has none. No scenario is shown twice.
     """
     found: list[tuple[str, str, str]] = []
     if results.suite == "handoff":

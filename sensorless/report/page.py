@@ -1,4 +1,4 @@
-"""A report as one HTML page that needs no other file."""
+"""Writes a report as one HTML page that needs no other file."""
 
 import base64
 import inspect
@@ -10,6 +10,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, LOST_TIME
 from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.evaluation.results import RATES, Results
 from sensorless.evaluation.results_tables import (
@@ -31,18 +32,24 @@ COLUMNS = (
     ("torque_dev_rms", "torque deviation [%]", 100.0, 2),
     ("torque_ripple_rms", "torque ripple [%]", 100.0, 2),
     ("torque_ripple_window", "ripple in the hand-over window [%]", 100.0, 2),
-    ("torque_p2p_window", "peak to peak in it [%]", 100.0, 1),
+    ("torque_p2p_window", "peak to peak in the hand-over window [%]", 100.0, 1),
     ("overshoot_pct", "overshoot [%]", 1.0, 2),
     ("overshoot_excess_pct", "overshoot beyond the twin's [%]", 1.0, 2),
     ("overshoot_clean_pct", "overshoot where the twin has none [%]", 1.0, 2),
-    ("overshoot_clean_above", "share above 2 % [%]", 100.0, 1),
+    ("overshoot_clean_above", "share with more than 2 % there [%]", 100.0, 1),
     ("angle_err_rms_deg", "angle error [°]", 1.0, 2),
     ("copper_extra", "extra copper loss [%]", 100.0, 2),
 )
-"""Of the results table: metric, heading, factor, decimals."""
+"""Columns of the results table: metric, heading, factor, decimals."""
+
+LOST = (
+    f"angle error above {LOST_ANGLE_DEG:g}° for more than {1e3 * LOST_TIME:g} ms, over-current, or "
+    "a state that is not finite"
+)
+"""Definition of a lost scenario."""
 
 PLACE_HEADINGS = ("torque deviation [%]", "torque ripple [%]", "angle error [°]")
-"""Of ``results_tables.PLACE_COLUMNS``, in words."""
+"""Headings of ``results_tables.PLACE_COLUMNS`` in words."""
 
 
 @dataclass(frozen=True)
@@ -54,21 +61,21 @@ class Figure:
     caption: str
     png: bytes
     command: str = ""
-    """What draws it again."""
+    """command that draws it again"""
 
     @property
     def uri(self) -> str:
-        """The picture itself as an address."""
+        """Return the picture as a data URI."""
         return "data:image/png;base64," + base64.b64encode(self.png).decode("ascii")
 
 
 @dataclass(frozen=True)
 class Section:
-    """What the page says about one suite."""
+    """Results of one suite on the page."""
 
     results: Results
     command: str
-    """Evaluates the same again."""
+    """command that evaluates the same again"""
     figures: Sequence[Figure]
 
 
@@ -86,12 +93,12 @@ def render(
     Parameters
     ----------
     name : str
-        Of the policy that the report is on; the first one of every section.
+        Name of the policy that the report is about, the first one of every section.
     about : mapping
         Facts by label for the head of the page.
     sections, figures
     commands : pairs
-        What was done and the command that does it.
+        What was done, and the command that does it again.
     versions, design : mappings
     """
     environment = Environment(
@@ -107,6 +114,7 @@ def render(
         sections=[_section(s) for s in sections],
         figures=figures,
         rates=[heading for _, heading, _, _ in RATE_COLUMNS],
+        lost=LOST,
         not_held=_formula("not_held"),
         columns=[heading for _, heading, _, _ in COLUMNS],
         formulas=[(heading, _formula(key)) for key, heading, _, _ in COLUMNS],
@@ -156,7 +164,7 @@ def _row(name: str, policy: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _cell(value: float, interval: Sequence[float], decimals: int) -> tuple[str, str]:
-    """Number and interval; nothing behind it where there is none."""
+    """Number and interval; the interval is empty if there is none."""
     if not math.isfinite(interval[0]):
         return number(value, decimals), ""
     low, high = (number(x, decimals) for x in interval)
@@ -164,7 +172,7 @@ def _cell(value: float, interval: Sequence[float], decimals: int) -> tuple[str, 
 
 
 def _pair(name: str, bound: bool, pair: Mapping[str, Any]) -> dict[str, Any]:
-    """Differences of the report's policy to this one: the other way round than in the results."""
+    """The report's policy minus this one: the opposite sign of the differences in the results."""
     cells = []
     for key, _, factor, decimals in (*RATE_COLUMNS, *COLUMNS):
         low, high = (-factor * x for x in reversed(pair[f"{key}_ci"]))

@@ -1,4 +1,4 @@
-"""A policy judged, drawn and written down: one HTML page with its pictures, and them as files."""
+"""Judges a policy, draws figures, and writes one HTML page with the pictures beside it."""
 
 import shlex
 from collections.abc import Sequence
@@ -10,6 +10,7 @@ from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.words import scenario_from
 from sensorless.evaluation.evaluate import PolicyProgress, evaluate
+from sensorless.evaluation.objective import LOST_WEIGHT
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
 from sensorless.files import ensure_writable, write_atomic
@@ -30,25 +31,25 @@ SUITES = ("stress-1", "handoff")
 
 
 class Report:
-    """Everything that stays the same from one part of a report to the next.
+    """Writes a report about one policy.
 
     Parameters
     ----------
     run : str
-        The policy that the report is on, as in ``sensorless.policies.registry.known``.
+        Policy that the report is about, as in ``sensorless.policies.registry.known``.
     motor, design
     others : sequence of str, optional
-        Policies to compare with, waveforms with the first of them; Eq. 25, every tuned rule that is
-        shipped, and the bounds by default.
+        Policies to compare with, waveforms with the first of them; by default Eq. 25, every shipped
+        tuned rule, and the bounds.
     options : sequence of str
-        Words of the command line that ask for this motor and design.
+        Words of the command line for this motor and design.
     progress : optional
-        Called with what is evaluated and the share that is done.
+        Called with the name of what is evaluated and the share done.
 
     Raises
     ------
     UserError
-        No such policy, or matplotlib is missing.
+        A policy does not exist, or matplotlib is missing.
     """
 
     def __init__(
@@ -72,18 +73,18 @@ class Report:
     def write(
         self, folder: Path, suites: Sequence[str], seed: int, size: int, grid: int, command: str
     ) -> Path:
-        """Judge, draw and write; returns the page. Every file is written whole or not at all.
+        """Judge, draw and write; return the page. Every file is written whole or not at all.
 
         Parameters
         ----------
         folder : Path
-            Made if it is not there.
+            Created if it does not exist.
         suites : sequence of str
-            To judge on, ``size`` scenarios each.
+            Suites to judge on, ``size`` scenarios each.
         grid : int
             Points of the envelope maps along each axis.
         command : str
-            What the user typed, for the page.
+            Command that the user typed, for the page.
         """
         ensure_writable(folder)
         sections, results = [], []
@@ -122,8 +123,8 @@ class Report:
         places = Figure(
             f"{results.suite}-places.png",
             "Where lock is lost",
-            "Of the scenarios that came to a place (as the sensored twin tells), the share lost "
-            "there, with 95 % Wilson intervals.",
+            "Share of the scenarios that came to a place and were lost there, with 95 % Wilson "
+            "intervals. The place is where the sensored twin was.",
             png(lost_by_place(results)),
         )
         chosen = cases(results, self.policy.name, self.reference.name)
@@ -156,8 +157,8 @@ class Report:
         words += ["--suite", "envelope", "--size", str(grid * grid), "--seed", str(seed)]
         return Figure(
             "envelope.png",
-            "What holds lock over speed and load",
-            "Nominal parameters: the drive starts at its speed, the load rises within 0.2 s and "
+            "Where lock holds over speed and load",
+            "Nominal parameters. The drive starts at its speed; the load rises within 0.2 s and "
             "stays for 0.6 s.",
             png(envelope_maps(results, self.motor)),
             self._command("evaluate", *words, "--plot", "envelope.png"),
@@ -171,7 +172,8 @@ class Report:
             Figure(
                 "schedule.png",
                 "The schedule as a table, beside Eq. 25",
-                "Weight over the table's axes (dots: its nodes; lines: k_s of 0.1, 0.5 and 0.9).",
+                "Weight k_s over the axes of the table. Dots are its nodes, lines are k_s = 0.1, "
+                "0.5 and 0.9. Eq. 25 is the linear rule of the source paper.",
                 png(schedule_maps(name, self.policy.table, eq25, self.motor)),
             )
         ]
@@ -187,9 +189,9 @@ class Report:
             Figure(
                 "learning.png",
                 "Learning curves",
-                "Validation during training, on scenarios that neither training nor judging sees. "
-                "The first point is the start of training. The objective is 10 times the lost rate "
-                f"plus deviation plus ripple.{lines}",
+                "Validation during training, on scenarios that neither training nor judging uses. "
+                f"The first point is the start of training. The objective is {LOST_WEIGHT:g} times "
+                f"the lost rate plus torque deviation plus torque ripple.{lines}",
                 png(learning_curves(curves, levels)),
             )
         ]
@@ -220,7 +222,7 @@ class Report:
         if isinstance(self.policy, TablePolicy) and self.policy.table.provenance.get("command"):
             out.insert(0, ("The policy:", str(self.policy.table.provenance["command"])))
         replay = ("simulate", "--scenario", "SCENARIO", "--policy", self.run, "--plot", "case.png")
-        return [*out, ("Any scenario of the tables above:", self._command(*replay))]
+        return [*out, ("Any scenario in the tables above:", self._command(*replay))]
 
     def _command(self, *words: str) -> str:
         return shlex.join(["sensorless", *words, *self.options])

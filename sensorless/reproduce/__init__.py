@@ -1,1 +1,1 @@
-"""The source paper's figures and numbers."""
+"""Reruns the experiments of the source paper: its printed numbers, and those of our drive."""

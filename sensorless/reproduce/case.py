@@ -1,7 +1,7 @@
-"""The source paper's drive and ours, and the form in which a figure is set beside them.
+"""Our drive as published and as corrected, and the rows that set both beside the paper's numbers.
 
-The paper is doi 10.12177/emca.2025.011. Angles that are printed in its convention (estimate minus
-truth) say so; everything else is truth minus estimate or a magnitude.
+The paper is doi 10.12177/emca.2025.011. Angles in its convention (estimate minus truth) say so; all
+others are truth minus estimate or magnitudes.
 """
 
 import math
@@ -31,21 +31,22 @@ PUBLISHED = DriveDesign(
     hfi_delay_cure=False,
 )
 """Eqs. 7 and 9, injection along the angle of the sample, sigmoid without lag cure, constant L_q, no
-filter in the cross term, i_d = 0; bandwidths are not in the paper and were chosen."""
+filter in the cross term, i_d = 0. The paper gives no bandwidths; these were chosen."""
 
 CORRECTED = DriveDesign()
-"""The drive of this project."""
+"""The default drive of this project."""
 
 NOT_SWITCHABLE = (
-    "the sign of the demodulation, lost in Eq. 7 as printed: without it there is no lock, with the "
-    "wrong one a lock across the rotor; both have a queue of the signs that were applied",
-    "the wrap that Eq. 26 lacks: the paper's angle errors were not measured without it; what it "
-    "costs is the last section",
-    "Eq. 25 for negative speed, where as printed it never leaves injection: all runs are forward",
-    "the paper treats neither start, polarity, warm start of the idle observer, voltage limit nor "
-    "the injection's switching: both columns have ours",
+    "The sign of the demodulation, which Eq. 7 lacks in print: without it there is no lock, and "
+    "with the wrong one the lock is across the rotor. Both columns keep a queue of the applied "
+    "signs.",
+    "The wrap, which Eq. 26 lacks: the paper's angle errors cannot have been measured without it. "
+    "The last section shows what it costs to leave it out.",
+    "Eq. 25 at negative speed, where in print it never leaves injection: all runs are forward.",
+    "What the paper does not treat: start, polarity, warm start of the idle observer, voltage "
+    "limit and the switching of the injection. Both columns have ours.",
 )
-"""What the published column shares with the corrected one."""
+"""What the published column shares with the corrected one, because no switch undoes it."""
 
 SIGN_K = 400.0
 """Correction voltage of Fig. 12 [V], chosen; the EMF is 62 V at 300 r/min."""
@@ -65,7 +66,7 @@ class Row:
     decimals: int = 2
 
     def plain(self) -> dict[str, Any]:
-        """Plain data for JSON; nothing where there is no finite number."""
+        """Return plain data for JSON; None where there is no finite number."""
         return {
             "unit": self.unit,
             "paper": self.paper,
@@ -75,14 +76,14 @@ class Row:
 
 
 def row_of(quantity: str, unit: str, paper: str, cells: Sequence[Cell], decimals: int = 2) -> Row:
-    """Row of two cells: published, corrected."""
+    """Row from its two cells, published and corrected."""
     published, corrected = cells
     return Row(quantity, unit, paper, published, corrected, decimals)
 
 
 @dataclass(frozen=True)
 class Case:
-    """A figure of the paper: numbers, why they differ, and a picture."""
+    """A figure of the paper: numbers, why they differ, and a picture of our runs."""
 
     name: str
     title: str
@@ -95,6 +96,11 @@ class Case:
 def gain(motor: Motor, g: float) -> float:
     """``smo_gain`` of a design for the slope g = k a / 2 [V/A] at the origin."""
     return g / deadbeat_gain(motor)
+
+
+def sigmoid_lag(motor: Motor, g: float, rpm: float) -> float:
+    """Lag [deg] of the sigmoid observer without cure, arg(g + R_s + j omega L_q), slope g [V/A]."""
+    return math.degrees(math.atan2(motor.rpm_to_electrical(rpm) * motor.L_q, g + motor.R_s))
 
 
 def _finite(cell: Cell) -> Cell:

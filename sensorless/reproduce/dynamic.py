@@ -11,9 +11,10 @@ from sensorless.evaluation.trace import Trace, lost_cause, trace
 from sensorless.evaluation.trace_summary import plateaus
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
+from sensorless.observers.smo_design import deadbeat_gain
 from sensorless.plots.paper import speed_runs
 from sensorless.policies.registry import make_policy
-from sensorless.reproduce.case import CORRECTED, PUBLISHED, Case, Row, row_of
+from sensorless.reproduce.case import CORRECTED, PUBLISHED, Case, Row, row_of, sigmoid_lag
 from sensorless.units import RPM_TO_RAD_S
 
 Pair = dict[str, Trace]
@@ -62,20 +63,22 @@ def figure_9(motor: Motor) -> tuple[Case, Pair]:
     case = Case(
         "fig9",
         "Fig. 9: 200, 350, 600 r/min in steps without load",
-        "Eq. 25; speed loop IP, 3 Hz published, 2.5 Hz corrected; steady error: largest 20 ms mean "
-        "of the last 0.2 s",
+        "Eq. 25; IP speed loop, 3 Hz published, 2.5 Hz corrected; the steady error is the largest "
+        "20 ms mean of the last 0.2 s",
         tuple(rows),
-        "The published drive has the paper's shape: the error grows with speed, as the sigmoid's "
-        "lag does. It exceeds 5° at 600 r/min because even g = 315 V/A lags 6.5° there, and the "
-        "125 V/A of Fig. 12 would lag 16°: the paper's two figures do not fit one gain. With "
-        "the lag cured the error above the band is noise.",
+        "The published drive behaves as in the paper: the error grows with speed, because the lag "
+        "of the sigmoid does. It exceeds 5° at 600 r/min, where even g = "
+        f"{deadbeat_gain(motor):.0f} V/A lags "
+        f"{sigmoid_lag(motor, deadbeat_gain(motor), 600.0):.1f}° and the 125 V/A of Fig. 12 would "
+        f"lag {sigmoid_lag(motor, 125.0, 600.0):.0f}°: no single gain fits both figures of the "
+        "paper. With the lag cured, the error above the band is noise.",
         speed_runs(runs["published"], runs["corrected"], "Fig. 9: speed steps without load"),
     )
     return case, runs
 
 
 def slowest_step(t: Trace) -> float:
-    """Longest time from a step of the reference until the speed first is within 2 % of it [s]."""
+    """Longest time from a step of the reference until the speed is first within 2 % of it [s]."""
     ref, omega = t["omega_m_ref"], t["omega_m"]
     starts = [0, *(np.flatnonzero(np.abs(np.diff(ref)) > 1e-6) + 1), len(ref)]
     times = []
@@ -115,9 +118,10 @@ def figure_13(motor: Motor) -> tuple[Case, Pair]:
         "Figs. 13 and 14: 150, 350, 650 r/min and back, without load",
         "Eq. 25; ramps of 600 r/min/s (the paper gives no times)",
         tuple(rows),
-        "At 150 r/min the error is noise and resolution of the current measurement in both. At 650 "
-        "r/min the published drive has the sigmoid's lag, which grows with speed. Without load "
-        "neither cross-coupling nor an error of L_q shows; the hand-over below has a load.",
+        "At 150 r/min the error of both drives is noise and resolution of the current measurement. "
+        "At 650 r/min the published drive has the lag of the sigmoid, which grows with speed. "
+        "Without load neither cross-coupling nor an error of L_q shows; the hand-over below has a "
+        "load.",
         speed_runs(runs["published"], runs["corrected"], "Figs. 13 and 14: up and down"),
     )
     return case, runs
@@ -142,7 +146,7 @@ def _down(t: Trace) -> Floats:
 
 
 def abstract(nine: Pair, thirteen: Pair, twelve: Case) -> Case:
-    """Set the numbers of the abstract beside what the figures above came to."""
+    """Set the numbers of the abstract beside those of the figures above."""
     names = tuple(thirteen)
     errors = {n: t["theta_e_err"] for n, t in thirteen.items()}
     overshoot = {n: max(r["overshoot_pct"] for r in plateaus(nine[n])) for n in names}
@@ -163,13 +167,13 @@ def abstract(nine: Pair, thirteen: Pair, twelve: Case) -> Case:
         row_of(
             "RMS angle error of Figs. 13/14",
             "°",
-            "30 % better than something",
+            "30 % better, than what is not said",
             [float(np.rad2deg(np.sqrt(np.mean(errors[n] ** 2)))) for n in names],
         ),
         row_of(
             "response: slowest step of Fig. 9",
             "s",
-            "25 % faster than something",
+            "25 % faster, than what is not said",
             [slowest_step(nine[n]) for n in names],
         ),
     )
@@ -178,8 +182,9 @@ def abstract(nine: Pair, thirteen: Pair, twelve: Case) -> Case:
         "Abstract: what it claims",
         "from the runs above",
         rows,
-        "The paper gives no data for these, and its own figures contradict ±0.05 rad (2.9°): it "
-        "shows ±4° and ±5°. It does not say what accuracy and response are compared with.",
+        "The paper gives no data for these claims, and its own figures, which show ±4° and ±5°, "
+        "contradict ±0.05 rad (2.9°). It does not say what accuracy and response are compared "
+        "with.",
     )
 
 

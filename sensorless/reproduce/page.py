@@ -1,4 +1,4 @@
-"""The reproduction as a page and as data: three columns, the paper, ours as published, ours."""
+"""The reproduction as a page and as data, in three columns: paper, ours as published, corrected."""
 
 import json
 from collections.abc import Sequence
@@ -18,11 +18,13 @@ def markdown(cases: Sequence[Case], motor: Motor) -> str:
     parts = [
         "# The source paper and this drive",
         "Written by `sensorless reproduce`. The paper is *Full-speed-range position sensorless "
-        f"control of interior permanent magnet synchronous motors*, doi {DOI}; its values are "
-        f"those its text gives. All of ours are simulated, motor `{motor.name}`: saturation, dead "
-        "time and noise are assumptions.",
-        "**As published** is this drive with what switches can undo: " + _differences() + ".",
-        "Not switchable, so the same in both columns:",
+        f"control of interior permanent magnet synchronous motors*, doi {DOI}; its column has the "
+        f"values that its text gives. The other columns are our simulation of the motor "
+        f"`{motor.name}`, whose saturation, dead time and noise are assumptions; the pictures show "
+        "our runs. k_s is the weight between injection (1) and the sliding-mode observer (0), and "
+        "Eq. 25 is the paper's linear rule for it.",
+        "**As published** is our drive with its corrections switched off: " + _differences() + ".",
+        "No switch undoes these, so both columns share them:",
         "\n".join(f"- {text}" for text in NOT_SWITCHABLE),
     ]
     for case in cases:
@@ -100,5 +102,5 @@ def data(cases: Sequence[Case], motor: Motor) -> str:
 
 
 def _plain(values: dict[str, Any]) -> dict[str, Any]:
-    """Infinite bandwidths as text."""
+    """Write infinite bandwidths as text."""
     return {k: "inf" if v == float("inf") else v for k, v in values.items()}

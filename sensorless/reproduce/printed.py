@@ -1,4 +1,4 @@
-"""What details of the printed equations cost: the timing of the injection, and Eq. 26."""
+"""What two details of the printed equations cost: the timing of the injection, and Eq. 26."""
 
 import dataclasses
 
@@ -18,7 +18,7 @@ SPEEDS = (150.0, 350.0, 600.0, 1500.0)
 
 
 def ample_link(sims: Array) -> None:
-    """Exact sensors, and a DC link that needs no field weakening at rated speed."""
+    """Make sensors exact, and the DC link high enough to need no field weakening at rated speed."""
     make_ideal(sims)
     sims["profile"]["u_dc"] *= 1.3
 
@@ -34,9 +34,11 @@ def lock_offsets(motor: Motor, scheme: str, delay_cure: bool) -> list[float]:
 
 
 def timing(motor: Motor) -> Case:
-    """Where the injection estimator locks without load, by its two details of timing."""
+    """Where the injection estimator locks without load, for both details of its timing."""
     rows = []
-    for cure, words in ((False, "injection at the angle of the sample"), (True, "1.5 T_s on")):
+    delay = motor.L_q - motor.L_d
+    sample, act = 0.5 * motor.L_q / delay, 1.5 * motor.L_d / delay
+    for cure, words in ((False, "injection at the angle of the sample"), (True, "1.5 T_s ahead")):
         columns = [lock_offsets(motor, scheme, cure) for scheme in ("stationary", "rotating")]
         for j, rpm in enumerate(SPEEDS):
             cells = [column[j] for column in columns]
@@ -44,13 +46,14 @@ def timing(motor: Motor) -> Case:
     return Case(
         "timing",
         "Eqs. 1-9: timing of injection and demodulation",
-        "injection alone, no load, exact sensors, DC link 30 % up to do without field weakening; "
-        "published: first difference in the stationary frame turned by the angle of the second "
+        "injection alone, no load, exact sensors, DC link 30 % higher to avoid field weakening; "
+        "published: first difference in the stationary frame, turned by the angle of the second "
         "sample; corrected: second difference in the rotating frame; estimate − truth",
         tuple(rows),
-        "A difference of two samples tells about the middle between them, half a period before the "
-        "angle it is turned by; a voltage computed now acts 1.5 periods later. The lock moves by "
-        "−(L_q/2)/(L_q − L_d) and −1.5 L_d/(L_q − L_d) times ωT_s: 0.64 and 0.42 of it.",
+        "A difference of two samples belongs to the middle between them, half a period before the "
+        "angle that turns it, and a voltage computed now acts 1.5 periods later. So the lock moves "
+        "by −(L_q/2)/(L_q − L_d) and −1.5 L_d/(L_q − L_d) times ωT_s, here "
+        f"−{sample:.2f} and −{act:.2f} times.",
     )
 
 
@@ -72,14 +75,14 @@ def printed(motor: Motor) -> Case:
     return Case(
         "printed",
         "Eq. 26 as printed",
-        "the runs of Figs. 13/14 and the crossing under 4 N m with exact sensors, speed loop 2 Hz; "
-        "published: without wrap",
+        "the runs of Figs. 13/14, and the crossing under 4 N m with exact sensors and a speed loop "
+        "of 2 Hz; published: without wrap",
         (
             row_of("largest angle error of Figs. 13/14", "°", "5", [worst(d) for d in drives], 1),
             row_of("torque peak to peak, blend, up", "N m", "–", [span(d) for d in drives]),
         ),
-        "Once a revolution one angle passes ±180° before the other, and their weighted sum without "
-        "wrap is wrong by k_s turns for as long: a period or two, but half a turn in the middle of "
-        "the band. Lock survives it, torque does not. The paper shows no such thing, so its drive "
-        "wraps; all other figures of this page do.",
+        "Once a revolution one angle passes ±180° before the other. Meanwhile their weighted sum "
+        "without wrap is wrong by k_s turns: only for a period or two, but by half a turn in the "
+        "middle of the band. Lock survives that, torque does not. The paper shows nothing like it, "
+        "so its drive must wrap; all other figures on this page do.",
     )

@@ -1,4 +1,4 @@
-"""The figures and claims of the source paper (doi 10.12177/emca.2025.011), run side by side."""
+"""Reruns the figures and claims of the source paper (doi 10.12177/emca.2025.011)."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -14,11 +14,11 @@ from sensorless.reproduce.steady import figure_4, figure_11, figure_12
 from sensorless.reproduce.switching import switching
 
 Progress = Callable[[float], None]
-"""Called with the share that is done, 0 to 1."""
+"""Called with the share done, 0 to 1."""
 
 
 def cases(motor: Motor, progress: Progress | None = None) -> list[Case]:
-    """Run everything, in the order of the page."""
+    """Run all cases, in the order of the page."""
     report = progress or (lambda done: None)
     out = []
     for j, build in enumerate((figure_4, figure_11, figure_12)):

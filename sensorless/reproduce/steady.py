@@ -1,4 +1,4 @@
-"""Figs. 4, 11 and 12 of the source paper: each observer alone at constant speed."""
+"""Figs. 4, 11 and 12 of the source paper: each estimator alone at constant speed."""
 
 import dataclasses
 
@@ -13,10 +13,18 @@ from sensorless.machine.motor import Motor
 from sensorless.plots.cross_coupling import cross_coupling
 from sensorless.plots.paper import angle_traces
 from sensorless.policies.registry import make_policy
-from sensorless.reproduce.case import CORRECTED, PUBLISHED, SIGN_K, Case, Row, gain
+from sensorless.reproduce.case import (
+    CORRECTED,
+    PUBLISHED,
+    SIGN_K,
+    Case,
+    Row,
+    gain,
+    sigmoid_lag,
+)
 
 LAST = 1.0
-"""Window at the end of a run that is measured [s]."""
+"""Length of the end of a run that is measured [s]."""
 
 
 def hold(
@@ -117,11 +125,11 @@ def figure_4(motor: Motor) -> Case:
                 b["left_with_table_max_deg"],
             ),
         ),
-        "The line is a good fit up to the torque it was fitted to, in both directions, and bends "
-        "away above, as the q axis saturates: one line cannot serve 6 N m and rated torque. "
-        "Published, the timing of Eqs. 1-9 adds −0.4° in both directions, which sets the two "
-        "slopes apart; identified without it they agree. The "
-        "slope rests on an assumed saturation model, fitted to the 8° of Fig. 11.",
+        "The line fits well up to the torque it was fitted to, in both directions. Above it the "
+        "angle bends away from the line, because the q axis saturates: one line cannot serve both "
+        "6 N m and rated torque. In the published drive the timing of Eqs. 1-9 adds −0.4° in both "
+        "directions, so the two slopes differ; without it they agree. The slope depends on an "
+        "assumed saturation model, fitted to the 8° of Fig. 11.",
         cross_coupling(ours[0]),
     )
 
@@ -146,13 +154,13 @@ def figure_11(motor: Motor) -> Case:
             Row("mean error after compensation", "°", "≈ 0", mean(line), mean(table)),
             Row("swing after compensation, ±", "°", "4", swing(line), swing(table)),
         ),
-        "Before: the saturation model was fitted to this value; with id = 0 on the estimated axis "
-        "the current turns with the error and 8.0° become 7.7°, of which the timing of Eqs. 1-9 "
-        "takes 0.4° and more with the load's current; MTPA has a little less cross-coupling. "
-        "After: published is the line with the error signal of Eq. 15, which is not normalised "
-        "(its loop gain follows voltage and inductance) and keeps the offset of the timing; "
-        "corrected is the table. The swing is noise and resolution of the current measurement, "
-        "which are assumed.",
+        "Before compensation: the saturation model was fitted to this value. With id = 0 on the "
+        "estimated axis the current turns with the error, and 8.0° become 7.7°; the timing of "
+        "Eqs. 1-9 takes off 0.4°, and more under load. MTPA has a little less cross-coupling. "
+        "After compensation: the published drive has the line and the error signal of Eq. 15, "
+        "which is not normalised (its loop gain follows voltage and inductance) and keeps the "
+        "offset of the timing; the corrected drive has the table. The swing is noise and "
+        "resolution of the current measurement, both assumed.",
         angle_traces(
             traces, "Fig. 11: 150 r/min, 6 N m, injection alone", ("estimate − truth [° el.]", -1.0)
         ),
@@ -178,9 +186,9 @@ def figure_12(motor: Motor) -> Case:
     return Case(
         "fig12",
         "Fig. 12: sliding-mode observer at 300 r/min, signum against sigmoid",
-        "no load; Eq. 25 has k_s = 1 at 300 r/min, so the drive runs on injection and the observer "
-        "beside it; k = 400 V, signum with a 200 Hz EMF low-pass, published sigmoid with "
-        "g = k a/2 = 125 V/A; estimate − truth",
+        "no load; Eq. 25 gives k_s = 1 at 300 r/min, so the drive runs on injection and the "
+        f"observer only runs along; k = {SIGN_K:g} V, signum with a 200 Hz EMF low-pass, published "
+        "sigmoid with g = k a/2 = 125 V/A; estimate − truth",
         (
             Row("largest error, signum", "°", "−24", worst(hard), worst(hard_2), 1),
             Row("largest error, sigmoid", "°", "−8", worst(sigmoid), worst(sigmoid_2), 1),
@@ -196,10 +204,11 @@ def figure_12(motor: Motor) -> Case:
                 0,
             ),
         ),
-        "The paper's −8° is the sigmoid's lag, arg(g/(g + R + jωL_q)) at g = 125 V/A: a constant, "
-        "not chatter, and the exact steady-state relation removes it. k, the gain and the low-pass "
-        "are not in the paper; with these the signum comes near its −24°. Were the drive to run "
-        "on the signum observer itself, it would lose lock.",
+        "The paper's −8° is the lag of the sigmoid, arg(g/(g + R + jωL_q)) = "
+        f"−{sigmoid_lag(motor, 125.0, 300.0):.1f}° at g = 125 V/A: a constant, not chatter, and "
+        "the exact steady-state relation removes it. The paper does not give k, the gain and the "
+        "low-pass; with ours the signum comes near its −24°. A drive that ran on the signum "
+        "observer itself would lose lock.",
         angle_traces(
             traces,
             "Fig. 12: 300 r/min, sliding-mode observer beside injection",

@@ -25,9 +25,9 @@ RULES = {"hard switch": HARD, "blend (Eq. 25)": "eq25"}
 WAYS = {"up": (1.0, 3.0), "down": (3.0, 5.0)}
 """Start and end of each crossing [s]."""
 REPEATS = 16
-"""Runs with real sensors, each with noise of its own."""
+"""Runs with real sensors, each with its own noise."""
 AROUND = 0.25
-"""Half of the window of the mean run [s]; the blend takes 0.33 s to cross."""
+"""Half the window of the mean run [s]; the blend takes 0.33 s to cross."""
 Pair = dict[str, Trace]
 
 
@@ -41,7 +41,7 @@ def crossing(motor: Motor, seed: int) -> Scenarios:
 
 
 def run(motor: Motor, design: DriveDesign, seed: int, change: Change | None = None) -> Pair:
-    """Both rules through one crossing; the hard switch is not slowed by the weight's slew limit."""
+    """Run both rules through one crossing; the slew limit of k_s does not slow the hard switch."""
     at_once = dataclasses.replace(design, k_s_slew=5000.0)
     return {
         name: trace(
@@ -56,12 +56,12 @@ def run(motor: Motor, design: DriveDesign, seed: int, change: Change | None = No
 
 
 def quiet(sims: Array) -> None:
-    """No noise, but resolution and dead time as they are."""
+    """Remove the noise; resolution and dead time stay."""
     sims["sensor"]["noise_rms"] = 0.0
 
 
 def without_injection(t: Trace) -> Floats:
-    """Torque as the mean of two neighbours [N m], (periods,)."""
+    """Torque as the mean of two successive samples [N m], (periods,)."""
     return np.asarray(0.5 * (t["tau"] + np.concatenate([t["tau"][:1], t["tau"][:-1]])))
 
 
@@ -76,7 +76,7 @@ def torque_span(t: Trace, way: str) -> float:
 
 
 def around_switch(t: Trace, way: str) -> Floats:
-    """Torque [N m] from ``AROUND`` before the weight passes one half until as much after it."""
+    """Torque [N m] from ``AROUND`` before to ``AROUND`` after the weight passes one half."""
     start, stop = WAYS[way]
     T_s = float(t["t"][1] - t["t"][0])
     first, n = round(start / T_s), round(AROUND / T_s)
@@ -94,7 +94,7 @@ class Repeated:
     mean_span: dict[tuple[str, str], float]
     """peak to peak of the mean run, aligned at the switch [N m]"""
     spread: float
-    """RMS between the runs [N m]: what is noise and not hand-over"""
+    """RMS between the runs [N m]: noise, not hand-over"""
 
 
 def repeated(motor: Motor, design: DriveDesign) -> Repeated:
@@ -142,20 +142,20 @@ def switching(motor: Motor) -> Case:
     return Case(
         "switching",
         "Abstract: torque ripple while switching less by 45 %",
-        "200, 600, 200 r/min at 300 r/min/s, 4 N m; peak to peak without injection band; exact "
-        "sensors and single runs between 300 and 400 r/min; real sensors: noise of 5 mA, 12 bits "
-        f"and dead time, {REPEATS} runs with other noise, their median, and the peak to peak of "
-        f"their mean within {AROUND:g} s of the switch; hard switch at 350 r/min ± 5 %; speed loop "
-        "2 Hz published",
+        "200, 600, 200 r/min at 300 r/min/s, 4 N m; torque peak to peak without the injection "
+        "band. Exact sensors and single runs: between 300 and 400 r/min. Real sensors: 5 mA "
+        f"noise, 12 bits and dead time, {REPEATS} runs that differ in noise; single run is their "
+        f"median, mean run the peak to peak of their mean within {AROUND:g} s of the switch. The "
+        "hard switch is at 350 r/min ± 5 %; the published drive has a speed loop of 2 Hz",
         tuple(rows),
-        "The published estimators stand apart: injection leads by cross-coupling, the observer "
-        "lags. A hard switch steps the angle, a blend spreads it. The corrected ones agree better, "
-        "but for the observer's L_q, which is biased low on purpose, for robustness. With real "
-        "sensors a single run shows less: 5 mA of current noise, an assumption, pass the PLLs and "
-        "the speed controller and are torque at all times, under either rule, and as slow as the "
-        "hand-over, so that no filter parts them. The mean of many runs does: what is left belongs "
-        "to the hand-over, and the blend takes that away. Resolution and dead time alone do not "
-        "hide it.",
+        "The published estimators disagree: injection leads because of cross-coupling, the "
+        "observer lags. A hard switch makes a step of that difference, a blend spreads it. The "
+        "corrected estimators agree better, except for the observer's L_q, which is biased low on "
+        "purpose, for robustness. With real sensors a single run shows a smaller difference: the 5 "
+        "mA of current noise, an assumption, pass PLLs and speed controller and become torque at "
+        "all times and under either rule, as slow as the hand-over, so that no filter separates "
+        "the two. The mean of many runs does: what is left belongs to the hand-over, and the blend "
+        "removes it. Resolution and dead time alone do not hide it.",
         hand_over(
             dict(zip(("published", "corrected"), exact, strict=True)),
             "200, 600, 200 r/min with 4 N m, exact sensors",
