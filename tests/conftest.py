@@ -14,6 +14,7 @@ from sensorless.export.export import Exported, export
 from sensorless.machine.motor import Motor
 from sensorless.pil.tools import missing_packages
 from sensorless.table.ks_table import Axis, KsTable
+from tests.helpers.scenarios import lasting
 
 
 @pytest.fixture(scope="session")
@@ -53,6 +54,13 @@ def exported(
     """An export of ``table``, with the flags of a user's."""
     folder = tmp_path_factory.mktemp("export") / "made" / "here"
     return export(table, motor, design, folder, policy="trial")
+
+
+@pytest.fixture
+def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Training validates, and distilling samples, on scenarios of 0.3 s."""
+    for module in ("distill", "validation"):
+        monkeypatch.setattr(f"sensorless.agents.{module}.suite", lasting(0.3))
 
 
 @pytest.fixture

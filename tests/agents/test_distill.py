@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from sensorless.agents import distill as distilling
-from sensorless.agents import validation
 from sensorless.agents.distill import distill
 from sensorless.agents.mlp.schedule import LAYERS, MlpSchedule
 from sensorless.agents.table.fit import SNAP, TableFit, roughness
@@ -25,7 +23,6 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, KsTable
-from tests.helpers.scenarios import lasting
 
 MOTOR = Motor.load("paper")
 START = table_named("eq25", MOTOR)
@@ -48,13 +45,6 @@ def observations(n: int) -> np.ndarray[tuple[int, int], np.dtype[np.float32]]:
     obs = rng.uniform(-1.5, 1.5, (n, SIGNAL_N)).astype(np.float32)
     obs[:, 0] = rng.uniform(0.0, 1.0, n)
     return obs
-
-
-@pytest.fixture
-def brief(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Scenarios of 0.3 s, for network and table alike."""
-    for module in (distilling, validation):
-        monkeypatch.setattr(module, "suite", lasting(0.3))
 
 
 def test_the_fit_finds_a_table_again() -> None:
@@ -127,7 +117,7 @@ def test_a_network_is_taught_on_its_own_estimator() -> None:
     assert flux == same != smo
 
 
-@pytest.mark.usefixtures("brief")
+@pytest.mark.usefixtures("brief", "without_selftest")
 def test_the_command_writes_a_run_that_exports(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

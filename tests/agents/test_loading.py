@@ -93,6 +93,7 @@ def test_results_say_what_each_policy_ran_on(tmp_path: Path) -> None:
     assert [p["estimator"] for p in results.policies.values()] == ["smo", "flux"]
 
 
+@pytest.mark.usefixtures("brief")
 @pytest.mark.parametrize("kind", ["table", "mlp"])
 def test_training_on_flux(kind: str, tmp_path: Path) -> None:
     """The schedule is validated on that estimator, and asks for it when it is loaded again."""

@@ -67,6 +67,7 @@ def test_a_rule_keeps_its_own(tmp_path: Path) -> None:
         assert design_for(policy, DriveDesign()).estimator == estimator
 
 
+@pytest.mark.usefixtures("without_selftest")
 def test_it_is_exported_with_it(tmp_path: Path) -> None:
     """Table and estimator go together to firmware."""
     out = tmp_path / "out"

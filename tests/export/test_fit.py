@@ -61,6 +61,7 @@ def test_the_hard_switch_keeps_a_gap(motor: Motor) -> None:
     assert up / down == pytest.approx(1.05 / 0.95, rel=1e-3)
 
 
+@pytest.mark.usefixtures("without_selftest")
 def test_the_folder_states_the_loss(
     tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
 ) -> None:

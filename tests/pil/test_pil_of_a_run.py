@@ -21,7 +21,7 @@ START = table_named("eq25", Motor.load("paper"))
 SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, validate_size=16)
 
 
-@pytest.mark.usefixtures("target", "without_selftest")
+@pytest.mark.usefixtures("target", "brief", "without_selftest")
 @pytest.mark.parametrize("estimator", ["smo", "flux", "coupled"])
 def test_a_trained_table_runs_on_the_target(estimator: str, tmp_path: Path) -> None:
     """With the estimator it was trained on: no ``--set`` here."""

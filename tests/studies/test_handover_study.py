@@ -43,7 +43,7 @@ def test_a_policy_is_paired_with_eq25_on_both_drives(study: ModuleType) -> None:
 def test_the_search_stays_in_its_ranges_and_repeats(
     study: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(study, "SEARCHED", 6)
+    monkeypatch.setattr(study, "SEARCHED", 4)
     found = [study.quietest(MOTOR, DriveDesign(), 1, 1) for _ in range(2)]
     assert found[0] == found[1]
     assert found[0] != RULE.defaults()

@@ -33,6 +33,7 @@ def run(module: ModuleType, monkeypatch: pytest.MonkeyPatch, *words: str) -> Non
     module.main()
 
 
+@pytest.mark.usefixtures("brief")
 def test_axes_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     module, out = study("axes_study"), tmp_path / "axes.json"
     words = ("--steps", "512", "--size", "8", "--out", str(out), "--sets", "speed", "--seeds")
@@ -55,6 +56,7 @@ def test_every_set_of_axes_can_be_trained() -> None:
         assert len(table.axes) == len(axes.split(","))
 
 
+@pytest.mark.usefixtures("brief")
 def test_search(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("optuna")
     module, out = study("ppo_search"), tmp_path / "ppo.json"

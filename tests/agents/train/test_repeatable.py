@@ -37,6 +37,7 @@ def trained(config: TrainConfig, folder: Path) -> tuple[dict[str, bytes], list[s
     return weights, [",".join(np.delete(row.split(","), 1)) for row in rows], str(policy.act(obs))
 
 
+@pytest.mark.usefixtures("brief")
 @pytest.mark.parametrize("kind", ["table", "mlp"])
 def test_to_the_bit_whatever_the_clock_says(tmp_path: Path, kind: str) -> None:
     config = replace(SMALL, policy_kind=kind)
