@@ -6,17 +6,17 @@
 #include "noise.h"
 
 typedef struct {
-    float dead_time_share;    /* dead time / PWM period */
-    float inv_i_zero;         /* slope of the dead-time voltage through zero current [1/A] */
-    float gain_a, gain_b;     /* gain of the phase-current channels, 1 = exact */
-    float offset_a, offset_b; /* [A] */
-    float noise_rms;          /* [A] */
-    float lsb;                /* resolution of the converter [A], above range / 2^30 */
-    float inv_lsb;            /* 1 / lsb [1/A] */
-    float range;              /* largest current the converter shows [A] */
-    float u_on;   /* mean threshold voltage of transistor and diode [V]; 0 unless detailed */
-    float u_skew; /* the transistor's minus the diode's [V] */
-    float ripple; /* amplitude of the DC link's ripple over its mean */
+    float dead_time_share;     /* dead time / PWM period */
+    float inv_i_zero;          /* slope of the dead-time voltage through zero current [1/A] */
+    float gain_a, gain_b;      /* gain of the phase-current channels, 1 = exact */
+    float offset_a, offset_b;  /* [A] */
+    float noise_rms;           /* [A] */
+    float lsb;                 /* resolution of the converter [A], above range / 2^30 */
+    float inv_lsb;             /* 1 / lsb [1/A] */
+    float range;               /* largest current the converter shows [A] */
+    float u_on;                /* mean threshold voltage of transistor and diode [V] */
+    float u_skew;              /* the transistor's minus the diode's [V] */
+    float ripple;              /* amplitude of the DC link's ripple over its mean */
     uint32_t ripple_phase;     /* of the ripple at period 0; 2^32 is a turn */
     uint32_t ripple_half_step; /* its advance in half a period */
     int32_t carrier; /* 1: switching instants of a carrier, see carrier.h; 0: mean voltage */
@@ -48,28 +48,6 @@ CORE_INLINE float link_ripple(const sensor_params_t *p, int32_t half) {
 CORE_INLINE ab_t legs_voltage(legs_t leg) {
     ab_t y = {0.333333333f * (2.0f * leg.a - leg.b - leg.c), INV_SQRT3_F * (leg.b - leg.c)};
     return y;
-}
-
-/* Mean voltage of a leg whose current i [A] flows through the upper transistor and the lower diode, or
- * through the other two: the dead time as below, and their threshold voltages. */
-CORE_INLINE float leg_detailed(const sensor_params_t *p, float leg, float u_dc, float i) {
-    float half = 0.5f * u_dc;
-    float way = clamp_f(i * p->inv_i_zero, -1.0f, 1.0f);
-    float y = clamp_f(leg - u_dc * p->dead_time_share * way, -half, half);
-    return y - p->u_on * way - p->u_skew * y / max_f(u_dc, 1.0f);
-}
-
-/* inverter_voltage with the threshold voltages of transistors and diodes. */
-CORE_INLINE ab_t inverter_detailed(const sensor_params_t *p, ab_t u, float u_dc, ab_t i_ab) {
-    legs_t leg = inverter_legs(u);
-    float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
-    float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
-    legs_t y = {
-        leg_detailed(p, leg.a, u_dc, i_ab.a),
-        leg_detailed(p, leg.b, u_dc, i_b),
-        leg_detailed(p, leg.c, u_dc, i_c),
-    };
-    return legs_voltage(y);
 }
 
 /* Mean stator voltage of a period [V]: dead time against the direction of each phase current i_ab [A],

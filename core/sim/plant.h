@@ -28,7 +28,7 @@ typedef struct {
     double k_iron;  /* share of the voltage behind R_s that drives the flux: 1 / (1 + R_s g_iron) */
     int32_t n_sub;  /* sub-steps a period */
     int32_t bridge; /* 1 when the flux map has its bridge term */
-    int32_t detail; /* 1: harmonics, iron loss and the inverter's details; 0: all of them are off */
+    int32_t detail; /* 1: harmonics, iron loss, edges.h, link ripple; 0: all of them are off */
     int32_t reserved;
 } plant_params_t;
 
@@ -140,6 +140,45 @@ CORE_INLINE void plant_output(const plant_params_t *p, plant_state_t *x, int bri
     x->i_d = r.i.d;
     x->i_q = r.i.q;
     x->tau = 1.5 * p->n_p * r.tau;
+}
+
+/* How the stator current moves: di/dt = gamma u + drift, in the stator frame at the present instant. */
+typedef struct {
+    float aa, ab, bb; /* gamma, the inverse of the incremental inductance [1/H] */
+    float drift_a;    /* [A/s] */
+    float drift_b;
+} plant_slope_t;
+
+#define SLOPE_STEP 1.0e-6 /* of the flux linkages, for their slope [Vs] */
+
+CORE_INLINE plant_slope_t plant_slope(const plant_params_t *p, const plant_state_t *x, int bridge,
+                                      int detail) {
+    double c = x->cos_e;
+    double s = x->sin_e;
+    dq64_t psi = {x->psi_d, x->psi_q};
+    dq64_t psi_1 = {x->psi_d + SLOPE_STEP, x->psi_q};
+    dq64_t psi_2 = {x->psi_d, x->psi_q + SLOPE_STEP};
+    dq64_t i = plant_response(p, psi, c, s, bridge, detail).i;
+    dq64_t i_1 = plant_response(p, psi_1, c, s, bridge, detail).i;
+    dq64_t i_2 = plant_response(p, psi_2, c, s, bridge, detail).i;
+    double dd = (i_1.d - i.d) * (1.0 / SLOPE_STEP);
+    double qq = (i_2.q - i.q) * (1.0 / SLOPE_STEP);
+    double dq = (i_2.d - i.d) * (1.0 / SLOPE_STEP);
+    double omega = p->n_p * x->omega_m;
+    double e_d = omega * psi.q - p->R_s * i.d;
+    double e_q = -omega * psi.d - p->R_s * i.q;
+    double r_d = dd * e_d + dq * e_q - omega * i.q;
+    double r_q = dq * e_d + qq * e_q + omega * i.d;
+    double mean = 0.5 * (dd + qq);
+    double half = 0.5 * (dd - qq);
+    double cos2 = c * c - s * s;
+    double sin2 = 2.0 * c * s;
+    double along = half * cos2 - dq * sin2;
+    plant_slope_t y = {
+        (float)(mean + along),      (float)(half * sin2 + dq * cos2), (float)(mean - along),
+        (float)(c * r_d - s * r_q), (float)(s * r_d + c * r_q),
+    };
+    return y;
 }
 
 /* Flux linkage in the stator frame [Vs]. */

@@ -4,6 +4,7 @@
 
 #include "carrier.h"
 #include "drive/vector.h"
+#include "edges.h"
 #include "sim.h"
 
 /* Sampled currents and the present commands as the controller sees them. Drive and twin read the
@@ -50,8 +51,14 @@ CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_su
             (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
             (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
         };
-        ab_t u = detail ? inverter_detailed(&s->sensor, c->u, u_dc, i_ab)
-                        : inverter_voltage(&s->sensor, c->u, u_dc, i_ab);
+        ab_t u;
+        if (detail) {
+            plant_slope_t slope = plant_slope(&s->plant, &c->y, bridge, detail);
+            float T_s = (float)(s->plant.h * (double)n_sub);
+            u = edges_voltage(&s->sensor, slope, c->u, u_dc, T_s, i_ab);
+        } else {
+            u = inverter_voltage(&s->sensor, c->u, u_dc, i_ab);
+        }
         plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, tau_load, n_sub, bridge, detail);
     }
     c->u = u_next;

@@ -26,6 +26,7 @@ def impact_scenarios(
     """
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, 3.0)
+    s.detailed[:] = True
     speed = indices // 4 % IMPACT_SPEEDS / (IMPACT_SPEEDS - 1)
     way = np.where(indices % 2 == 0, 1.0, -1.0)
     sign = np.where(indices // 2 % 2 == 0, 1.0, -1.0)
@@ -47,6 +48,7 @@ def stop_scenarios(motor: Motor, seeds: Seeds, indices: NDArray[np.int64], *_: o
     """
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, 1.0)
+    s.detailed[:] = True
     way = np.where(indices % 2 == 0, 1.0, -1.0)
     sign = np.where(indices // 2 % 2 == 0, 1.0, -1.0)
     s.J, s.theta_0 = any_inertia(d), d.uniform(-np.pi, np.pi)
@@ -72,6 +74,7 @@ def unload_scenarios(
     """
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, 2.5)
+    s.detailed[:] = True
     way = np.where(indices % 2 == 0, 1.0, -1.0)
     sign = np.where(indices // 2 % 2 == 0, 1.0, -1.0)
     s.R_s, s.psi_f = d.uniform(*R_S), d.uniform(*PSI_F)

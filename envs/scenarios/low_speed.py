@@ -22,6 +22,7 @@ def hold_scenarios(motor: Motor, seeds: Seeds, indices: NDArray[np.int64], *_: o
     """
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, 0.3 + HOLD_TIME)
+    s.detailed[:] = True
     speed = np.array(HOLD_SPEEDS)[indices // 2 % len(HOLD_SPEEDS)]
     sign = np.where(indices % 2 == 0, 1.0, -1.0)
     s.J, s.theta_0 = any_inertia(d), d.uniform(-np.pi, np.pi)
@@ -44,6 +45,7 @@ def crawl_scenarios(
     """
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, 6.5)
+    s.detailed[:] = True
     top = d.uniform(0.01, 0.04) * motor.omega_rated / motor.n_p
     top *= np.where(d.chance(0.5), 1.0, -1.0)
     s.J, s.theta_0 = any_inertia(d), d.uniform(-np.pi, np.pi)

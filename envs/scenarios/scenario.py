@@ -80,6 +80,9 @@ class Scenarios:
     """(n, 2) gains of the phase-current channels"""
     offset: Floats
     """(n, 2) offsets of the phase-current channels [A]"""
+    detailed: Bools
+    """the averaged inverter knows its currents at every edge, see ``core/sim/edges.h``; so it does
+    wherever one of the following is not zero"""
     emf_5: Floats
     """5th harmonic of the EMF over its fundamental; this and the next ones as in the motor file"""
     emf_7: Floats
@@ -140,6 +143,7 @@ class Scenarios:
             noise=0.005 * ones,
             gain=np.ones((n, 2)),
             offset=np.zeros((n, 2)),
+            detailed=np.zeros(n, dtype=bool),
             **{name: np.full(n, getattr(motor, name)) for name in OF_THE_MACHINE},
             **{name: np.zeros(n) for name in OF_THE_SCENARIO},
         )
@@ -241,7 +245,7 @@ def fill_details(plant: Array, sensor: Array, s: Scenarios, motor: Motor) -> Non
     sensor["ripple_phase"] = np.floor(turn * phase).astype(np.uint64)
     sensor["ripple_half_step"] = np.rint(turn * (0.5 * s.ripple_hz * motor.T_s % 1.0)) % turn
     names = (*OF_THE_MACHINE, "ripple")
-    plant["detail"] = np.logical_or.reduce([getattr(s, name) != 0.0 for name in names])
+    plant["detail"] = s.detailed | np.any([getattr(s, name) != 0.0 for name in names], axis=0)
 
 
 def _fill_profile(profile: Array, s: Scenarios, motor: Motor) -> None:

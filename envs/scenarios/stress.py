@@ -82,6 +82,7 @@ def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     transistors and diodes a threshold voltage, and the DC link the ripple of a mains rectifier.
     """
     s = stress_1_scenarios(motor, seeds)
+    s.detailed[:] = True
     d = Draws(combine(seeds, DETAILS))
     s.R_s, s.psi_f = d.uniform(*R_S_COLD), d.uniform(*PSI_F_COLD)
     s.winding_K = d.uniform(*WINDING_K)

@@ -196,12 +196,16 @@ void t_inverter(const sensor_params_t *p, const float *u, float u_dc, const floa
     }
 }
 
-void t_inverter_detailed(const sensor_params_t *p, const float *u, float u_dc, const float *i,
-                         float *y, int n) {
+void t_edges(const sensor_params_t *p, const plant_params_t *m, const plant_state_t *x,
+             const float *u, float u_dc, float *y, int n) {
     for (int j = 0; j < n; j++) {
         ab_t u_ab = {u[2 * j], u[2 * j + 1]};
-        ab_t i_ab = {i[2 * j], i[2 * j + 1]};
-        ab_t out = inverter_detailed(p, u_ab, u_dc, i_ab);
+        ab_t i_ab = {
+            (float)(x[j].cos_e * x[j].i_d - x[j].sin_e * x[j].i_q),
+            (float)(x[j].sin_e * x[j].i_d + x[j].cos_e * x[j].i_q),
+        };
+        plant_slope_t slope = plant_slope(m, &x[j], m->bridge, m->detail);
+        ab_t out = edges_voltage(p, slope, u_ab, u_dc, (float)(m->h * (double)m->n_sub), i_ab);
         y[2 * j] = out.a;
         y[2 * j + 1] = out.b;
     }

@@ -112,9 +112,15 @@ def test_the_second_saliency_turns_the_axis_of_least_inductance(motor: Motor) ->
 def test_injection_locks_on_that_axis(motor: Motor, theta: float) -> None:
     s = Scenarios.nominal(motor, np.ones(1, dtype=np.uint64), 0.6)
     s.theta_0[:], s.saliency_6[:], s.noise[:], s.J[:] = theta, SECOND, 0.0, 1e6
-    t = trace(make_policy("constant:1", motor), s, motor, DriveDesign(estimator="smo"))
+    s.dead_time[:] = 0.0
+
+    def ideal(sim: Array) -> None:
+        sim["sensor"]["lsb"], sim["sensor"]["inv_lsb"] = 1e-6, 1e6
+        sim["control"]["control"]["u_dt"] = 0.0
+
+    t = trace(make_policy("constant:1", motor), s, motor, DriveDesign(estimator="smo"), ideal)
     err = float(np.mean(t["theta_e_err_hfi"][-500:]))
-    assert err == pytest.approx(-second_axis(motor, theta), abs=4e-3)
+    assert err == pytest.approx(-second_axis(motor, theta), abs=1e-3)
     assert abs(second_axis(motor, 0.2)) > 0.02
 
 
