@@ -1,9 +1,8 @@
 """n drives advanced together, decision by decision: what both environments are built on."""
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,8 +64,14 @@ _BYTES = {name: (f[1], f[1] + f[0].itemsize) for name, f in (SIM.fields or {}).i
 _GIVEN = np.r_[: -(-_BYTES["drive"][0] // 8), _BYTES["sums"][1] // 8 : SIM.itemsize // 8]
 """Words of SIM that a drive is given before it starts; ``sim_start`` derives the others."""
 
-Prepared = tuple[Array, Values]
-"""Those words, and the fixed true quantities, of some drives."""
+
+class Prepared(NamedTuple):
+    """Episodes of some drives that are ready to start, one a row."""
+
+    given: Array
+    """(n, len(_GIVEN)) those words"""
+    constant: Values
+    """(n, len(FIXED)) fixed true quantities"""
 
 
 class BlendBatch:
@@ -92,7 +97,7 @@ class BlendBatch:
         self._signals: Observation = np.zeros((n, SIGNAL_N), dtype=np.float32)
         self._constant: Values = np.zeros((n, len(FIXED)), dtype=np.float32)
         # One prepared episode per drive: drawing scenarios costs as much for one row as for all.
-        self._next: Prepared = (np.zeros((n, len(_GIVEN)), dtype=np.uint64), self._constant.copy())
+        self._next = Prepared(np.zeros((n, len(_GIVEN)), np.uint64), self._constant.copy())
         self._ready = np.zeros(n, dtype=bool)
         self._sums = self._copied_sums()
 
@@ -117,8 +122,8 @@ class BlendBatch:
         for first in range(0, len(rows), AT_ONCE):
             some = slice(first, first + AT_ONCE)
             at, of = rows[some], source[some]
-            self._start(at, fresh[0][of])
-            self._constant[at] = fresh[1][of]
+            self._start(at, fresh.given[of])
+            self._constant[at] = fresh.constant[of]
         self._ready[rows] = False
         self._episode[rows] += np.uint64(1)
         self._sums = self._copied_sums()
@@ -130,8 +135,9 @@ class BlendBatch:
             raise UserError(f"scenarios: {len(drawn)} for {len(rows)} seeds; draw one per seed")
         for first in range(0, len(rows), AT_ONCE):
             some = slice(first, first + AT_ONCE)
-            for room, part in zip(self._next, self._prepared(drawn[some]), strict=True):
-                room[rows[some]] = part
+            fresh = self._prepared(drawn[some])
+            self._next.given[rows[some]] = fresh.given
+            self._next.constant[rows[some]] = fresh.constant
         self._ready[rows] = True
 
     def _prepared(self, scenarios: Scenarios) -> Prepared:
@@ -139,7 +145,7 @@ class BlendBatch:
         limit = self.settings.max_episode_steps
         if limit is not None:
             sims["k_end"] = np.minimum(sims["k_end"], limit * self.periods)
-        return words(sims)[:, _GIVEN], fixed(scenarios, self.motor)
+        return Prepared(words(sims)[:, _GIVEN], fixed(scenarios, self.motor))
 
     def _start(self, rows: Rows, given: Array) -> None:
         """Start some drives, and read their first signals."""
@@ -209,14 +215,19 @@ class BlendBatch:
     def state(self) -> BatchState:
         """Copy of all memory, for `restore`."""
         return BatchState(
-            self._sims.copy(), self._constant.copy(), self._seeds.copy(), self._episode.copy()
+            sims=self._sims.copy(),
+            constant=self._constant.copy(),
+            seeds=self._seeds.copy(),
+            episode=self._episode.copy(),
         )
 
     def restore(self, state: BatchState) -> None:
         """Continue from a copy that `state` made on a batch of the same size."""
         if len(state.sims) != len(self):
             raise UserError(f"state: {len(state.sims)} drives; restore one of {len(self)} drives")
-        for f in dataclasses.fields(state):
-            getattr(self, f"_{f.name}")[:] = getattr(state, f.name)
+        self._sims[:] = state.sims
+        self._constant[:] = state.constant
+        self._seeds[:] = state.seeds
+        self._episode[:] = state.episode
         self._ready[:] = False
         self._sums = self._copied_sums()

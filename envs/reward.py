@@ -91,6 +91,12 @@ class RewardWeights:
 
 TERMS = (*(f.name for f in dataclasses.fields(RewardWeights) if f.name != "lost"), "lost_penalty")
 """Names of the terms, in the order in which they are added."""
+MEANS = ("torque_deviation", "angle", "activity", "speed_deviation")
+"""Running costs of what is a mean over the periods of the decision."""
+ROWS = (*MEANS, "torque_ripple")
+"""Running costs that share a formula: rows of one array, so that each step is one call of numpy."""
+SQUARED = ("speed_deviation", "torque_ripple")
+"""Those whose value the core does not give as a square."""
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -115,33 +121,28 @@ def terms(
         One array per name of ``TERMS``, none above 0; the reward is their sum.
     """
     n = sums["n"]
-    x = np.empty((5, len(n)), dtype=np.float32)
-    x[0] = sums["dev_lf_sq"]
-    x[1] = sums["err_sq"]
-    x[2] = sums["k_s_moved"]
-    np.subtract(sums["omega_m"], sums["omega_m_twin"], out=x[3])
-    np.subtract(sums["tau_max"], sums["tau_min"], out=x[4])
-    x[:4] /= np.maximum(n, np.float32(1.0))
-    x[3:] *= x[3:]
+    x = np.empty((len(ROWS), len(n)), dtype=np.float32)
+    row = dict(zip(ROWS, x, strict=True))
+    row["torque_deviation"][:] = sums["dev_lf_sq"]
+    row["angle"][:] = sums["err_sq"]
+    row["activity"][:] = sums["k_s_moved"]
+    np.subtract(sums["omega_m"], sums["omega_m_twin"], out=row["speed_deviation"])
+    np.subtract(sums["tau_max"], sums["tau_min"], out=row["torque_ripple"])
+    x[: len(MEANS)] /= np.maximum(n, np.float32(1.0))
+    for name in SQUARED:
+        row[name] *= row[name]
     np.fmin(x, np.float32(1e12), out=x)  # also replaces the NaN of a broken state by a number
 
     weight, scale, ms = _constants(weights, motor)
-    above = (np.sqrt(x[1]) - ANGLE_FREE) / (ANGLE_LOST - ANGLE_FREE)
+    above = (np.sqrt(row["angle"]) - ANGLE_FREE) / (ANGLE_LOST - ANGLE_FREE)
     x /= x + scale
-    x[1] = np.clip(above, 0.0, 1.0) ** 2
+    row["angle"][:] = np.clip(above, 0.0, 1.0) ** 2
     x *= weight
     x *= ms * n
-    penalty = np.zeros(len(n), dtype=np.float32)
-    penalty[lost] = -weights.lost
-    return {
-        "torque_deviation": x[0],
-        "torque_ripple": x[4],
-        "speed_deviation": x[3],
-        "angle": x[1],
-        "activity": x[2],
-        "injection": np.float32(-weights.injection) * ms * sums["injecting"],
-        "lost_penalty": penalty,
-    }
+    row["injection"] = np.float32(-weights.injection) * ms * sums["injecting"]
+    row["lost_penalty"] = np.zeros(len(n), dtype=np.float32)
+    row["lost_penalty"][lost] = -weights.lost
+    return {name: row[name] for name in TERMS}
 
 
 def total(parts: dict[str, Term]) -> Term:
@@ -154,17 +155,20 @@ def total(parts: dict[str, Term]) -> Term:
 
 @lru_cache(maxsize=8)
 def _constants(weights: RewardWeights, motor: Motor) -> tuple[Array, Array, np.float32]:
-    """Negative weights and scales of the rows of x in `terms`, both (5, 1), and a period in ms.
+    """Negative weights and scales of `ROWS`, both (5, 1), and a period in ms.
 
     The peak-to-peak swing of a sine is sqrt(8) times its root mean square.
     """
     ms = 1e3 * motor.T_s
-    rows = (
-        (weights.torque_deviation, (SCALE_TORQUE * motor.tau_rated) ** 2),
-        (weights.angle, ANGLE_LOST**2),
-        (weights.activity, SCALE_ACTIVITY * ms),
-        (weights.speed_deviation, (SCALE_SPEED * motor.omega_rated / motor.n_p) ** 2),
-        (weights.torque_ripple, 8.0 * (SCALE_RIPPLE * motor.tau_rated) ** 2),
-    )
-    columns = np.array(rows, dtype=np.float32).T[:, :, None]
+    pairs = {
+        "torque_deviation": (weights.torque_deviation, (SCALE_TORQUE * motor.tau_rated) ** 2),
+        "angle": (weights.angle, ANGLE_LOST**2),
+        "activity": (weights.activity, SCALE_ACTIVITY * ms),
+        "speed_deviation": (
+            weights.speed_deviation,
+            (SCALE_SPEED * motor.omega_rated / motor.n_p) ** 2,
+        ),
+        "torque_ripple": (weights.torque_ripple, 8.0 * (SCALE_RIPPLE * motor.tau_rated) ** 2),
+    }
+    columns = np.array([pairs[name] for name in ROWS], dtype=np.float32).T[:, :, None]
     return -columns[0], columns[1], np.float32(ms)
