@@ -15,9 +15,7 @@ if TYPE_CHECKING:
 
 def cross_coupling(c: CrossCoupling) -> "Figure":
     """Measured angle over the torque current with line, table and closed form; residuals below."""
-    figure, (top, low) = new_figure(
-        figsize=(8.0, 7.0), nrows=2, sharex=True, height_ratios=(2.2, 1.0)
-    )
+    figure, ((top,), (low,)) = new_figure((8.0, 7.0), rows=2, sharex=True, height_ratios=(2.2, 1.0))
     i_q, deg = c.i[:, 1], np.rad2deg
     edge = float(np.max(np.abs(i_q)))
     x = np.linspace(-edge, edge, 201)
@@ -57,4 +55,4 @@ def cross_coupling(c: CrossCoupling) -> "Figure":
     for axes in (top, low):
         axes.grid(alpha=0.3)
         axes.legend(fontsize=8)
-    return figure  # type: ignore[no-any-return]
+    return figure

@@ -10,6 +10,9 @@ from sensorless.machine.motor import Motor
 from sensorless.plots.figure import new_figure
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import QuadMesh
+    from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
 
 SHOWN = 12.0
@@ -31,31 +34,32 @@ def envelope_maps(results: Results, motor: Motor) -> "Figure":
     columns = n if n <= 4 else 3
     rows = math.ceil(n / columns)
     figure, axes = new_figure(
-        figsize=(2.9 * columns + 1.1, 3.1 * rows + 0.7),
-        nrows=rows,
-        ncols=columns,
+        (2.9 * columns + 1.1, 3.1 * rows + 0.7),
+        rows=rows,
+        columns=columns,
         sharex=True,
         sharey=True,
-        squeeze=False,
     )
-    image = None
-    for ax, (name, policy) in zip(axes.flat, results.policies.items(), strict=False):
-        image = _map(ax, name, policy, motor)
-    _name_quadrants(axes[0, 0])
-    for ax in list(axes.flat)[n:]:
+    places = [ax for row in axes for ax in row]
+    images = [
+        _map(ax, name, policy, motor)
+        for ax, (name, policy) in zip(places, results.policies.items(), strict=False)
+    ]
+    _name_quadrants(places[0])
+    for ax in places[n:]:
         ax.set_axis_off()
     for j in range(columns):
-        last = axes[(n - 1 - j) // columns, j]
+        last = axes[(n - 1 - j) // columns][j]
         last.set_xlabel("speed [r/min]")
         last.tick_params(labelbottom=True)
     for row in axes:
         row[0].set_ylabel("load torque [N m]")
     _legend(figure)
-    figure.colorbar(image, ax=axes, label="angle error, RMS [° el.]", extend="max")
-    return figure  # type: ignore[no-any-return]
+    figure.colorbar(images[-1], ax=places, label="angle error, RMS [° el.]", extend="max")
+    return figure
 
 
-def _map(ax: Any, name: str, policy: dict[str, Any], motor: Motor) -> Any:
+def _map(ax: "Axes", name: str, policy: dict[str, Any], motor: Motor) -> "QuadMesh":
     rows = policy["scenarios"]
     side = math.isqrt(len(rows["lost"]))
     lost = np.array(rows["lost"]).reshape(side, side).T
@@ -79,7 +83,7 @@ def _map(ax: Any, name: str, policy: dict[str, Any], motor: Motor) -> Any:
     return image
 
 
-def _name_quadrants(ax: Any) -> None:
+def _name_quadrants(ax: "Axes") -> None:
     for x, y in ((0.03, 0.03), (0.03, 0.97), (0.97, 0.03), (0.97, 0.97)):
         ax.text(
             x,
@@ -93,13 +97,13 @@ def _name_quadrants(ax: Any) -> None:
         )
 
 
-def _one_colour(colour: str) -> Any:
+def _one_colour(colour: str) -> "Colormap":
     from matplotlib.colors import ListedColormap
 
     return ListedColormap([colour])
 
 
-def _legend(figure: Any) -> None:
+def _legend(figure: "Figure") -> None:
     from matplotlib.patches import Patch
 
     figure.legend(

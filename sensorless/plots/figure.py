@@ -8,6 +8,7 @@ from sensorless.errors import UserError
 from sensorless.files import write_atomic
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 COLOURS = {
@@ -36,16 +37,27 @@ def require_matplotlib() -> None:
         raise UserError("plots need matplotlib; run: pip install 'sensorless[plot]'") from None
 
 
-def new_figure(**options: Any) -> Any:
-    """Return figure and axes of matplotlib, without a display."""
+def new_figure(
+    size: tuple[float, float], rows: int = 1, columns: int = 1, **shared: Any
+) -> "tuple[Figure, list[list[Axes]]]":
+    """Return a figure without a display, and its axes row by row.
+
+    Parameters
+    ----------
+    size : tuple of float
+        Width and height [inch].
+    rows, columns : int
+    **shared
+        What ``Figure.subplots`` takes besides.
+    """
     require_matplotlib()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    size = options.pop("figsize")
     figure = Figure(figsize=size, layout="constrained")
     FigureCanvasAgg(figure)
-    return figure, figure.subplots(**options)
+    grid = figure.subplots(rows, columns, squeeze=False, **shared)
+    return figure, [list(row) for row in grid]
 
 
 def save(figure: "Figure", path: Path) -> None:

@@ -99,8 +99,8 @@ def _motor_of(folder: Path) -> str:
 
 def learning_curves(curves: Mapping[str, Curve], levels: Mapping[str, Cost]) -> "Figure":
     """Objective and its parts in validation over training time: a line per run and per level."""
-    figure, axes = new_figure(figsize=(11.0, 6.4), nrows=2, ncols=2)
-    for ax, (key, label) in zip(axes.flat, CURVES, strict=True):
+    figure, axes = new_figure((11.0, 6.4), rows=2, columns=2)
+    for ax, (key, label) in zip([*axes[0], *axes[1]], CURVES, strict=True):
         for name, curve in curves.items():
             minutes, value = curve["seconds"] / 60.0, 100.0 * curve[key]
             (line,) = ax.plot(minutes, value, "-o", ms=2.5, lw=1.0, label=name)
@@ -111,6 +111,6 @@ def learning_curves(curves: Mapping[str, Curve], levels: Mapping[str, Cost]) -> 
         ax.set_xlabel("training time [min]")
         ax.set_ylabel(label)
         ax.grid(alpha=0.3)
-    axes[0, 1].set_ylim(0.0, None)
-    axes[0, 0].legend(fontsize=8, title="★ kept", title_fontsize=8)
-    return figure  # type: ignore[no-any-return]
+    axes[0][1].set_ylim(0.0, None)
+    axes[0][0].legend(fontsize=8, title="★ kept", title_fontsize=8)
+    return figure

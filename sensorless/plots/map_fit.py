@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def map_fit(name: str, fit: MapFit) -> "Figure":
     """Map and model, current over flux, and where over the currents the model errs."""
-    figure, axes = new_figure(figsize=(10.0, 8.0), nrows=2, ncols=2)
+    figure, axes = new_figure((10.0, 8.0), rows=2, columns=2)
     model = fit.i + fit.error
     inside = fit.inside(fit.i_max)
     for k, (axis, letter) in enumerate(zip(axes[0], "dq", strict=True)):
@@ -28,9 +28,8 @@ def map_fit(name: str, fit: MapFit) -> "Figure":
     top = max(float(np.abs(percent).max()), 1e-9)
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
     for k, (axis, letter) in enumerate(zip(axes[1], "dq", strict=True)):
-        points = axis.scatter(
-            *fit.i[inside].T, c=percent[:, k], s=22, cmap="coolwarm", vmin=-top, vmax=top
-        )
+        i_d, i_q = fit.i[inside].T
+        points = axis.scatter(i_d, i_q, c=percent[:, k], s=22, cmap="coolwarm", vmin=-top, vmax=top)
         axis.plot(
             fit.i_rated * np.cos(angle), fit.i_rated * np.sin(angle), color=COLOURS["twin"], lw=1
         )
@@ -41,4 +40,4 @@ def map_fit(name: str, fit: MapFit) -> "Figure":
         axis.set_aspect("equal")
         figure.colorbar(points, ax=axis, label="% of rated current")
     figure.suptitle(f"{name}: flux map and reciprocal model")
-    return figure  # type: ignore[no-any-return]
+    return figure

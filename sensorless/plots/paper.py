@@ -19,7 +19,7 @@ def angle_traces(
 ) -> "Figure":
     """Angle errors of several runs over their last ``window`` [s], times the axis' factor."""
     label, factor = axis
-    figure, axes = new_figure(figsize=(8.0, 4.2))
+    figure, ((axes,),) = new_figure((8.0, 4.2))
     for colour, (name, t) in zip(LINES, traces.items(), strict=False):
         T_s = float(t["t"][1] - t["t"][0])
         part = slice(-round(window / T_s), None)
@@ -35,13 +35,13 @@ def angle_traces(
     axes.set_title(title)
     axes.grid(alpha=0.3)
     axes.legend(fontsize=8, ncols=2)
-    return figure  # type: ignore[no-any-return]
+    return figure
 
 
 def speed_runs(published: Trace, corrected: Trace, title: str) -> "Figure":
     """Speed, angle error and weight of the published and the corrected drive."""
-    figure, axes = new_figure(figsize=(9.0, 7.0), nrows=3, sharex=True, height_ratios=(2, 2, 1))
-    speed, angle, weight = axes
+    figure, axes = new_figure((9.0, 7.0), rows=3, sharex=True, height_ratios=(2, 2, 1))
+    (speed,), (angle,), (weight,) = axes
     speed.plot(
         published["t"],
         RAD_S_TO_RPM * published["omega_m_ref"],
@@ -60,17 +60,17 @@ def speed_runs(published: Trace, corrected: Trace, title: str) -> "Figure":
     weight.set_ylabel("$k_s$\n1 = HFI, 0 = SMO")
     weight.set_xlabel("time [s]")
     speed.set_title(title)
-    for one in axes:
+    for one in (speed, angle, weight):
         one.grid(alpha=0.3)
     speed.legend(fontsize=8)
     angle.legend(fontsize=8)
-    return figure  # type: ignore[no-any-return]
+    return figure
 
 
 def hand_over(runs: dict[str, dict[str, Trace]], title: str) -> "Figure":
     """Torque over time while the speed goes up and down, hard switch against blend."""
-    figure, axes = new_figure(figsize=(10.0, 4.2), ncols=len(runs), sharey=True, squeeze=False)
-    for one, (drive, pair) in zip(axes[0], runs.items(), strict=True):
+    figure, (row,) = new_figure((10.0, 4.2), columns=len(runs), sharey=True)
+    for one, (drive, pair) in zip(row, runs.items(), strict=True):
         for colour, (rule, t) in zip((COLOURS["hfi"], COLOURS["smo"]), pair.items(), strict=True):
             tau = 0.5 * (t["tau"] + np.concatenate([t["tau"][:1], t["tau"][:-1]]))
             one.plot(t["t"], tau, color=colour, lw=0.8, label=rule)
@@ -80,6 +80,6 @@ def hand_over(runs: dict[str, dict[str, Trace]], title: str) -> "Figure":
         one.set_ylim(0.0, None)
         one.grid(alpha=0.3)
         one.legend(fontsize=8)
-    axes[0, 0].set_ylabel("torque without injection band [N m]")
+    row[0].set_ylabel("torque without injection band [N m]")
     figure.suptitle(title)
-    return figure  # type: ignore[no-any-return]
+    return figure

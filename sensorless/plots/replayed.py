@@ -1,6 +1,6 @@
 """Figure of a replayed log. Needs the extra ``plot``."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,8 +17,8 @@ OTHER = "#6a994e"
 
 def replayed(r: Replay) -> "Figure":
     """Speed, angle error (angle, if there is no encoder) and weight over time."""
-    figure, axes = new_figure(figsize=(9.0, 8.0), nrows=3, sharex=True, height_ratios=(2, 2.4, 1))
-    speed, angle, weight = axes
+    figure, axes = new_figure((9.0, 8.0), rows=3, sharex=True, height_ratios=(2, 2.4, 1))
+    (speed,), (angle,), (weight,) = axes
     t, theta_e = r.log.t, r.log.theta_e
     if theta_e is not None:
         window = max(1, round(0.005 / r.motor.T_s))
@@ -28,7 +28,8 @@ def replayed(r: Replay) -> "Figure":
         rpm = RAD_S_TO_RPM / r.motor.n_p * true
         speed.plot(middle, rpm, color=COLOURS["twin"], lw=2.5, label="encoder, over 5 ms")
     for name, estimate in r.estimates.items():
-        style = {"color": COLOURS.get(name, OTHER), "lw": 0.8, "label": r.label(name)}
+        colour = COLOURS.get(name, OTHER)
+        style: dict[str, Any] = {"color": colour, "lw": 0.8, "label": r.label(name)}
         speed.plot(t, RAD_S_TO_RPM / r.motor.n_p * estimate.omega_e, **style)
         error = r.error(name)
         shown = np.rad2deg(estimate.theta_e if error is None else error)
@@ -41,7 +42,7 @@ def replayed(r: Replay) -> "Figure":
     )
     weight.set_ylabel(f"$k_s$\n1 = HFI, 0 = {r.observer}")
     weight.set_xlabel("time [s]")
-    for ax in axes:
+    for ax in (speed, angle, weight):
         ax.grid(alpha=0.3)
     speed.legend(ncols=5, fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
-    return figure  # type: ignore[no-any-return]
+    return figure

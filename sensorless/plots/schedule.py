@@ -13,6 +13,7 @@ from sensorless.plots.figure import new_figure
 from sensorless.table.ks_table import Axis, KsTable
 
 if TYPE_CHECKING:
+    from matplotlib.collections import QuadMesh
     from matplotlib.figure import Figure
 
 MOST_POLICIES = 8
@@ -25,8 +26,8 @@ def lost_by_place(results: Results) -> "Figure":
     At most ``MOST_POLICIES`` are shown: the first two, the bounds, and the best others.
     """
     shown = _shown(results.policies)
-    figure, axes = new_figure(figsize=(11.0, 6.4), nrows=2)
-    for ax, key in zip(axes, ("by_quadrant", "by_speed"), strict=True):
+    figure, ((upper,), (lower,)) = new_figure((11.0, 6.4), rows=2)
+    for ax, key in zip((upper, lower), ("by_quadrant", "by_speed"), strict=True):
         labels: list[str] = []
         for j, (name, policy) in enumerate(shown.items()):
             block = policy[key]
@@ -53,9 +54,9 @@ def lost_by_place(results: Results) -> "Figure":
         ax.set_ylim(0.0, None)
         ax.set_ylabel("lost there [%]\n(95 % interval)")
         ax.grid(axis="y", alpha=0.3)
-    axes[1].set_xlabel("speed over rated speed, of the sensored twin")
-    axes[0].legend(ncols=5, fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
-    return figure  # type: ignore[no-any-return]
+    lower.set_xlabel("speed over rated speed, of the sensored twin")
+    upper.legend(ncols=5, fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
+    return figure
 
 
 def _shown(policies: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
@@ -73,19 +74,16 @@ def schedule_maps(name: str, table: KsTable, reference: KsTable, motor: Motor) -
     """
     across, up = table.axes[0], _second(table)
     slices = _slices(table)
-    figure, axes = new_figure(
-        figsize=(3.3 * (1 + len(slices)) + 1.2, 3.9),
-        ncols=1 + len(slices),
-        sharey=True,
-        squeeze=False,
+    figure, (row,) = new_figure(
+        (3.3 * (1 + len(slices)) + 1.2, 3.9), columns=1 + len(slices), sharey=True
     )
     x, y = np.linspace(across.lo, across.hi, 161), np.linspace(up.lo, up.hi, 121)
     obs = np.zeros((len(y), len(x), SIGNAL_N), dtype=np.float32)
     obs[..., SIGNAL_NAMES.index(across.signal)] = x
     obs[..., SIGNAL_NAMES.index(up.signal)] = y[:, None]
-    image = None
+    image: QuadMesh | None = None
     parts = [("Eq. 25", reference, slices[0][1]), *((f"{name}{s}", table, v) for s, v in slices)]
-    for ax, (title, one, values) in zip(axes[0], parts, strict=True):
+    for ax, (title, one, values) in zip(row, parts, strict=True):
         for signal, value in values.items():
             obs[..., SIGNAL_NAMES.index(signal)] = value
         k_s = one.evaluate(obs.reshape(-1, SIGNAL_N)).reshape(obs.shape[:2])
@@ -98,11 +96,12 @@ def schedule_maps(name: str, table: KsTable, reference: KsTable, motor: Motor) -
         np.linspace(across.lo, across.hi, across.n) * _factor(across, motor),
         np.linspace(up.lo, up.hi, up.n),
     )
-    for ax in axes[0, 1:] if len(table.axes) > 1 else ():
+    for ax in row[1:] if len(table.axes) > 1 else ():
         ax.plot(*(part.ravel() for part in nodes), ".", color="w", ms=2.5, alpha=0.8)
-    axes[0, 0].set_ylabel(_label(up, motor))
-    figure.colorbar(image, ax=axes[0].tolist(), label="$k_s$ (1 = HFI, 0 = observer)")
-    return figure  # type: ignore[no-any-return]
+    row[0].set_ylabel(_label(up, motor))
+    assert image is not None
+    figure.colorbar(image, ax=row, label="$k_s$ (1 = HFI, 0 = observer)")
+    return figure
 
 
 def _second(table: KsTable) -> Axis:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def reach(motor: Motor) -> "Figure":
     """Largest torque over speed within rated and within largest current, and the rated point."""
-    figure, axes = new_figure(figsize=(8.0, 4.0))
+    figure, ((axes,),) = new_figure((8.0, 4.0))
     i = polar(motor)
     psi = flux(motor.saturation, i)
     tau = 1.5 * motor.n_p * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0])
@@ -37,12 +37,12 @@ def reach(motor: Motor) -> "Figure":
     axes.set_title(f"{motor.name}: reach from {motor.u_dc:g} V")
     axes.grid(alpha=0.3)
     axes.legend(fontsize=8)
-    return figure  # type: ignore[no-any-return]
+    return figure
 
 
 def signal(motor: Motor, seen: Seen) -> "Figure":
     """Inductance ratio, cross-coupling, and the angle's noise over the current."""
-    figure, (top, mid, low) = new_figure(figsize=(8.0, 7.0), nrows=3, sharex=True)
+    figure, ((top,), (mid,), (low,)) = new_figure((8.0, 7.0), rows=3, sharex=True)
     size = np.hypot(*seen.signal.i.T)
     top.plot(size, seen.signal.ratio, color=COLOURS["smo"])
     top.axhline(1.0, color=COLOURS["twin"], lw=1)
@@ -58,4 +58,4 @@ def signal(motor: Motor, seen: Seen) -> "Figure":
     for axes in (top, mid, low):
         axes.axvline(motor.i_rated, color=COLOURS["twin"], lw=1, ls="--")
         axes.grid(alpha=0.3)
-    return figure  # type: ignore[no-any-return]
+    return figure

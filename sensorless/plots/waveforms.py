@@ -1,30 +1,31 @@
 """Waveforms of a drive over time."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sensorless.core.api import Array
 from sensorless.evaluation.trace import Trace, lost_cause
 from sensorless.plots.figure import COLOURS, new_figure
 from sensorless.units import RAD_S_TO_RPM
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
 def waveforms(traces: dict[str, Trace]) -> "Figure":
     """Speed, torque, angle errors and weight over time, one column per run; keys are titles."""
     figure, axes = new_figure(
-        figsize=(7.0 * len(traces) + 1.5, 9.5),
-        nrows=4,
-        ncols=len(traces),
+        (7.0 * len(traces) + 1.5, 9.5),
+        rows=4,
+        columns=len(traces),
         sharex=True,
         sharey="row",
-        squeeze=False,
         height_ratios=(3, 2.4, 2.4, 1.2),
     )
     worst = max(_quantile(t["theta_e_err"][t["starting"] == 0.0]) for t in traces.values())
-    for column, (title, t) in zip(axes.T, traces.items(), strict=True):
+    for column, (title, t) in zip(zip(*axes, strict=True), traces.items(), strict=True):
         _speeds(column[0], t)
         _torques(column[1], t)
         _angles(column[2], t)
@@ -38,8 +39,10 @@ def waveforms(traces: dict[str, Trace]) -> "Figure":
             ax.grid(alpha=0.3)
             _shade_start(ax, t)
         for ax in column[:3]:
-            place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
-            for line in ax.legend(ncols=4, fontsize=8, **place).get_lines():
+            legend = ax.legend(
+                ncols=4, fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False
+            )
+            for line in legend.get_lines():
                 line.set(linewidth=2.0, alpha=1.0)
     labels = (
         "speed [r/min]",
@@ -47,24 +50,24 @@ def waveforms(traces: dict[str, Trace]) -> "Figure":
         "angle error [° el.]\ntruth − estimate",
         "$k_s$\n1 HFI, 0 observer",
     )
-    for ax, label in zip(axes[:, 0], labels, strict=True):
-        ax.set_ylabel(label, fontsize=9)
-    return figure  # type: ignore[no-any-return]
+    for row, label in zip(axes, labels, strict=True):
+        row[0].set_ylabel(label, fontsize=9)
+    return figure
 
 
-def _shade_start(ax: Any, t: Trace) -> None:
+def _shade_start(ax: "Axes", t: Trace) -> None:
     """Shade the time in which the drive was still looking for its rotor."""
     seeking = t["t"][t["starting"] > 0.0]
     if len(seeking):
         ax.axvspan(seeking[0], seeking[-1], color="0.88", lw=0)
 
 
-def _quantile(x: Any) -> float:
+def _quantile(x: Array) -> float:
     """Bound on 99.9 % of the errors, at most 90 [deg]."""
     return min(float(np.quantile(np.abs(np.rad2deg(x)), 0.999)), 90.0) if len(x) else 90.0
 
 
-def _speeds(ax: Any, t: Trace) -> None:
+def _speeds(ax: "Axes", t: Trace) -> None:
     ax.plot(t["t"], RAD_S_TO_RPM * t["omega_m_ref"], color=COLOURS["ref"], label="reference")
     ax.plot(
         t["t"],
@@ -77,7 +80,7 @@ def _speeds(ax: Any, t: Trace) -> None:
     ax.plot(t["t"], RAD_S_TO_RPM * t["omega_m_hat"], color=COLOURS["smo"], lw=0.6, label="estimate")
 
 
-def _torques(ax: Any, t: Trace) -> None:
+def _torques(ax: "Axes", t: Trace) -> None:
     band = _pairs(t["tau"])
     ax.plot(t["t"], t["tau"], color=COLOURS["smo"], lw=0.4, alpha=0.5, label="torque")
     ax.plot(t["t"], band, color=COLOURS["blend"], lw=0.8, label="without injection band")
@@ -85,13 +88,13 @@ def _torques(ax: Any, t: Trace) -> None:
     ax.plot(t["t"], t["tau_load"], color=COLOURS["ref"], label="load")
 
 
-def _angles(ax: Any, t: Trace) -> None:
+def _angles(ax: "Axes", t: Trace) -> None:
     for key, name in (("_hfi", "hfi"), ("_smo", "smo"), ("", "blend")):
         error = np.rad2deg(t[f"theta_e_err{key}"])
         label = {"hfi": "HFI", "smo": "observer", "blend": "blend"}[name]
         ax.plot(t["t"], error, color=COLOURS[name], lw=0.7, label=label)
 
 
-def _pairs(x: Any) -> Any:
+def _pairs(x: Array) -> Array:
     """Mean of two successive samples."""
-    return 0.5 * (x + np.concatenate([x[:1], x[:-1]]))
+    return np.asarray(0.5 * (x + np.concatenate([x[:1], x[:-1]])))
