@@ -9,12 +9,13 @@ with the after-effects of the same noise in early ones: it has the wrong sign wh
 helps at once costs torque later.
 """
 
-from typing import Any
-
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.buffers import RolloutBuffer
+
+from sensorless.agents.train.sb3_adapter import SB3VecEnv
 
 
 def paired_seeds(first: int, n: int) -> list[int]:
@@ -48,8 +49,10 @@ class PairedRolloutBuffer(RolloutBuffer):
         self.advantages = np.stack((half, -half), axis=2).reshape(self.advantages.shape)
 
 
-def restart(model: Any, seed: int) -> None:
-    """Begin an episode in every environment of a model, partners in step."""
-    model.env.seed_each(paired_seeds(seed, model.n_envs))
-    model._last_obs = model.env.reset()
+def restart(model: BaseAlgorithm, seed: int) -> None:
+    """Begin an episode in every environment of a model on `SB3VecEnv`, partners in step."""
+    env = model.env
+    assert isinstance(env, SB3VecEnv)
+    env.seed_each(paired_seeds(seed, model.n_envs))
+    model._last_obs = env.reset()
     model._last_episode_starts = np.ones((model.n_envs,), dtype=bool)

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from sensorless.core.api import (
     SIGNAL_N,
@@ -157,7 +157,7 @@ class BlendBatch:
         words(self._sims)[rows] = words(sims)
         self._signals[rows] = signals
 
-    def advance(self, actions: Any) -> None:
+    def advance(self, actions: ArrayLike) -> None:
         """Advance every drive by one decision; those lost or at their end stay where they are.
 
         Parameters

@@ -5,6 +5,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.error import ResetNeeded
+from numpy.typing import ArrayLike
 
 from sensorless.envs.blend_batch import BatchState, BlendBatch
 from sensorless.envs.blend_settings import BlendSettings, checked_scenario, checked_seeds
@@ -14,7 +15,7 @@ from sensorless.envs.signals import Observation
 _ROW = np.zeros(1, dtype=np.intp)
 
 
-class BlendEnv(gymnasium.Env[Observation, Any]):
+class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     """Choose the weight k_s that blends two position estimators of a running sensorless drive.
 
     **Description**
@@ -109,7 +110,7 @@ class BlendEnv(gymnasium.Env[Observation, Any]):
         self._begun = True
         return self.batch.observation()[0], {"privileged": self.batch.privileged()[0]}
 
-    def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Advance by one decision under an action of shape (1,)."""
         if not self._begun:
             raise ResetNeeded("call reset() before step()")

@@ -4,7 +4,7 @@ import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 
@@ -49,11 +49,11 @@ class BlendSettings:
         """
         check(self)
         steps = self.max_episode_steps
-        if steps is not None and (not _whole(steps) or steps < 1):
+        if steps is not None and (_index(steps) or 0) < 1:
             raise UserError(f"max_episode_steps: {steps!r}: must be None or a whole number above 0")
 
 
-def checked_count(n: Any) -> int:
+def checked_count(n: object) -> int:
     """Return the number of drives.
 
     Raises
@@ -61,12 +61,13 @@ def checked_count(n: Any) -> int:
     UserError
         It is not a whole number above 0.
     """
-    if not _whole(n) or n < 1:
+    count = _index(n)
+    if count is None or count < 1:
         raise UserError(f"num_envs: {n!r}; give a whole number above 0")
-    return int(n)
+    return count
 
 
-def checked_seeds(seed: Any, n: int) -> list[int | None]:
+def checked_seeds(seed: object, n: int) -> list[int | None]:
     """Return the seeds of n drives: s, s + 1, ... from one seed s, or those of a list of n.
 
     Raises
@@ -74,8 +75,11 @@ def checked_seeds(seed: Any, n: int) -> list[int | None]:
     UserError
         A seed is not a whole number in range, or a list has another length than n.
     """
-    if seed is None or _whole(seed):
-        return [None if seed is None else _seed(seed + i) for i in range(n)]
+    if seed is None:
+        return [None] * n
+    first = _index(seed)
+    if first is not None:
+        return [_seed(first + i) for i in range(n)]
     if not isinstance(seed, Sequence | np.ndarray) or len(seed) != n:
         raise UserError(f"seed: {seed!r}; give None, a whole number, or a list of {n}")
     return [None if s is None else _seed(s) for s in seed]
@@ -100,19 +104,20 @@ def checked_scenario(options: dict[str, Any] | None, n: int) -> Scenarios | None
     return scenario
 
 
-def _size(value: Any) -> str:
+def _size(value: object) -> str:
     return f"{len(value)} rows" if isinstance(value, Scenarios) else repr(value)
 
 
-def _whole(value: Any) -> bool:
+def _index(value: object) -> int | None:
+    """Return the whole number that a value is; None: it is none."""
     try:
-        operator.index(value)
+        return operator.index(value) if isinstance(value, SupportsIndex) else None
     except TypeError:
-        return False
-    return True
+        return None
 
 
-def _seed(value: Any) -> int:
-    if not _whole(value) or not 0 <= value < 2**64:
+def _seed(value: object) -> int:
+    seed = _index(value)
+    if seed is None or not 0 <= seed < 2**64:
         raise UserError(f"seed: {value!r}; give a whole number from 0 to 2^64 - 1")
-    return int(value)
+    return seed

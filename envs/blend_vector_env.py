@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from typing import Any
 
-import gymnasium
 import numpy as np
 from gymnasium.error import ResetNeeded
+from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike
 
 from sensorless.envs.blend_batch import BatchState, BlendBatch, Flags, Outcome
 from sensorless.envs.blend_settings import (
@@ -23,15 +24,15 @@ from sensorless.errors import UserError
 Step = tuple[Observation, Term, Flags, Flags, dict[str, Any]]
 
 
-def spaces() -> tuple[gymnasium.Space[Any], gymnasium.Space[Any]]:
+def spaces() -> "tuple[Box[np.float32], Box[np.float32]]":
     """Observation and action space of one drive."""
     return (
-        gymnasium.spaces.Box(LOW, HIGH, dtype=np.float32),
-        gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=np.float32),
+        Box(LOW, HIGH, dtype=np.float32),
+        Box(-1.0, 1.0, (1,), dtype=np.float32),
     )
 
 
-class BlendVectorEnv(VectorEnv[Observation, Any, Any]):
+class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
     """``sensorless/Blend-v0`` for n drives; `BlendEnv` describes action, observation and reward.
 
     With seed s, drive i equals the single environment with seed s + i, to the bit.
@@ -106,7 +107,7 @@ class BlendVectorEnv(VectorEnv[Observation, Any, Any]):
         self._begun = True
         return self.batch.observation(), _masked({"privileged": self.batch.privileged()})
 
-    def step(self, actions: Any) -> Step:
+    def step(self, actions: ArrayLike) -> Step:
         """Advance every drive by one decision.
 
         Parameters
@@ -177,6 +178,6 @@ def _masked(info: dict[str, Any], mask: Flags | None = None) -> dict[str, Any]:
     return info | {f"_{name}": mask for name in info}
 
 
-def _first(seed: int | None, drawn: Any) -> int:
+def _first(seed: int | None, drawn: np.int64) -> int:
     """Return the given seed, or the drawn one without it."""
     return int(drawn) if seed is None else seed

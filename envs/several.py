@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike
 
 from sensorless.envs.blend_vector_env import BlendVectorEnv, Step
 from sensorless.envs.signals import Observation
@@ -14,7 +15,7 @@ from sensorless.errors import UserError
 FINAL = ("final_obs", "_final_obs", "final_info", "_final_info")
 
 
-class SeveralMachines(VectorEnv[Observation, Any, Any]):
+class SeveralMachines(VectorEnv[Observation, ArrayLike, Any]):
     """Drives of the first environment, then those of the second, and so on.
 
     Each row is what its own environment returns, to the bit. The core is fastest with a multiple of
@@ -69,7 +70,7 @@ class SeveralMachines(VectorEnv[Observation, Any, Any]):
         ]
         return np.concatenate([obs for obs, _ in parts]), _joined([info for _, info in parts])
 
-    def step(self, actions: Any) -> Step:
+    def step(self, actions: ArrayLike) -> Step:
         """Advance every drive by one decision; as in ``BlendVectorEnv``."""
         action = np.asarray(actions)
         parts = [env.step(action[rows]) for env, rows in zip(self.envs, self._rows, strict=True)]

@@ -24,7 +24,7 @@ def write_atomic(path: str | Path, data: str | bytes) -> None:
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
-        raise UserError(f"output {str(path)!r}: {_reason(error)}; write elsewhere") from None
+        raise UserError(f"output {str(path)!r}: {reason(error)}; write elsewhere") from None
 
 
 def ensure_writable(folder: str | Path) -> Path:
@@ -43,7 +43,7 @@ def ensure_writable(folder: str | Path) -> Path:
         probe.unlink()
     except OSError as error:
         raise UserError(
-            f"output folder {str(folder)!r}: {_reason(error)}; give a folder that can be written to"
+            f"output folder {str(folder)!r}: {reason(error)}; give a folder that can be written to"
         ) from None
     return folder
 
@@ -73,8 +73,9 @@ def check_writable(path: str | Path | None, name: str = "out") -> None:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise UserError(f"{name}: {str(path)!r}: {_reason(error)}; write elsewhere") from None
+        raise UserError(f"{name}: {str(path)!r}: {reason(error)}; write elsewhere") from None
 
 
-def _reason(error: OSError) -> str:
-    return error.strerror or str(error)
+def reason(error: Exception) -> str:
+    """Why a file could not be read or written, in a few words."""
+    return getattr(error, "strerror", None) or str(error)

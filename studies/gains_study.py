@@ -16,6 +16,7 @@ import json
 import math
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -108,7 +109,7 @@ def value(found: dict[str, float], start: dict[str, float]) -> float:
     )
 
 
-def decode(x: Any) -> Values:
+def decode(x: Sequence[float]) -> Values:
     """Gains of a point of the unit cube."""
     values = {}
     for u, (name, (low, high, log)) in zip(np.clip(x, 0.0, 1.0), GAINS.items(), strict=True):

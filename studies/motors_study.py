@@ -101,7 +101,7 @@ def say(name: str, found: dict[str, Any]) -> None:
             )
 
 
-def identity(policy: Policy) -> Any:
+def identity(policy: Policy) -> dict[str, str | None] | None:
     """Digest of a policy's table and how it was made, for the record."""
     if not isinstance(policy, TablePolicy):
         return None

@@ -5,7 +5,7 @@ from typing import Any
 
 import torch
 from gymnasium import spaces
-from stable_baselines3.common.distributions import Distribution
+from stable_baselines3.common.distributions import Distribution, StateDependentNoiseDistribution
 from stable_baselines3.common.policies import ActorCriticPolicy
 from torch import Tensor, nn
 
@@ -106,7 +106,8 @@ class MlpActorCritic(ActorCriticPolicy):
     def reset_noise(self, n_envs: int = 1) -> None:
         """Draw the noise of the next rollout, opposite in the two environments of a pair."""
         super().reset_noise(n_envs)
-        noise: Any = self.action_dist
+        noise = self.action_dist
+        assert isinstance(noise, StateDependentNoiseDistribution)
         half = noise.exploration_matrices[: (n_envs + 1) // 2]
         noise.exploration_matrices = opposite(half)[:n_envs]
 

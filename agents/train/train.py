@@ -4,12 +4,12 @@ import dataclasses
 import json
 import zipfile
 from pathlib import Path
-from typing import Any
 
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.save_util import load_from_zip_file
+from torch.optim import Optimizer
 
 from sensorless.agents.mlp.policy import MlpActorCritic
 from sensorless.agents.pairs import PairedRolloutBuffer
@@ -34,7 +34,7 @@ VALUE_SCALE = 20.0
 class TablePPO(PPO):
     """PPO that leaves the learning rates to the policy's own optimiser."""
 
-    def _update_learning_rate(self, optimizers: Any) -> None:
+    def _update_learning_rate(self, optimizers: list[Optimizer] | Optimizer) -> None:
         """Keep what the policy set."""
 
 

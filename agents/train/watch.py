@@ -14,7 +14,9 @@ from stable_baselines3.common.callbacks import BaseCallback
 from torch import Tensor
 
 from sensorless.agents.loading import CONFIG, MLP, TABLE, load_run, provenance
+from sensorless.agents.mlp.policy import MlpActorCritic
 from sensorless.agents.pairs import restart
+from sensorless.agents.table.policy import TableActorCritic
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import stream
 from sensorless.agents.train.run_folder import LATEST, PROGRESS, save_schedule
@@ -62,9 +64,15 @@ class Watch(BaseCallback):
 
     def _on_training_start(self) -> None:
         self._first_step = self.model.num_timesteps
-        policy: Any = self.model.policy
-        self._steps = policy.steps()
+        self._steps = self.actor.steps()
         self.judge()
+
+    @property
+    def actor(self) -> TableActorCritic | MlpActorCritic:
+        """The policy that is trained."""
+        policy = self.model.policy
+        assert isinstance(policy, TableActorCritic | MlpActorCritic)
+        return policy
 
     def _on_step(self) -> bool:
         return self.share < 1.0
@@ -77,7 +85,7 @@ class Watch(BaseCallback):
         return (time.monotonic() - self._start) / max(60.0 * self._config.minutes, 1e-9)
 
     def _on_rollout_start(self) -> None:
-        policy: Any = self.model.policy
+        policy = self.actor
         left = 1.0 - (1.0 - self._config.lr_end) * min(self.share, 1.0)
         for group, whole in zip(policy.optimizer.param_groups, self._steps, strict=True):
             group["lr"] = left * whole
@@ -99,7 +107,7 @@ class Watch(BaseCallback):
         if self._judged == self._updates:
             return
         self._judged = self._updates
-        policy: Any = self.model.policy
+        policy = self.actor
         schedule = policy.schedule(policy.vector() if self._mean is None else self._mean)
         found = validate_all(schedule, self._factories, self._config.validate_size)
         better = self.best is None or found.objective < self.best.objective

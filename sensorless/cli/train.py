@@ -3,7 +3,7 @@
 import inspect
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -13,6 +13,9 @@ from sensorless.cli.options import SetOption, console, describe, errors
 from sensorless.cli.suited import say_if_unsuited
 from sensorless.errors import UserError
 from sensorless.settings import settings_of
+
+if TYPE_CHECKING:
+    from sensorless.design.drive import DriveDesign
 
 RUNS = Path("runs")
 
@@ -81,7 +84,7 @@ def _train(
     run_training(TrainConfig(**fields), design_from(settings), folder, resume=resume is not None)
 
 
-def run_training(config: TrainConfig, design: Any, folder: Path, *, resume: bool) -> None:
+def run_training(config: TrainConfig, design: "DriveDesign", folder: Path, *, resume: bool) -> None:
     """Train with progress on the terminal, and say where the result is."""
     from sensorless.agents.train import train as training
     from sensorless.evaluation.objective import Cost

@@ -8,6 +8,7 @@ import numpy as np
 
 from sensorless.core.api import CURVE_N
 from sensorless.errors import UserError
+from sensorless.files import reason
 from sensorless.machine.magnetics import Floats, cross_angle, torque
 from sensorless.machine.motor import Motor
 
@@ -62,9 +63,9 @@ def load(path: Path, motor: Motor, i_q: Floats) -> Floats:
     try:
         data: Any = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
         raise UserError(
-            f"cross: {path}: {reason}; give a file that sensorless identify cross-coupling wrote"
+            f"cross: {path}: {reason(error)}; give a file that sensorless identify cross-coupling "
+            "wrote"
         ) from None
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         found = data.get("format") if isinstance(data, dict) else type(data).__name__

@@ -144,7 +144,7 @@ def _rate(policy: dict[str, Any], key: str, factor: float, decimals: int) -> str
     return f"{factor * policy[key]:.{decimals}f} ({low:.0f}–{high:.0f})"
 
 
-def _text(x: Any, indent: str = "") -> str:
+def _text(x: object, indent: str = "") -> str:
     """JSON with one line per entry of an object, so that a list of numbers stays on one line."""
     if not isinstance(x, dict) or not x:
         return json.dumps(_plain(x), allow_nan=False)
@@ -153,7 +153,7 @@ def _text(x: Any, indent: str = "") -> str:
     return "{\n" + ",\n".join(lines) + f"\n{indent}}}"
 
 
-def _plain(x: Any) -> Any:
+def _plain(x: object) -> object:
     """Values that JSON knows; floats rounded, null for what is not finite."""
     if isinstance(x, np.ndarray | np.generic):
         x = x.tolist()

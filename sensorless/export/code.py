@@ -1,7 +1,7 @@
 """C text of an export: the numbers of the drive and of the schedule. No logic is generated."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, SupportsFloat
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from sensorless.export.core_files import field_docs
 NOTE = "/* Numbers written by `sensorless export`. Do not edit: export again. */\n"
 
 
-def c_float(x: Any, name: str = "number") -> str:
+def c_float(x: SupportsFloat, name: str = "number") -> str:
     """Float literal that gives back the same float32.
 
     Raises
@@ -20,9 +20,9 @@ def c_float(x: Any, name: str = "number") -> str:
     UserError
         ``x`` is not finite.
     """
-    if not np.isfinite(x):
+    if not np.isfinite(float(x)):
         raise UserError(f"{name}: {x!s}; C code needs a finite number")
-    mantissa, e, exponent = f"{np.float32(x):.9g}".partition("e")
+    mantissa, e, exponent = f"{np.float32(float(x)):.9g}".partition("e")
     return mantissa + ("" if "." in mantissa else ".0") + e + exponent + "f"
 
 
@@ -55,7 +55,7 @@ def _fields(
         yield f"{indent}}},"
 
 
-def _number(x: Any, name: str) -> str:
+def _number(x: np.integer[Any] | np.floating[Any], name: str) -> str:
     return str(x) if isinstance(x, np.integer) else c_float(x, name)
 
 

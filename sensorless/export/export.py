@@ -31,7 +31,7 @@ from sensorless.export.selftest import SelfTest, run_selftest
 from sensorless.export.start import start_call, start_define, start_text
 from sensorless.export.tables import drive_vectors_header, table_header, table_source
 from sensorless.export.vectors import drive_vectors, table_vectors
-from sensorless.files import ensure_writable
+from sensorless.files import ensure_writable, reason
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, TablePolicy
 from sensorless.table.ks_table import KsTable
@@ -96,9 +96,8 @@ def export(
         self_test = run_selftest(part)
         move_into_place(part, target)
     except OSError as error:
-        reason = error.strerror or str(error)
         raise UserError(
-            f"output folder {str(target)!r}: {reason}; give a folder that can be written to"
+            f"output folder {str(target)!r}: {reason(error)}; give a folder that can be written to"
         ) from None
     finally:
         shutil.rmtree(part, ignore_errors=True)

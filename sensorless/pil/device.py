@@ -8,15 +8,16 @@ import os
 import select
 import subprocess
 import time
+from collections.abc import Sequence
 from enum import IntEnum
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 import numpy as np
 
 from sensorless.core.api import SIGNAL_N, Array, lib, struct_dtype
 from sensorless.errors import UserError
+from sensorless.table.axis import Axis
 
 DRIVES: int = lib.PIL_DRIVES
 """Most drives, or lookups, in one request."""
@@ -170,7 +171,9 @@ def start_items(theta: Array, omega: Array, k_s: Array, seek: Array) -> Array:
     return items
 
 
-def lookup_items(rng: np.random.Generator, table_axes: Any, names: tuple[str, ...]) -> Array:
+def lookup_items(
+    rng: np.random.Generator, table_axes: Sequence[Axis], names: tuple[str, ...]
+) -> Array:
     """Signals (n, SIGNAL_N) inside, outside and at the ends of a table's axes, some not finite."""
     y = np.zeros((1024, SIGNAL_N), dtype=np.float32)
     odd = np.array([np.nan, np.inf, -np.inf, 3e38, -3e38, 1e-41, -0.0], dtype=np.float32)

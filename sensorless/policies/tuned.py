@@ -9,7 +9,7 @@ from typing import Any
 
 from sensorless.baselines.rule import Values
 from sensorless.errors import UserError
-from sensorless.files import write_atomic
+from sensorless.files import reason, write_atomic
 
 FORMAT = "sensorless-tuned/1"
 
@@ -46,8 +46,9 @@ class Tuned:
         try:
             data = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError, RecursionError) as error:
-            reason = getattr(error, "strerror", None) or str(error)
-            raise UserError(f"{path}: {reason}; give a file that sensorless tune wrote") from None
+            raise UserError(
+                f"{path}: {reason(error)}; give a file that sensorless tune wrote"
+            ) from None
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             found = data.get("format") if isinstance(data, dict) else type(data).__name__
             raise UserError(

@@ -60,7 +60,7 @@ def _differences() -> str:
     )
 
 
-def _word(value: Any) -> str:
+def _word(value: object) -> str:
     return str(value).lower() if isinstance(value, bool) else f"{value}"
 
 

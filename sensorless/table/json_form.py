@@ -34,7 +34,7 @@ def to_text(fields: Mapping[str, Any], provenance: Mapping[str, Any]) -> str:
     return "{\n" + ",\n".join(parts) + "\n}\n"
 
 
-def _plain(x: Any) -> Any:
+def _plain(x: object) -> object:
     """JSON types only: a number that is not finite becomes its name."""
     if isinstance(x, Mapping):
         return {str(key): _plain(value) for key, value in x.items()}

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, TABLE, Array, lib
 from sensorless.errors import UserError
-from sensorless.files import write_atomic
+from sensorless.files import reason, write_atomic
 from sensorless.table.axis import MAX_NODES, Axis, decimal, float32_in
 from sensorless.table.image import check, lookup, seal
 from sensorless.table.json_form import check_crc, content, from_text, to_text
@@ -165,8 +165,7 @@ class KsTable:
         try:
             text = Path(path).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            reason = getattr(error, "strerror", None) or str(error)
-            raise UserError(f"{path}: {reason}; give a table in JSON") from None
+            raise UserError(f"{path}: {reason(error)}; give a table in JSON") from None
         return cls.from_json(text, str(path))
 
     @classmethod

@@ -9,7 +9,7 @@ twins are not counted.
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, astuple, dataclass
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +28,9 @@ from sensorless.policies.registry import RULES, rule_named
 from sensorless.policies.tuned import Tuned
 from sensorless.tuning.batch import costs
 from sensorless.versions import versions
+
+if TYPE_CHECKING:
+    from cma import CMAEvolutionStrategy
 
 SUITE, ROLE = "stress-1", "tune"
 CHECK = 3
@@ -147,7 +150,12 @@ def tune(
 
 
 def _run(
-    search: _Search, es: Any, batch: int, budget: float, length: float, progress: Progress | None
+    search: _Search,
+    es: "CMAEvolutionStrategy",
+    batch: int,
+    budget: float,
+    length: float,
+    progress: Progress | None,
 ) -> None:
     """Generations until the budget could be exceeded, the last judgement included."""
     rule, last = search.rule, 0
@@ -204,7 +212,7 @@ def _judge(search: _Search, values: dict[str, float]) -> None:
         search.best, search.best_cost = values, cost
 
 
-def _cma(rule: Rule, seed: int) -> Any:
+def _cma(rule: Rule, seed: int) -> "CMAEvolutionStrategy":
     """Search over the unit cube, from the defaults."""
     try:
         import cma
@@ -225,7 +233,7 @@ def _cma(rule: Rule, seed: int) -> Any:
     return cma.CMAEvolutionStrategy(np.clip(start, 0.02, 0.98), SIGMA, options)
 
 
-def _ask(es: Any, rule: Rule) -> tuple[list[Floats], list[dict[str, float]]]:
+def _ask(es: "CMAEvolutionStrategy", rule: Rule) -> tuple[list[Floats], list[dict[str, float]]]:
     """Candidates that the rule takes, each drawn again until it does."""
     points: list[Floats] = []
     while len(points) < es.popsize:

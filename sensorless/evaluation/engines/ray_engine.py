@@ -14,11 +14,15 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from itertools import islice
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 from sensorless.errors import UserError
 from sensorless.evaluation.engines.code import code
 from sensorless.evaluation.engines.engine import Chunk, Result
+
+if TYPE_CHECKING:
+    from ray import ObjectRef
 
 RETRIES = 8
 """How often a chunk is run again after its worker or node was lost."""
@@ -36,7 +40,7 @@ STORE = 256 * 2**20
 class RayEngine:
     """Tasks of the cluster that this process is connected to."""
 
-    def __init__(self, ray: Any) -> None:
+    def __init__(self, ray: ModuleType) -> None:
         self._ray = ray
         self._task = ray.remote(max_retries=RETRIES)(_task())
         self._window = WINDOW_PER_CPU * max(4, int(ray.cluster_resources().get("CPU", 0)))
@@ -50,7 +54,7 @@ class RayEngine:
         ray = self._ray
         work = ray.put(ray.cloudpickle.dumps(function))
         waiting = iter(chunks)
-        window: deque[Any] = deque()
+        window: deque[ObjectRef[Any]] = deque()
         while True:
             for chunk in islice(waiting, self._window - len(window)):
                 window.append(self._task.remote(code(), work, ray.cloudpickle.dumps(chunk)))
@@ -59,7 +63,7 @@ class RayEngine:
             yield self._result(window[0])
             window.popleft()
 
-    def _result(self, ref: Any) -> Any:
+    def _result(self, ref: "ObjectRef[Any]") -> Any:
         """Result of a task; errors of its function are raised here as they were there."""
         try:
             refusal, packed = self._ray.get(ref)
