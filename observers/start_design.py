@@ -10,6 +10,7 @@ from sensorless.machine.magnetics import currents, flux
 from sensorless.machine.motor import Motor
 from sensorless.observers.hfi_design import error_slope
 from sensorless.observers.pll_design import pll_gains
+from sensorless.observers.smo_design import SWITCHING
 
 PLL_HZ = (35.0, 50.0)
 """Natural frequency of the injection loop and of the EMF loop while the rotor is sought [Hz]."""
@@ -91,7 +92,7 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
     n = {name: max(4, round(time / motor.T_s)) for name, time in TIMES.items()}
     return {
         "hfi": {**hfi, "pll": loops[0], "n_hold": 1.0},
-        "smo": {**smo, "pll": loops[1], "use_sign": 0.0, "alpha_e": 1.0},
+        "smo": {**smo, "pll": loops[1], "switching": SWITCHING["sigmoid"], "alpha_e": 1.0},
         "k_hold": HOLD_SHARE * motor.L_d / motor.T_s,
         "alpha_e": EMF_LOW_PASS,
         "e_lag": (1.0 - EMF_LOW_PASS) / EMF_LOW_PASS,

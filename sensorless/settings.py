@@ -43,6 +43,8 @@ class Setting:
     None: any word."""
     renamed: Mapping[str, str] = field(default_factory=dict, hash=False)
     """Words of earlier versions, and what they are called now."""
+    was: str = ""
+    """Name of a setting of earlier versions that this one replaces."""
 
     @property
     def allowed(self) -> str:
@@ -164,9 +166,12 @@ def word(
     choices: Mapping[str, str] | None = None,
     *,
     renamed: Mapping[str, str] | None = None,
+    was: str = "",
 ) -> Any:
     """Field of a word: one of ``choices``, or any."""
-    told = Setting("", default, "", 0, 0, meaning, choices=choices or {}, renamed=renamed or {})
+    told = Setting(
+        "", default, "", 0, 0, meaning, choices=choices or {}, renamed=renamed or {}, was=was
+    )
     return field(default=default, metadata={"setting": told})
 
 
@@ -177,6 +182,19 @@ def settings_of(cls: type) -> Mapping[str, Setting]:
         for f in dataclasses.fields(cls)
         if "setting" in f.metadata
     }
+
+
+def refuse_old(name: str, known: Mapping[str, Setting], where: str = "") -> None:
+    """Refuse the name of a setting of earlier versions.
+
+    Raises
+    ------
+    UserError
+        Names the setting that took its place, and what it may be.
+    """
+    for now in known.values():
+        if name and name == now.was:
+            raise UserError(f"{where}{name}: is now {now.name}: write {now.name}, {now.allowed}")
 
 
 def check(owner: object, where: str = "") -> None:
@@ -191,11 +209,12 @@ def read(cls: type, values: Mapping[str, object], where: str) -> dict[str, Any]:
     Raises
     ------
     UserError
-        A name that is no setting, one that is missing, or as `Setting.checked`.
+        A name that is no setting or no longer one, one that is missing, or as `Setting.checked`.
     """
     known = settings_of(cls)
     unknown = sorted(set(values) - set(known))
     if unknown:
+        refuse_old(unknown[0], known, where)
         raise UserError(f"{where}{unknown[0]}: unknown: use only {', '.join(known)}")
     for name, setting in known.items():
         if name not in values and setting.default is REQUIRED:

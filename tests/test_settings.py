@@ -34,6 +34,7 @@ class Pump:
         "what keeps the shaft tight",
         {"lip": "rubber", "face": "ceramic", "FILE.json": "as measured"},
         renamed={"gland": "lip"},
+        was="gasket",
     )
     label: str = word("pump", "name on the plate")
     age: int = 0
@@ -122,6 +123,8 @@ def test_a_table_is_read_whole() -> None:
     assert found == {"head": 3.0, "stages": 1} and type(found["head"]) is float
     with pytest.raises(UserError, match=r"pump.toml: colour: unknown: use only head, stages"):
         read(Pump, {**GOOD, "colour": 3}, "pump.toml: ")
+    with pytest.raises(UserError, match=r"toml: gasket: is now seal: write seal, lip, face or"):
+        read(Pump, {**GOOD, "gasket": True}, "pump.toml: ")
     with pytest.raises(UserError, match=r"^stages: missing: give wheels in a row, between 1 and 9"):
         read(Pump, {"head": 3.0}, "")
 

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from sensorless.errors import UserError
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
+from sensorless.settings import read
 from sensorless.table.ks_table import KsTable
 from sensorless.versions import versions
 
@@ -84,11 +86,16 @@ def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
         if "machines" in data:
             raise UserError(f"run: {folder}: trained on {data['motor']}; use a run on one motor")
-        return DriveDesign(**data["design"]), Motor.load(data["train"]["motor"])
+        return design_in(data, folder / CONFIG), Motor.load(data["train"]["motor"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         if isinstance(error, UserError):
             raise
         raise UserError(f"run: {folder / CONFIG}: {error}; give a training run's folder") from None
+
+
+def design_in(data: Mapping[str, Any], path: Path) -> DriveDesign:
+    """Return the drive design of a run's configuration; ``path`` is the file that it stands in."""
+    return DriveDesign(**read(DriveDesign, data["design"], f"{path}: "))
 
 
 def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:
@@ -105,7 +112,7 @@ def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:
         )
     try:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
-        config, design = TrainConfig(**data["train"]), DriveDesign(**data["design"])
+        config, design = TrainConfig(**data["train"]), design_in(data, folder / CONFIG)
         digest = data["machines"]["digest"] if config.machines else data["motor_digest"]
         return config, design, digest, KsTable.load(folder / START)
     except (ValueError, KeyError, TypeError) as error:

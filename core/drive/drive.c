@@ -26,6 +26,8 @@ static void smo_clear(smo_state_t *x) {
     x->i_hat.b = 0.0f;
     x->z.a = 0.0f;
     x->z.b = 0.0f;
+    x->v.a = 0.0f;
+    x->v.b = 0.0f;
 }
 
 static void emf_clear(emf_estimate_t *x) {

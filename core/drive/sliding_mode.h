@@ -1,17 +1,28 @@
 /* Rotor angle from the extended back-EMF, estimated by a sliding-mode current observer.
  *
  * Stator frame, J = [0 -1; 1 0]; with e = E [-sin theta, cos theta]:
- *   L_d d(i_hat)/dt = u - R_s i_hat + omega (L_d - L_q) J i_hat - z,   z = k f(i_hat - i)
+ *   L_d d(i_hat)/dt = u - R_s i_hat + omega (L_d - L_q) J i_hat - z,   z = k f(x),   x = i_hat - i
  * (doi 10.12177/emca.2025.011, Eqs. 17-22; f = sign, or the sigmoid tanh(a x / 2) of Eq. 24), one
- * forward-Euler step a period. In steady state the sigmoid leaves x = i_hat - i != 0 and z lags e;
+ * forward-Euler step a period. In steady state x is not zero and z lags e;
  *   e = z + (R_s + j omega L_q) x
- * removes that lag exactly. Forward Euler puts e half a period ahead of the sample.
+ * removes that lag exactly, whatever f. Forward Euler puts e half a period ahead of the sample.
+ *
+ * The sigmoid is a boundary layer as wide as 2/a: inside, the observer is linear and does not slide.
+ * The signum slides in the first order. Super-twisting slides in the second order, per axis:
+ *   z = k_1 |x|^(1/2) sign(x) + v,   dv/dt = k_2 sign(x)
+ * (doi 10.1080/0020717031000099029). It needs |de/dt| <= L_d C for k_1 = 1.5 L_d C^(1/2) and
+ * k_2 = 1.1 L_d C; as e turns with the rotor and its magnitude is omega psi, L_d C = omega^2 psi. So
+ * k_1 rises with the speed and k_2 with its square.
  */
 #ifndef SENSORLESS_SLIDING_MODE_H
 #define SENSORLESS_SLIDING_MODE_H
 
 #include "emf_estimate.h"
 #include "trig.h"
+#include "vector.h"
+
+/* What corrects the model's current. */
+enum { SMO_SIGMOID = 0, SMO_SIGN = 1, SMO_SUPER_TWISTING = 2 };
 
 typedef struct {
     pll_params_t pll;
@@ -20,7 +31,9 @@ typedef struct {
     float k;           /* bound on the estimated EMF [V] */
     float half_a;      /* half the sigmoid's slope [1/A]; gain at the origin g = k half_a [V/A] */
     float i_reach;     /* largest current error the model keeps: beyond, it would run away [A] */
-    float use_sign;    /* 1: f = sign (for comparison), 0: sigmoid */
+    int switching;     /* SMO_* */
+    float root;        /* super-twisting: k_1 over the speed [V s/A^(1/2)] */
+    float climb;       /* super-twisting: T_s k_2 over the square of the speed [V s^2] */
     float lag_cure;    /* 1: EMF from the exact steady-state relation, 0: z as it is */
     float alpha_omega; /* low-pass on the speed inside the model [rad/s] times T_s, at most 1 */
     float alpha_e;     /* low-pass on the EMF [rad/s] times T_s, at most 1; 1 switches it off */
@@ -31,8 +44,27 @@ typedef struct {
 typedef struct {
     ab_t i_hat;    /* model current [A] */
     ab_t z;        /* last correction voltage [V] */
+    ab_t v;        /* the part of z that super-twisting integrates [V] */
     float omega_f; /* filtered speed of the cross term, electrical [rad/s] */
 } smo_state_t;
+
+/* Correction voltage for a current error d [A] that is driven to zero, not kept in a layer around it.
+ * omega: speed that the EMF turns with, electrical [rad/s]. */
+CORE_INLINE void smo_slide(const smo_params_t *p, smo_state_t *x, ab_t d, float omega) {
+    ab_t s = {sign_f(d.a), sign_f(d.b)};
+    if (p->switching == SMO_SIGN) {
+        x->z.a = p->k * s.a;
+        x->z.b = p->k * s.b;
+        return;
+    }
+    float w = max_f(abs_f(omega), p->omega_floor);
+    float root = p->root * w;
+    float climb = p->climb * w * w;
+    x->v.a = clamp_f(x->v.a + climb * s.a, -p->k, p->k);
+    x->v.b = clamp_f(x->v.b + climb * s.b, -p->k, p->k);
+    x->z.a = root * sqrt_f(abs_f(d.a)) * s.a + x->v.a;
+    x->z.b = root * sqrt_f(abs_f(d.b)) * s.b + x->v.b;
+}
 
 /* One period. y: the estimate, moved on; i_ab: measured current at k [A]; u_ab: voltage applied over
  * [k-1, k] [V]; L_q: [H]; omega: speed the drive runs on [rad/s], for direction and for the EMF
@@ -47,9 +79,12 @@ CORE_INLINE void smo_observe(const smo_params_t *p, smo_state_t *x, emf_estimate
     };
     ab_t d = {clamp_f(i_hat.a - i_ab.a, -p->i_reach, p->i_reach),
               clamp_f(i_hat.b - i_ab.b, -p->i_reach, p->i_reach)};
-    int hard = p->use_sign > 0.0f;
-    x->z.a = p->k * (hard ? sign_f(d.a) : tanh_f(p->half_a * d.a));
-    x->z.b = p->k * (hard ? sign_f(d.b) : tanh_f(p->half_a * d.b));
+    if (SCALAR_ONLY(p->switching != SMO_SIGMOID)) {
+        smo_slide(p, x, d, omega);
+    } else {
+        x->z.a = p->k * tanh_f(p->half_a * d.a);
+        x->z.b = p->k * tanh_f(p->half_a * d.b);
+    }
     x->i_hat.a = i_ab.a + d.a;
     x->i_hat.b = i_ab.b + d.b;
     float r = p->lag_cure * p->R_s;

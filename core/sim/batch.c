@@ -14,6 +14,7 @@ static int lane_fits(const sim_t *s, const sim_t *first) {
     int alike = s->with_twin == first->with_twin && s->plant.detail == first->plant.detail &&
                 s->control.estimator == first->control.estimator;
     int scalar_only = s->control.hfi.scheme == HFI_STATIONARY ||
+                      s->control.smo.switching != SMO_SIGMOID ||
                       s->drive.x.start.phase != START_DONE || s->inv_stick > 0.0f ||
                       s->sensor.carrier != 0;
     return constant && alike && !scalar_only;

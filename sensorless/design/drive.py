@@ -105,7 +105,16 @@ class DriveDesign:
     cross_line_torque: float = number(
         0.5, "1", 0.05, 2, "torque over rated that the line of cross=line is fitted up to"
     )
-    smo_sign: bool = switch(False, "signum instead of the sigmoid in the SMO")
+    smo_switching: str = word(
+        "sigmoid",
+        "what corrects the SMO's current",
+        {
+            "sigmoid": "linear inside a boundary layer (Eq. 24)",
+            "sign": "signum (Eq. 22): slides, chatters",
+            "super_twisting": "slides in the second order, its gains follow the speed",
+        },
+        was="smo_sign",
+    )
     lag_cure: bool = switch(True, "EMF from the exact steady-state relation")
     L_q_table: bool = switch(
         True, "observer's q inductance over the torque current; false: the data sheet's constant"
@@ -172,7 +181,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
         cross_hz=design.smo_cross_hz,
         emf_hz=design.smo_emf_hz,
         floor_rpm=design.smo_floor_rpm,
-        sign=design.smo_sign,
+        switching=design.smo_switching,
         lag_cure=design.lag_cure,
         omega_max=omega_max,
     )

@@ -5,7 +5,7 @@ from difflib import get_close_matches
 
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
-from sensorless.settings import settings_of
+from sensorless.settings import refuse_old, settings_of
 
 OBSERVERS = {
     "smo": "SMO",
@@ -28,13 +28,14 @@ def design_from(words: Sequence[str] | None) -> DriveDesign:
     Raises
     ------
     UserError
-        Unknown name, or a value of the wrong type or out of range.
+        Unknown or old name, or a value of the wrong type or out of range.
     """
     known = settings_of(DriveDesign)
     values = {}
     for word in words or ():
         name, equals, text = word.partition("=")
         if name not in known:
+            refuse_old(name, known, "set: ")
             near = get_close_matches(name, known, n=1)
             hint = f"did you mean {near[0]}? " if near else ""
             raise UserError(f"set: {word!r}: no such setting: {hint}sensorless settings lists all")

@@ -178,7 +178,7 @@ def figure_12(motor: Motor) -> Case:
     }
     traces = {}
     for column, design in soft.items():
-        sign = dataclasses.replace(design, smo_sign=True, smo_emf_hz=200.0)
+        sign = dataclasses.replace(design, smo_switching="sign", smo_emf_hz=200.0)
         for name, d in (("signum", sign), ("sigmoid", design)):
             t = hold(motor, dataclasses.replace(d, smo_k=k), 300.0, 0.0, 1.0)
             traces[f"{column}, {name}"] = {**t, "theta_e_err": t["theta_e_err_smo"]}

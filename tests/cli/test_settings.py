@@ -4,11 +4,13 @@ import json
 import math
 from dataclasses import asdict
 
+import pytest
 from typer.testing import CliRunner
 
 from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.design.words import design_from
+from sensorless.errors import UserError
 from sensorless.settings import settings_of
 
 RUNNER = CliRunner()
@@ -37,3 +39,8 @@ def test_json_tells_what_a_design_is_made_of() -> None:
     words = [f"{name}={str(value).lower()}" for name, value in design.items() if name[0] != "L"]
     assert design_from(words) == DriveDesign()
     assert design_from(["smo_emf_hz=inf"]).smo_emf_hz == math.inf
+
+
+def test_an_old_setting_is_refused_with_the_one_that_took_its_place() -> None:
+    with pytest.raises(UserError, match=r"^set: smo_sign: is now smo_switching: write smo_swit"):
+        design_from(["smo_sign=true"])

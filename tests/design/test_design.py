@@ -21,7 +21,7 @@ from sensorless.errors import UserError
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.observers.hfi_design import SCHEMES, error_slope, hf_current
 from sensorless.observers.pll_design import pll_gains
-from sensorless.observers.smo_design import deadbeat_gain, low_pass
+from sensorless.observers.smo_design import SWITCHING, deadbeat_gain, low_pass
 from sensorless.settings import Setting, settings_of
 
 NUMBERS = [s for s in settings_of(DriveDesign).values() if s.kind is float]
@@ -133,6 +133,7 @@ def test_every_word_has_its_code() -> None:
     known = settings_of(DriveDesign)
     assert set(known["estimator"].choices) == set(ESTIMATORS)
     assert set(known["hfi_scheme"].choices) == set(SCHEMES)
+    assert set(known["smo_switching"].choices) == set(SWITCHING)
 
 
 def test_an_old_name_of_an_estimator_is_refused_with_the_new_one() -> None:

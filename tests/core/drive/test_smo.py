@@ -1,6 +1,5 @@
 """The sliding-mode estimator in exact steady states, against closed forms."""
 
-import cmath
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,122 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sensorless.core.api import Array, struct_dtype
-from sensorless.core.machine import plant_run
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
-from sensorless.machine.magnetics import Floats, flux
-from sensorless.machine.motor import Motor, Saturation
+from sensorless.machine.magnetics import flux
+from sensorless.machine.motor import Motor
 from sensorless.observers.pll_design import pll_gains
-from sensorless.plant.case import PlantCase
-from sensorless.plant.run import plant_arrays
+from sensorless.observers.smo_design import design_smo
+from tests.helpers.smo_steady import ESTIMATE, EXACT, STATE, Call, angles, linear, params
 
-Call = Callable[..., None]
 Angle = Callable[[DriveDesign, float, float, float], float]
 
-STATE = struct_dtype("smo_state_t")
-ESTIMATE = struct_dtype("emf_estimate_t")
-
-EXACT = DriveDesign(
-    smo_pll_hz=20.0,
-    smo_cross_hz=math.inf,
-    smo_emf_hz=math.inf,
-    smo_gain=1.0,
-    L_q_bias=1.0,
-    speed_hz=1.0,
-)
 PRINTED = replace(EXACT, cross="none", L_q_table=False, mtpa=False)
 """No cross-coupling compensation, data-sheet L_q, i_d = 0."""
-
-
-def linear(motor: Motor) -> Motor:
-    return replace(motor, saturation=Saturation.linear(motor.L_d, motor.L_q, motor.psi_f))
-
-
-def holding_voltage(motor: Motor, rpm: float, i: complex) -> complex:
-    """Voltage, held in the stator frame from angle 0 on, that brings the flux of ``i`` back [V]."""
-    omega = motor.rpm_to_electrical(rpm)
-    case = PlantCase(
-        T_s=motor.T_s,
-        n_p=motor.n_p,
-        R_s=motor.R_s,
-        saturation=motor.saturation,
-        J=math.inf,
-        B=0.0,
-        i_d=i.real,
-        i_q=i.imag,
-        theta_m=0.0,
-        w_M=omega / motor.n_p,
-    )
-
-    def moved(u: Floats) -> Floats:
-        plant, state = plant_arrays(case, 16)
-        rows = plant_run(plant, state, np.array([[u[0], u[1], 0.0]]))
-        return np.asarray(rows[1, 2:4] - rows[0, 2:4])
-
-    u = np.zeros(2)
-    for _ in range(6):
-        here = moved(u)
-        slope = np.stack([moved(u + step) - here for step in np.eye(2)], axis=-1)
-        u = u - np.linalg.solve(slope, here)
-    assert np.max(np.abs(moved(u))) < 1e-12
-    return complex(u[0], u[1])
-
-
-def params(
-    motor: Motor,
-    gain: float = 315.0,
-    *,
-    cure: bool = True,
-    k: float = 1e4,
-    R_s: float | None = None,
-) -> Array:
-    """A record of ``smo_params_t`` with gain ``gain`` [V/A] at the origin."""
-    p = np.array(control_record(motor, EXACT)["smo"]).reshape(1)
-    p["k"], p["half_a"], p["lag_cure"] = k, gain / k, float(cure)
-    p["R_s"] = motor.R_s if R_s is None else R_s
-    return p
-
-
-def angles(
-    c: Call,
-    motor: Motor,
-    p: Array,
-    rpm: float,
-    i: complex,
-    L_q: float | None = None,
-    u_lost: float = 0.0,
-    periods: int = 2500,
-) -> tuple[Floats, Floats]:
-    """Truth minus estimate [deg] and model-current error [A] in a steady state of ``i`` [A].
-
-    u_lost: voltage that the drive commands along the current and the inverter loses [V].
-    """
-    omega = motor.rpm_to_electrical(rpm)
-    u = holding_voltage(motor, rpm, i)
-    u += u_lost * i / abs(i) * cmath.exp(0.5j * omega * motor.T_s) if u_lost else 0.0
-    x, y = np.zeros(1, dtype=STATE), np.zeros(1, dtype=ESTIMATE)
-    y["pll"]["omega"], x["omega_f"], y["pll"]["theta"] = omega, omega, 0.1
-    out, miss = np.empty(periods), np.empty(periods)
-    for k in range(periods):
-        theta = math.remainder(omega * motor.T_s * k, 2.0 * math.pi)
-        now = i * cmath.exp(1j * theta)
-        was = u * cmath.exp(1j * (theta - omega * motor.T_s))
-        out[k] = math.degrees(math.remainder(theta - float(y["pll"]["theta"][0]), 2.0 * math.pi))
-        c(
-            "smo_observe",
-            p,
-            x,
-            y,
-            np.array([now.real, now.imag], np.float32),
-            np.array([was.real, was.imag], np.float32),
-            motor.L_q if L_q is None else L_q,
-            omega,
-            0.0,
-            motor.T_s,
-        )
-        miss[k] = x["i_hat"]["a"][0] - now.real
-    return out[-500:], miss[-500:]
 
 
 def closed_form(motor: Motor, rpm: float, i: complex, L_q: float, dR: float, V: float) -> float:
@@ -226,20 +121,6 @@ def test_regenerating_bound(c: Call, motor: Motor, hertz: float, i_q: float, sta
     assert (np.ptp(error) < 0.1) == stable
 
 
-def test_sign_chatters_and_sigmoid_does_not(c: Call, motor: Motor) -> None:
-    """Signum: the model current jumps by up to 2 T_s (k + E) / L_d; sigmoid: it stays still."""
-    ideal = linear(motor)
-    p = params(ideal, k=400.0)
-    smooth, small = angles(c, ideal, p, 300.0, 1e-3 + 0j)
-    p["use_sign"] = 1.0
-    rough, big = angles(c, ideal, p, 300.0, 1e-3 + 0j)
-    emf = motor.rpm_to_electrical(300.0) * motor.psi_f
-    assert np.ptp(big) > 1.0
-    assert np.ptp(big) <= 2.1 * motor.T_s / motor.L_d * (400.0 + emf)
-    assert np.ptp(small) < 0.5
-    assert np.ptp(rough) > 20.0 * np.ptp(smooth)
-
-
 @pytest.mark.parametrize("ratio", [0.1, 0.4, 1.0, 1.9])
 def test_stable_over_the_gain_range(c: Call, motor: Motor, ratio: float) -> None:
     """The forward-Euler step holds from a tenth to nearly twice the deadbeat gain."""
@@ -250,8 +131,6 @@ def test_stable_over_the_gain_range(c: Call, motor: Motor, ratio: float) -> None
 
 def test_gain_beyond_the_range_is_refused(motor: Motor) -> None:
     """At twice the deadbeat gain the observer would oscillate."""
-    from sensorless.observers.smo_design import design_smo
-
     with pytest.raises(UserError, match=r"smo_gain: 630 V/A; give more than 0 and less than"):
         design_smo(
             motor,
@@ -261,7 +140,7 @@ def test_gain_beyond_the_range_is_refused(motor: Motor) -> None:
             cross_hz=math.inf,
             emf_hz=math.inf,
             floor_rpm=40.0,
-            sign=False,
+            switching="sigmoid",
             lag_cure=True,
             omega_max=800.0,
         )

@@ -26,6 +26,7 @@ ODD = {
     ("inv_stick",): 0.5,
     ("sensor", "carrier"): 1,
     ("control", "hfi", "scheme"): lib.HFI_STATIONARY,
+    ("control", "smo", "switching"): lib.SMO_SIGN,
     ("drive", "x", "start", "phase"): lib.START_CATCH,
 }
 """Fields of ``sim_t`` and the value that needs a path that blocks do not have."""
