@@ -6,11 +6,13 @@
 #if defined(__GNUC__)
 #define CORE_INLINE static inline __attribute__((always_inline))
 #define CORE_APART static __attribute__((noinline))
+#define CORE_COLD __attribute__((cold)) /* runs seldom: small rather than fast */
 #define CORE_LIKELY(x) __builtin_expect(x, 1)
 #define CORE_SQRTF __builtin_sqrtf
 #else
 #define CORE_INLINE static inline
 #define CORE_APART static
+#define CORE_COLD
 #define CORE_LIKELY(x) (x)
 #ifndef CORE_SQRTF
 #error "define CORE_SQRTF: the square root of a float, correctly rounded"

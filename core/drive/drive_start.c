@@ -15,7 +15,8 @@ CORE_APART void see_emf(const drive_params_t *p, drive_state_t *x, ab_t i_ab, fl
 void drive_find_rotor(drive_state_t *x) { start_begin(&x->start); }
 
 /* Hands over to control at the estimate for k+1, both estimators on it. */
-static void release(const drive_params_t *p, drive_state_t *x, estimate_t next, ab_t i_ab) {
+CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimate_t next,
+                              ab_t i_ab) {
     x->hfi.pll.theta = next.theta;
     x->hfi.pll.omega = next.omega;
     x->emf.pll.theta = next.theta;
@@ -28,20 +29,20 @@ static void release(const drive_params_t *p, drive_state_t *x, estimate_t next, 
 }
 
 /* The angle that all parts of the drive read. */
-static void show_angle(drive_state_t *x, estimate_t est) {
+CORE_COLD static void show_angle(drive_state_t *x, estimate_t est) {
     x->est = est;
     x->theta_hfi = est.theta;
     x->theta_smo = est.theta;
 }
 
 /* The speed as the schedule is to see it, at once. */
-static void show_speed(drive_state_t *x, float omega) {
+CORE_COLD static void show_speed(drive_state_t *x, float omega) {
     x->signal.omega = omega;
     x->signal.omega_2 = omega;
 }
 
 /* A spinning shaft: angle and speed from the EMF e = omega psi (-sin theta, cos theta). */
-static void enter_fly(const drive_params_t *p, drive_state_t *x) {
+CORE_COLD static void enter_fly(const drive_params_t *p, drive_state_t *x) {
     const start_state_t *s = &x->start;
     float omega = s->omega;
     float way = sign_f(omega);
@@ -56,7 +57,8 @@ static void enter_fly(const drive_params_t *p, drive_state_t *x) {
 }
 
 /* The sliding-mode observer alone, the injection estimator on its angle. */
-static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab) {
+CORE_COLD static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
+                          ab_t i_ab) {
     estimate_t own = {x->emf.pll.theta, x->emf.pll.omega};
     show_angle(x, own);
     x->hfi.pll.theta = own.theta;
@@ -72,7 +74,7 @@ static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
 }
 
 /* Is the shaft spinning? */
-static void watch_emf(const drive_params_t *p, drive_state_t *x) {
+CORE_COLD static void watch_emf(const drive_params_t *p, drive_state_t *x) {
     start_state_t *s = &x->start;
     if (s->n == p->start.n_catch_mark) {
         s->e_mark = s->e_f;
@@ -90,7 +92,7 @@ static void watch_emf(const drive_params_t *p, drive_state_t *x) {
 
 /* The axis is known but for its sense. The first speed is that of the EMF's turn, which is noise at
  * rest: the EMF's magnitude bounds it. */
-static void enter_lock(const drive_params_t *p, drive_state_t *x) {
+CORE_COLD static void enter_lock(const drive_params_t *p, drive_state_t *x) {
     float bound = norm_ab(x->start.e_f) / p->control.psi_f;
     x->hfi.pll.theta = start_axis(&x->start, x->est.theta);
     x->hfi.pll.omega = clamp_f(x->start.omega, -bound, bound);
@@ -99,7 +101,7 @@ static void enter_lock(const drive_params_t *p, drive_state_t *x) {
 }
 
 /* Signed speed from the EMF on the estimated q axis: much quieter than that of a quick loop. */
-static float emf_speed(const drive_params_t *p, const drive_state_t *x) {
+CORE_COLD static float emf_speed(const drive_params_t *p, const drive_state_t *x) {
     rot_t r = unit(x->hfi.pll.theta);
     float omega = (r.c * x->start.e_f.b - r.s * x->start.e_f.a) / p->control.psi_f;
     return clamp_f(omega, -p->hfi.pll.omega_max, p->hfi.pll.omega_max);
@@ -107,13 +109,13 @@ static float emf_speed(const drive_params_t *p, const drive_state_t *x) {
 
 /* Without injection the angle runs on at the last speed. The EMF's sense is that of the pole, so as
  * yet only its magnitude counts. */
-static void enter_pole(const drive_params_t *p, drive_state_t *x) {
+CORE_COLD static void enter_pole(const drive_params_t *p, drive_state_t *x) {
     x->hfi.pll.omega = sign_f(x->hfi.pll.omega) * abs_f(emf_speed(p, x));
     start_enter(&x->start, START_POLE);
 }
 
 /* After a pair of pulses: sure of the pole, or once more. */
-static void judge_pole(const drive_params_t *p, drive_state_t *x) {
+CORE_COLD static void judge_pole(const drive_params_t *p, drive_state_t *x) {
     start_state_t *s = &x->start;
     int sure = abs_f(s->i_pole) >= p->start.i_pole_sure;
     s->tries += 1;
@@ -129,7 +131,7 @@ static void judge_pole(const drive_params_t *p, drive_state_t *x) {
 }
 
 /* Voltage of a pulse along the estimated axis; the EMF turns with it. */
-static ab_t pulse(const drive_params_t *p, drive_state_t *x, float way) {
+CORE_COLD static ab_t pulse(const drive_params_t *p, drive_state_t *x, float way) {
     rot_t r = unit(x->est.theta + 1.5f * p->T_s * x->est.omega);
     ab_t u = {
         x->start.e_f.a + way * p->start.u_pulse * r.c,
@@ -139,8 +141,8 @@ static ab_t pulse(const drive_params_t *p, drive_state_t *x, float way) {
 }
 
 /* Injection of sign s on top of u, limited to what the link gives; compensates dead time. */
-static ab_t output(const drive_params_t *p, drive_state_t *x, ab_t u, rot_t axis, float s,
-                   ab_t i_ab, float u_dc) {
+CORE_COLD static ab_t output(const drive_params_t *p, drive_state_t *x, ab_t u, rot_t axis, float s,
+                             ab_t i_ab, float u_dc) {
     ab_t v = {u.a + s * p->hfi.u_inj * axis.c, u.b + s * p->hfi.u_inj * axis.s};
     float scale = min_f(u_dc * INV_SQRT3_F / max_f(norm_ab(v), 1.0f), 1.0f);
     x->u_2 = x->u_1;
@@ -153,7 +155,7 @@ static ab_t output(const drive_params_t *p, drive_state_t *x, ab_t u, rot_t axis
 }
 
 /* One period of a shaft at rest or turning slowly: samples into the phase's sums, then the voltage. */
-static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float u_dc) {
+CORE_COLD static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float u_dc) {
     const start_params_t *q = &p->start;
     start_state_t *s = &x->start;
     int pole = s->phase == START_POLE;
@@ -187,7 +189,7 @@ static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t i_ab, floa
 }
 
 /* What follows when a phase has had its periods. */
-static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
+CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     const start_params_t *q = &p->start;
     start_state_t *s = &x->start;
     s->n += 1;
@@ -205,7 +207,8 @@ static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     }
 }
 
-ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab) {
+CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
+                          ab_t i_ab) {
     ab_t u;
     if (x->start.phase == START_FLY) {
         u = fly(p, x, in, i_ab);

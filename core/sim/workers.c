@@ -49,7 +49,8 @@ void workers_run(work_t work, void *job, int32_t pieces, int32_t threads) {
     pthread_t started[MOST_THREADS - 1];
     int32_t wanted = (threads < pieces ? threads : pieces) - 1;
     int32_t n = 0;
-    while (n < wanted && n < MOST_THREADS - 1 && pthread_create(&started[n], 0, helper, &share) == 0) {
+    while (n < wanted && n < MOST_THREADS - 1 &&
+           pthread_create(&started[n], 0, helper, &share) == 0) {
         n++;
     }
     work_on(&share);
