@@ -13,17 +13,18 @@ def reproduce_command(
     out: Annotated[
         Path,
         typer.Option(metavar="FOLDER", help="Write page, data and pictures to this folder."),
-    ] = Path("results"),
+    ] = Path("paper"),
 ) -> None:
     """Rerun the experiments of the source paper and set our figures beside the printed ones.
 
     One page (paper.md), with the same numbers as data (paper.json), gives for Figs. 4, 9, 11, 12,
     13/14 and the abstract what the paper prints, what our drive does as published, and what it
-    does with the corrections. The pictures show our two drives. Takes seconds.
+    does with the corrections. The pictures show our two drives, and the paper's values as lines.
+    Takes seconds.
 
     For example:
 
-        sensorless reproduce --out paper
+        sensorless reproduce
     """
     from sensorless.files import ensure_writable
     from sensorless.reproduce.reproduce import reproduce as run

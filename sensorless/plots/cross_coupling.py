@@ -1,5 +1,6 @@
 """Figure of an identified cross-coupling. Needs the extra ``plot``."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,12 +9,13 @@ from sensorless.design.control import operating_line
 from sensorless.identify.cross_coupling import CrossCoupling, lookup
 from sensorless.machine.magnetics import cross_angle
 from sensorless.plots.figure import COLOURS, new_figure
+from sensorless.plots.paper_values import PaperValue, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def cross_coupling(c: CrossCoupling) -> "Figure":
+def cross_coupling(c: CrossCoupling, paper: Sequence[PaperValue] = ()) -> "Figure":
     """Measured angle over the torque current with line, table and closed form; residuals below."""
     figure, ((top,), (low,)) = new_figure((8.0, 7.0), rows=2, sharex=True, height_ratios=(2.2, 1.0))
     i_q, deg = c.i[:, 1], np.rad2deg
@@ -42,6 +44,7 @@ def cross_coupling(c: CrossCoupling) -> "Figure":
         label=f"table, R² {c.table_fit.r2:.4f}",
     )
     top.plot(i_q, deg(c.angle), "o", color=COLOURS["hfi"], ms=4, label="measured, no compensation")
+    draw(top, paper)
     top.set_ylabel("θₘ/2 [° el.]\ntruth − injection estimate")
     top.set_title(
         f"{c.motor.name}: cross-coupling at {c.speed_rpm:.0f} r/min, "

@@ -48,9 +48,6 @@ NOT_SWITCHABLE = (
 )
 """What the published column shares with the corrected one, because no switch undoes it."""
 
-SIGN_K = 400.0
-"""Correction voltage of Fig. 12 [V], chosen; the EMF is 62 V at 300 r/min."""
-
 Cell = float | str | bool | None
 
 

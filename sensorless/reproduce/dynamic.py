@@ -12,12 +12,18 @@ from sensorless.evaluation.trace_summary import plateaus
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 from sensorless.observers.smo_design import deadbeat_gain
-from sensorless.plots.paper import speed_runs
+from sensorless.plots.paper import Printed, speed_runs
+from sensorless.plots.paper_values import PaperValue
 from sensorless.policies.registry import make_policy
 from sensorless.reproduce.case import CORRECTED, PUBLISHED, Case, Row, row_of, sigmoid_lag
 from sensorless.units import RPM_TO_RAD_S
 
 Pair = dict[str, Trace]
+FIGURE_9 = {200: (5.0, 1.0), 350: (5.0, 0.5), 600: (5.0, 0.0)}
+FIGURE_13 = {150: (5.0, 1.0), 350: (3.0, 0.5), 650: (4.0, 0.0)}
+"""By speed [r/min]: magnitude of the angle error [deg] and k_s, as printed."""
+SETTLED = 0.5
+"""Time in which each step of Fig. 9 reaches its target, as printed [s]."""
 
 
 def both(motor: Motor, scenario: Scenarios, policy: str = "eq25") -> Pair:
@@ -44,7 +50,7 @@ def figure_9(motor: Motor) -> tuple[Case, Pair]:
         row_of(
             "slowest step until first within 2 %",
             "s",
-            "< 0.5",
+            f"< {SETTLED:g}",
             [slowest_step(t) for t in runs.values()],
         ),
         row_of(
@@ -54,12 +60,12 @@ def figure_9(motor: Motor) -> tuple[Case, Pair]:
             [max(r["overshoot_pct"] for r in p) for p in parts.values()],
         ),
     ]
-    for j, rpm in enumerate((200, 350, 600)):
-        rows.append(
-            row(f"steady angle error at {rpm} r/min", "°", "< 5", "angle_err_steady_deg", j)
-        )
-    for j, (rpm, k_s) in enumerate(((200, "1"), (350, "≈ 0.5"), (600, "0"))):
-        rows.append(row(f"k_s at {rpm} r/min", "1", k_s, "k_s", j))
+    for j, (rpm, (err, _)) in enumerate(FIGURE_9.items()):
+        name = f"steady angle error at {rpm} r/min"
+        rows.append(row(name, "°", f"< {err:g}", "angle_err_steady_deg", j))
+    for j, (rpm, (_, k_s)) in enumerate(FIGURE_9.items()):
+        about = "≈ " if 0.0 < k_s < 1.0 else ""
+        rows.append(row(f"k_s at {rpm} r/min", "1", f"{about}{k_s:g}", "k_s", j))
     case = Case(
         "fig9",
         "Fig. 9: 200, 350, 600 r/min in steps without load",
@@ -72,9 +78,32 @@ def figure_9(motor: Motor) -> tuple[Case, Pair]:
         f"{sigmoid_lag(motor, deadbeat_gain(motor), 600.0):.1f}° and the 125 V/A of Fig. 12 would "
         f"lag {sigmoid_lag(motor, 125.0, 600.0):.0f}°: no single gain fits both figures of the "
         "paper. With the lag cured, the error above the band is noise.",
-        speed_runs(runs["published"], runs["corrected"], "Fig. 9: speed steps without load"),
+        speed_runs(
+            runs["published"],
+            runs["corrected"],
+            "Fig. 9: speed steps without load",
+            printed_values(runs["published"], FIGURE_9, SETTLED),
+        ),
     )
     return case, runs
+
+
+def printed_values(
+    t: Trace, by_speed: dict[int, tuple[float, float]], settled: float | None = None
+) -> Printed:
+    """Lines for what the paper prints, where the speed reference stands still."""
+    ref, T_s = t["omega_m_ref"] / RPM_TO_RAD_S, float(t["t"][1] - t["t"][0])
+    speed, angle, weight = [], [], []
+    for rpm, (err, k_s) in by_speed.items():
+        at = np.flatnonzero(np.abs(ref - rpm) < 0.5)
+        for part in np.split(at, np.flatnonzero(np.diff(at) > 1) + 1):
+            span = (float(t["t"][part[0]]), float(t["t"][part[-1]]) + T_s)
+            angle += [PaperValue(x, "paper: within", span) for x in (-err, err)]
+            weight.append(PaperValue(k_s, "paper", span))
+            if settled is not None:
+                label = f"paper: reached within {settled:g} s"
+                speed.append(PaperValue(span[0] + settled, label, upright=True))
+    return Printed(speed, angle, weight)
 
 
 def slowest_step(t: Trace) -> float:
@@ -94,13 +123,12 @@ def figure_13(motor: Motor) -> tuple[Case, Pair]:
     """Up and down in ramps without load."""
     runs = both(motor, suite("paper", motor, 0, 3)[1:2])
     rows = []
-    claims = {150: "5", 350: "3", 650: "4"}
-    for rpm, claim in claims.items():
+    for rpm, (claim, _) in FIGURE_13.items():
         rows.append(
             row_of(
                 f"largest angle error at {rpm} r/min, on the way up",
                 "°",
-                claim,
+                f"{claim:g}",
                 [_plateau_peak(t, rpm) for t in runs.values()],
             )
         )
@@ -122,7 +150,12 @@ def figure_13(motor: Motor) -> tuple[Case, Pair]:
         "At 650 r/min the published drive has the lag of the sigmoid, which grows with speed. "
         "Without load neither cross-coupling nor an error of L_q shows; the hand-over below has a "
         "load.",
-        speed_runs(runs["published"], runs["corrected"], "Figs. 13 and 14: up and down"),
+        speed_runs(
+            runs["published"],
+            runs["corrected"],
+            "Figs. 13 and 14: up and down",
+            printed_values(runs["published"], FIGURE_13),
+        ),
     )
     return case, runs
 

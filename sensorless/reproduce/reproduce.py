@@ -1,6 +1,6 @@
 """Reruns the figures and claims of the source paper (doi 10.12177/emca.2025.011)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from sensorless.files import ensure_writable, write_atomic
@@ -8,9 +8,11 @@ from sensorless.machine.motor import Motor
 from sensorless.plots.figure import save
 from sensorless.reproduce.case import Case
 from sensorless.reproduce.dynamic import abstract, figure_9, figure_13
+from sensorless.reproduce.layer import boundary_layer
 from sensorless.reproduce.page import data, markdown
 from sensorless.reproduce.printed import printed, timing
-from sensorless.reproduce.steady import figure_4, figure_11, figure_12
+from sensorless.reproduce.signum import figure_12
+from sensorless.reproduce.steady import figure_4, figure_11
 from sensorless.reproduce.switching import switching
 
 Progress = Callable[[float], None]
@@ -30,7 +32,7 @@ def cases(motor: Motor, progress: Progress | None = None) -> list[Case]:
     report(5 / 6)
     twelve = out[2]
     out = [out[0], nine, out[1], twelve, thirteen, switching(motor)]
-    out += [abstract(steps, ramps, twelve), timing(motor), printed(motor)]
+    out += [abstract(steps, ramps, twelve), timing(motor), boundary_layer(motor), printed(motor)]
     report(1.0)
     return out
 
@@ -45,7 +47,11 @@ def reproduce(folder: Path, progress: Progress | None = None) -> list[Path]:
     """
     folder = ensure_writable(folder)
     motor = Motor.load("paper")
-    done = cases(motor, progress)
+    return write(cases(motor, progress), motor, folder)
+
+
+def write(done: Sequence[Case], motor: Motor, folder: Path) -> list[Path]:
+    """Write what was run into a folder; return the files."""
     files = []
     for case in done:
         if case.figure is not None:

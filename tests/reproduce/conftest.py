@@ -6,13 +6,20 @@ from typing import Any
 
 import pytest
 
-from sensorless.reproduce.reproduce import reproduce
+from sensorless.machine.motor import Motor
+from sensorless.reproduce.case import Case
+from sensorless.reproduce.reproduce import cases, write
 
 
 @pytest.fixture(scope="session")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def done(motor: Motor) -> list[Case]:
+    return cases(motor)
+
+
+@pytest.fixture(scope="session")
+def folder(done: list[Case], motor: Motor, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("paper")
-    assert all(path.is_file() for path in reproduce(folder))
+    assert all(path.is_file() for path in write(done, motor, folder))
     return folder
 
 
