@@ -21,8 +21,8 @@ def markdown(cases: Sequence[Case], motor: Motor) -> str:
         f"control of interior permanent magnet synchronous motors*, doi {DOI}; its column has the "
         f"values that its text gives. The other columns are our simulation of the motor "
         f"`{motor.name}`, whose saturation, dead time and noise are assumptions; the pictures show "
-        "our runs. k_s is the weight between injection (1) and the sliding-mode observer (0), and "
-        "Eq. 25 is the paper's linear rule for it.",
+        "our runs, and the values of the paper as lines. k_s is the weight between injection (1) "
+        "and the sliding-mode observer (0), and Eq. 25 is the paper's linear rule for it.",
         "**As published** is our drive with its corrections switched off: " + _differences() + ".",
         "No switch undoes these, so both columns share them:",
         "\n".join(f"- {text}" for text in NOT_SWITCHABLE),
