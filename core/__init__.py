@@ -1,1 +1,1 @@
-"""The control core in C99, its simulation, and the binding that makes both a Python module."""
+"""The control core in C99, its simulation, and the Python binding of both."""

@@ -1,7 +1,7 @@
-"""The compiled core for NumPy: structured dtypes of its C structs, and its functions.
+"""The compiled core in NumPy terms: structured dtypes of its C structs, and its functions.
 
-A drive, its machine and its twin are one record of ``SIM``; an array of them is plain NumPy, so
-copying, pickling and slicing are NumPy's own.
+A drive, its machine and its sensored twin are one record of ``SIM``. An array of them is a plain
+NumPy array, which NumPy copies, pickles and slices.
 """
 
 import os
@@ -91,7 +91,7 @@ CURVE_N: int = lib.CURVE_N
 def enumeration(prefix: str) -> dict[str, int]:
     """Constants of the core's enumeration ``prefix``, in ascending order.
 
-    By lower-case name without the prefix; PREFIX_N, their number, is not one of them.
+    Keys are lower-case names without the prefix. PREFIX_N, the number of constants, is left out.
     """
     names = (n for n in dir(lib) if n.startswith(prefix) and n != f"{prefix}N")
     found = {n[len(prefix) :].lower(): int(getattr(lib, n)) for n in names}
@@ -113,14 +113,14 @@ def pointer(array: Array, ctype: str) -> Any:
 
 
 THREADS = "SENSORLESS_THREADS"
-"""Environment variable: the most threads a call may use. Default: one per processor core."""
+"""Environment variable with the most threads a call may use. Default: one per processor core."""
 
 SMALL = 10_000
-"""Periods of all drives together below which one thread is faster than two."""
+"""Total periods of all drives below which one thread is faster than two."""
 
 
 def threads_allowed() -> int:
-    """Threads a call may use: ``SENSORLESS_THREADS``, else the cores open to this process.
+    """Threads that a call may use: ``SENSORLESS_THREADS``, else the cores open to this process.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def sim_run(
     simd: int = lib.SIMD_AVX512,
     threads: int | None = None,
 ) -> None:
-    """Advance every drive by up to ``periods`` periods; other Python threads run meanwhile.
+    """Advance every drive by up to ``periods`` periods; other Python threads can run meanwhile.
 
     The results do not depend on ``plain``, ``simd`` or ``threads``, nor on the other drives.
 
@@ -165,7 +165,7 @@ def sim_run(
         Widest vector code that blocks may use, ``lib.SIMD_AVX2`` or ``lib.SIMD_AVX512``, if the
         processor has it.
     threads : int, optional
-        Most threads to use; by default `threads_allowed`, or one if the call is too small to gain.
+        Most threads to use; by default `threads_allowed`, or one if the call is too small for more.
     """
     if threads is None:
         threads = threads_allowed() if len(sims) * periods >= SMALL else 1
@@ -186,7 +186,7 @@ def sim_signals(sims: Array, obs: Array) -> None:
 
 
 def sums_matrix(sims: Array) -> Array:
-    """View of ``sims["sums"]`` as numbers (n, fields): NumPy copies records slowly."""
+    """View of ``sims["sums"]`` as numbers (n, fields), which NumPy copies faster than records."""
     shape = (len(sims), SIM["sums"].itemsize // 4)
     return np.ndarray(shape, np.float32, sims, _SUMS_AT, strides=(SIM.itemsize, 4))
 
@@ -197,7 +197,7 @@ def sim_truth(sims: Array, u_dc: float, scale: Array, bound: float, out: Array) 
     Parameters
     ----------
     sims : array of SIM, shape (n,)
-        After a `sim_run`, whose means these are.
+        Drives after a `sim_run`, over which the quantities are means.
     u_dc : float
         Nominal DC-link voltage [V].
     scale : array of float32, shape (TRUTH_N,)
@@ -218,12 +218,12 @@ def sim_truth(sims: Array, u_dc: float, scale: Array, bound: float, out: Array) 
 
 
 def words(sims: Array) -> Array:
-    """View of an array of SIM as plain words (n, size): NumPy copies records slowly."""
+    """View of an array of SIM as plain words (n, size), which NumPy copies faster than records."""
     return sims.view(np.uint64).reshape(len(sims), -1)
 
 
 def sim_start(sims: Array) -> None:
-    """Put every drive at the start that its own ``start`` field describes."""
+    """Put every drive at the start that its field ``start`` describes."""
     lib.sim_start(pointer(sims, "sim_t[]"), len(sims))
 
 
@@ -238,15 +238,15 @@ def sim_trace(sim: Array, periods: int, k_s: float) -> Array:
 
 
 class ObserverRun:
-    """Both observers and their blend over a recorded log; see ``core/sim/replay.h``.
+    """Both estimators and their blend over a recorded log; see ``core/sim/replay.h``.
 
     Parameters
     ----------
     control : record of CONTROL, shape ()
     theta, omega : float
-        Start of both, electrical [rad, rad/s].
+        Angle and speed that both start from, electrical [rad, rad/s].
     k_s : float
-        First weight.
+        Weight to start with.
     """
 
     def __init__(self, control: Array, theta: float, omega: float, k_s: float) -> None:
@@ -259,7 +259,7 @@ class ObserverRun:
         return control, pointer(self._state, "replay_t[]")
 
     def advance(self, rows: Array, k_s: float) -> tuple[Array, Array]:
-        """Take in ``rows`` of REPLAY_IN under one weight.
+        """Process ``rows`` of REPLAY_IN under one weight.
 
         Returns
         -------

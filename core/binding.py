@@ -1,8 +1,8 @@
-"""Builds the extension ``sensorless._core`` from the C core (cffi, API mode).
+"""Build of the extension ``sensorless._core`` from the C core (cffi, API mode).
 
 No declaration is written twice: the C preprocessor expands the headers, and every type, enumeration
 and linkable function in them becomes part of the binding. A hash of all C sources is compiled in,
-so that a stale build can be told from a fresh one. ``sim_fields.h``, the list of all numbers in
+which shows whether a build is stale. ``sim_fields.h``, the list of all numbers in
 ``sim_t`` that the vector code of ``block.h`` works on, is generated from the same declarations.
 """
 
@@ -78,7 +78,7 @@ def declarations() -> str:
 
 
 def _macros() -> str:
-    """Whole numbers too long for an enumeration on every target; the compiler has their values."""
+    """Declarations of macros too large for some enumerations; the compiler fills in the values."""
     text = "".join(path.read_text(encoding="utf-8") for path in sorted(CORE.glob("drive/*.h")))
     names = re.findall(r"^#define (\w+) (?:0x\w+|\d+)UL\b", text, re.MULTILINE)
     return "".join(f"#define {name} ...\n" for name in names)
@@ -97,7 +97,7 @@ def _numbers(ctype: Any, path: str) -> Iterator[tuple[str, str]]:
 
 
 def _pairs(ffi: FFI) -> Iterator[bool]:
-    """Whether each 8 bytes of ``sim_t`` are two numbers, not a double. It has no padding."""
+    """Whether each 8 bytes of ``sim_t`` hold two numbers, not one double; padding is refused."""
     sizes = [ffi.sizeof(ctype) for ctype, _ in _numbers(ffi.typeof("sim_t"), "")]
     if sum(sizes) != ffi.sizeof("sim_t"):
         raise ValueError("sim_t has padding: give its structs an even number of 4-byte fields")
@@ -109,9 +109,9 @@ def _pairs(ffi: FFI) -> Iterator[bool]:
 
 
 def write_fields(ffi: FFI) -> None:
-    """Write ``sim_fields.h``: what stays constant in ``sim_t``, and what moves.
+    """Write ``sim_fields.h``: the fields of ``sim_t`` that stay constant in a run, and the others.
 
-    Blocks hold no drive in its start sequence (``batch_fits``), so its state does not move there.
+    Blocks hold no drive in its start sequence (``batch_fits``), so that state is constant there.
     """
     moving = ("drive", "twin", "now", "sums", "tau_1", "dev_1", "err_count", "k", "lost")
     lists: dict[str, list[str]] = {"PARAM": [], "STATE": []}

@@ -1,4 +1,4 @@
-"""Runs the machine without its drive in the compiled core."""
+"""The machine without its drive, in the compiled core."""
 
 import numpy as np
 
@@ -43,7 +43,7 @@ def plant_run(plant: Array, state: Array, u: Array) -> Array:
 
 
 def carrier_run(sensor: Array, plant: Array, state: Array, u: Array) -> Array:
-    """Run the machine alone on an inverter that switches, and record it between the edges.
+    """Run the machine alone on a switching inverter, and record it between the edges.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the compiled core was built from."""
+"""Hash of the sources that the compiled core is built from."""
 
 import hashlib
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 CORE = Path(__file__).resolve().parent
 FIRMWARE = CORE.parent / "firmware"
 WIRE = FIRMWARE / "pil_wire.h"
-"""Layout of what travels to and from a target: the host binds it too."""
+"""Layout of the messages to and from a target, which the host's binding includes."""
 
 
 def source_hash() -> str:

@@ -1,7 +1,7 @@
 """Coupled observer: from the machine, its inverter and its sensors to ``coupled_params_t``.
 
-Where each formula comes from: docs/coupled-observer.md. None of its constants was found on one
-machine; those below say how a drive is used and how good its parts are.
+docs/coupled-observer.md derives each formula. No constant was fitted on a machine; those below
+describe how a drive is used and how exact its parts are.
 """
 
 import math
@@ -16,25 +16,25 @@ from sensorless.observers.smo_design import low_pass
 CHANGES = 1.0
 """Rated changes of the load, and full changes of the dead time's voltage, per second [1/s]."""
 SENSOR_LSB = 3.0
-"""What a current sample is wrong by, in steps of the converter: noise, offset, gain. Injection,
-which sees second differences, is wrong by one step."""
+"""Error of a current sample by noise, offset and gain, in steps of the converter. Injection uses
+second differences, whose error is one step."""
 INERTIA_SHARE = 2.0 / 3.0
-"""Torque that is fed forward: the middle of 1/3 and 1, for inertias of one to three times the
-machine's own."""
+"""Share of the torque that is fed forward: the mean of 1/3 and 1, for inertias of one to three
+times the machine's own."""
 LOAD_OVER_SPEED = 2.0
-"""Pole of the load's estimate over the natural frequency of the speed loop, which must not wait for
-it."""
+"""Pole of the load estimate over the natural frequency of the speed loop, which must not wait for
+the estimate."""
 DAMPING = 0.3
-"""Damping of the flux error, over its frequency, which is the electrical one."""
+"""Damping of the flux error over its frequency, the electrical one."""
 RISE = (1.0 / 6.0, 1.0 / 2.0)
-"""Part of the error that a rated load step leaves, from which on the bandwidth rises and at which
-it has risen by ``RISE_MAX``."""
+"""Errors, over that which a rated load step leaves, at which the bandwidth starts to rise and at
+which it has risen by ``RISE_MAX``."""
 RISE_MAX = 0.75
 ZERO_SHARE = 0.02
-"""Current over the rated one up to which the inverter's dead time depends on its magnitude."""
+"""Current, over rated, up to which the dead time's effect depends on the current's magnitude."""
 LAYER_SPEED = 0.05
-"""Speed over the rated one at which an uncompensated dead time displaces the flux by one boundary
-layer: the sigmoid is to saturate at what no model explains."""
+"""Speed, over rated, at which an uncompensated dead time displaces the flux by one boundary layer:
+the sigmoid should saturate on errors that no model explains."""
 
 
 @dataclass(frozen=True)
@@ -60,17 +60,17 @@ def converter_step(motor: Motor) -> float:
 
 
 def voltage_drift(motor: Motor) -> float:
-    """Turn of the flux by dead time that nothing compensates [rad/s]."""
+    """Rate at which uncompensated dead time turns the flux [rad/s]."""
     return motor.u_dc * motor.dead_time / motor.T_s / motor.psi_f
 
 
 def bandwidths(motor: Motor, speed_hz: float) -> Bandwidths:
-    """Steady-state Kalman gains of the two loops, for white noise and steps at random.
+    """Steady-state Kalman gains of the two loops, for white noise and random steps.
 
-    The voltage model: accelerations of ``rated_acceleration`` change ``CHANGES`` times a second,
-    the flux angle has noise of sigma = L_q ``SENSOR_LSB`` steps / psi_f a sample:
+    Voltage model: an acceleration of ``rated_acceleration`` a changes ``CHANGES`` times a second;
+    each sample's flux angle has noise of sigma = L_q ``SENSOR_LSB`` steps / psi_f:
     W^3 = a sqrt(CHANGES) / (sigma sqrt(T_s)).
-    The injection: drifts of ``voltage_drift`` change as often, its angle has noise of one step over
+    Injection: a drift of ``voltage_drift`` v changes as often; its angle has noise of one step over
     the slope of the injected current: W^2 = v sqrt(CHANGES) / (sigma sqrt(T_s)) / 2.
 
     Parameters
@@ -89,7 +89,7 @@ def bandwidths(motor: Motor, speed_hz: float) -> Bandwidths:
 
 
 def flux_at_no_d_current(motor: Motor, line: Floats) -> Floats:
-    """psi_d - L_d i_d along the operating line (CURVE_N, 2) [A]: what is not linear in i_d [Vs]."""
+    """psi_d - L_d i_d [Vs] along the operating line (CURVE_N, 2) [A]: what is not linear in i_d."""
     return flux(motor.saturation, line)[:, 0] - motor.L_d * line[:, 0]
 
 

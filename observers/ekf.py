@@ -1,13 +1,14 @@
-"""Extended Kalman filter over recorded voltages and currents: an estimator of another kind.
+"""Extended Kalman filter over recorded voltages and currents, as an independent estimator.
 
-The state is stator flux, speed and angle, the measurement is the phase currents. The machine's own
-flux map with its saturation links the two, so saliency and magnet both show the angle:
+The state is stator flux, speed and angle; the measurement is the phase currents. The machine's
+flux map, saturation included, links the two, so saliency and magnet both reveal the angle:
 
     d(psi)/dt = u - R_s i,   domega/dt = 0 + noise,   dtheta/dt = omega
     i = P(theta) f(P(-theta) psi),   P a rotation, f the flux map
 
-Built on filterpy. It is independent of the drive's observers and of the sign of an injection, and
-far too slow for a drive; see R. Labbe, Kalman and Bayesian Filters in Python, chapter 11.
+It uses filterpy, shares nothing with the drive's observers, and does not depend on the sign of an
+injection; it is far too slow for a drive. See R. Labbe, Kalman and Bayesian Filters in Python,
+chapter 11.
 """
 
 from dataclasses import dataclass
@@ -26,7 +27,7 @@ FLUX_STEP = 1e-6
 
 @dataclass(frozen=True)
 class EkfDesign:
-    """How far the filter trusts model and measurement, as standard deviations."""
+    """Standard deviations that the filter assumes of model and measurement."""
 
     voltage: float = 10.0
     """Of the stator voltage, from period to period [V]."""
@@ -68,7 +69,7 @@ class MachineEkf:
         psi_f = flux(motor.saturation, np.zeros((1, 2)))[0, 0]
         f = self.filter = _Filter(dim_x=4, dim_z=2)
         f.x = np.array([[psi_f * np.cos(theta)], [psi_f * np.sin(theta)], [omega], [theta]])
-        # without current the flux points along the rotor: both angles err together
+        # without current the flux points along the rotor: both angles have the same error
         along = np.array([-psi_f * np.sin(theta), psi_f * np.cos(theta), 0.0, 1.0])
         own = np.array([0.01 * psi_f, 0.01 * psi_f, d.omega_0, 0.0])
         f.P = d.theta_0**2 * np.outer(along, along) + np.diag(own**2)

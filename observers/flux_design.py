@@ -11,8 +11,8 @@ def design_flux(
 ) -> dict[str, Any]:
     """Fields of ``flux_params_t`` (doi 10.1109/TIA.2018.2858753).
 
-    The flux is corrected along the auxiliary flux with b + ``gain`` times the speed,
-    b = R_s (L_d + L_q) / (2 L_d L_q): the bound at standstill.
+    The flux is corrected along the auxiliary flux with gain b + ``gain`` times the speed; b =
+    R_s (L_d + L_q) / (2 L_d L_q), the bound at standstill.
 
     Parameters
     ----------

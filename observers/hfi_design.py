@@ -48,11 +48,11 @@ def design_hfi(
     scheme : str
         One of ``SCHEMES``.
     delay_cure : bool
-        Inject along the axis where it will be, instead of where it was when the voltage was
-        computed.
+        Inject along the axis where it will be when the voltage acts, instead of where it was when
+        the voltage was computed.
     normalised : bool
-        Divide the error signal by the magnitude of the current's answer (Eq. 7), instead of by a
-        constant that the answer never reaches (Eq. 15): with that the gains fit at no load only.
+        Divide the error signal by the magnitude of the current's response (Eq. 7); otherwise by a
+        constant that the response never reaches (Eq. 15), with which the gains fit at no load only.
     """
     floor = (0.25 if normalised else 10.0) * hf_current(motor)
     slope = error_slope(motor.L_d, motor.L_q)

@@ -1,4 +1,4 @@
-"""How well injection sees the rotor: its signal against noise and converter, over the current."""
+"""How well injection sees the rotor: signal against noise and converter steps, over current."""
 
 import math
 from dataclasses import dataclass, replace
@@ -10,29 +10,29 @@ from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import principal
 
 NOISE = 0.0012
-"""Current noise expected of a sensor, RMS over rated current: the middle of suite ``stress``."""
+"""Current noise expected of a sensor, RMS over rated current: mean of the suite ``stress-1``."""
 NOISE_DEG = 1.0
-"""RMS angle noise that a voltage is chosen for, at the worst current up to rated [deg]."""
+"""RMS angle noise that the voltage is chosen for, at the worst current up to rated [deg]."""
 STEP_DEG = 10.0
-"""The same for the angle of one step of the converter [deg]; the loop averages over steps."""
+"""Angle of one step of the converter that it is chosen for [deg]; the loop averages steps."""
 LINK_SHARE = 0.2
-"""Largest injection over the DC link, as the source paper limits it."""
+"""Largest injected voltage over the DC link; the limit of the source paper."""
 RIPPLE_SHARE = 0.2
-"""Largest injected current over rated current: beyond, it is a load of its own."""
+"""Largest injected current over rated current; more would load the machine itself."""
 DEAD_TIME_SHARE = 2.0
-"""Least injection over the voltage that dead time takes: below, it falls into the dead band."""
+"""Least injected voltage over that lost by dead time; with less it falls into the dead band."""
 
 
 @dataclass(frozen=True)
 class InjectionSignal:
-    """What the loop of injection sees along the operating line, one row a current."""
+    """What the injection loop sees along the operating line, one row per current."""
 
     i: Floats
     """(n, 2) currents from zero to ``i_max`` [A]"""
     ratio: Floats
-    """(n,) incremental inductance of the weak over that of the strong magnetic axis"""
+    """(n,) larger over smaller incremental inductance"""
     slope: Floats
-    """(n,) current across the injected axis a radian of angle error [A/rad]"""
+    """(n,) current across the injected axis per radian of angle error [A/rad]"""
     noise_deg: Floats
     """(n,) RMS of the estimated angle [deg]"""
     step_deg: Floats
@@ -45,9 +45,9 @@ def injection_signal(motor: Motor, pll_hz: float) -> InjectionSignal:
     """Signal and noise of square-wave injection at currents of maximum torque per ampere.
 
     Voltage u along an axis for one period moves the current by u T_s / L of that axis, half of it
-    to either side; an angle error turns ``u T_s / 2 (1 / L_small - 1 / L_large)`` an ampere a
-    radian of it onto the other axis. White noise sigma of each sample, and the converter's step
-    as noise of step / sqrt(12), pass the loop of noise bandwidth B = 0.53 w_n as
+    to either side of the mean. An angle error moves ``u T_s / 2 (1 / L_small - 1 / L_large)`` [A]
+    per radian onto the other axis. White noise sigma of each sample, which includes step / sqrt(12)
+    of the converter, passes the loop of noise bandwidth B = 0.53 w_n as
     ``sigma sqrt(2 B T_s) / slope``.
 
     Parameters
@@ -80,9 +80,10 @@ def adc_step(motor: Motor) -> float:
 
 
 def suggested_injection(motor: Motor, pll_hz: float) -> float:
-    """Injected voltage [V]: enough for ``NOISE_DEG``, ``STEP_DEG`` and dead time, then its limits.
+    """Injected voltage [V], two digits: enough for noise, converter and dead time, within limits.
 
-    The limits are ``LINK_SHARE`` of the DC link and ``RIPPLE_SHARE`` of rated current; two digits.
+    ``NOISE_DEG``, ``STEP_DEG`` and ``DEAD_TIME_SHARE`` say what is enough; the limits are
+    ``LINK_SHARE`` of the DC link and ``RIPPLE_SHARE`` of rated current.
     """
     one = injection_signal(replace(motor, u_inj=1.0), pll_hz)
     rated = np.hypot(*one.i.T) <= motor.i_rated
@@ -96,5 +97,5 @@ def suggested_injection(motor: Motor, pll_hz: float) -> float:
 
 
 def dead_time_voltage(motor: Motor) -> float:
-    """Mean voltage that dead time takes from a leg [V]."""
+    """Mean voltage that a leg loses by dead time [V]."""
     return motor.u_dc * motor.dead_time / motor.T_s

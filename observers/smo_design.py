@@ -1,4 +1,4 @@
-"""Sliding-mode estimator: from the machine and bandwidths to ``smo_params_t``."""
+"""Sliding-mode observer: from the machine and bandwidths to ``smo_params_t``."""
 
 import math
 from typing import Any

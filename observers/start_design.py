@@ -13,27 +13,27 @@ from sensorless.observers.pll_design import pll_gains
 from sensorless.observers.smo_design import SWITCHING
 
 PLL_HZ = (35.0, 50.0)
-"""Natural frequency of the injection loop and of the EMF loop while the rotor is sought [Hz]."""
+"""Natural frequencies of the injection and EMF loops while the rotor is sought [Hz]."""
 HOLD_SHARE = 0.3
-"""Gain at zero current over the deadbeat gain: damped for any inductance between L_d and L_q, with
-one period of computation and the mean of two samples."""
+"""Gain of the loop that holds zero current, over the deadbeat gain: damped for any inductance
+between L_d and L_q, with one period of computation and the mean of two samples."""
 EMF_LOW_PASS = 0.2
 """Coefficient of the low-pass on the EMF that is fed forward."""
 FLY_SHARE = 0.25
-"""EMF over its rated value from which on the shaft counts as spinning. Above it the EMF turns by
-several times its noise while it is watched; below it the injection estimator still locks in."""
+"""EMF, over its rated value, above which the shaft counts as spinning. Above it, the EMF turns by
+several times its noise while it is watched; below it, the injection estimator still locks in."""
 PULSE_SHARE = 0.8
-"""Largest pulse voltage over the largest that the DC link gives."""
+"""Largest pulse voltage, over the largest that the DC link allows."""
 POLE_SHARE = 0.08
-"""Difference of the two peaks at which a pulse is strong enough, over rated current."""
+"""Difference of the two peaks, over rated current, at which a pulse is strong enough."""
 TIMES = {"mark": 3e-3, "catch": 7e-3, "fly": 16e-3, "scan": 2e-3, "lock": 8e-3, "rest": 1.2e-3}
 """Lengths of the phases [s]."""
 
 
 def peaks(motor: Motor, volt_seconds: float) -> tuple[float, float]:
-    """Currents [A] that a pulse of so many volt-seconds [Vs] drives along +d and along -d.
+    """Peak currents [A] of pulses of ``volt_seconds`` [Vs] along +d and along -d.
 
-    They start from rest and neglect the resistance: the flux map at psi_d0 +- the volt-seconds.
+    They follow from the flux map at psi_d0 +- the volt-seconds: from rest, without resistance.
     """
     rest = flux(motor.saturation, np.zeros((1, 2)))
     move = np.array([[volt_seconds, 0.0]])
@@ -49,7 +49,7 @@ def polarity_pulse(motor: Motor) -> tuple[float, float]:
     The weakest pulse whose peaks differ by ``POLE_SHARE`` of rated current, or, where the iron
     saturates less, the strongest within ``i_max``. The difference is positive where current along
     the magnet saturates (most machines), negative where current against it does (a bridge); without
-    saturation it is 0, and no pulse can tell the poles apart.
+    saturation it is 0, and no pulse can distinguish the poles.
     """
     volt_seconds, difference = 0.0, 0.0
     for share in np.linspace(0.01, 1.0, 100):
@@ -64,7 +64,7 @@ def polarity_pulse(motor: Motor) -> tuple[float, float]:
 
 
 def knows_poles(motor: Motor) -> bool:
-    """Whether saturation tells the machine's poles apart: by at least 2 % of rated current."""
+    """Whether saturation shows the north pole: the peaks differ by 2 % of rated current or more."""
     return abs(polarity_pulse(motor)[1]) >= 0.02 * motor.i_rated
 
 
@@ -75,8 +75,8 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
     ----------
     hfi, smo : dict
         Estimators of normal operation, ``hfi_params_t`` and ``smo_params_t``. The start sequence
-        runs them with loops of ``PLL_HZ``, and the observer with its sigmoid and without low-pass,
-        whatever normal operation uses: it has to read the EMF within a few periods.
+        runs them with loops of ``PLL_HZ``. Its observer always has the sigmoid and no low-pass,
+        since it has to read the EMF within a few periods.
 
     Without saturation there are no pulses: the core keeps the pole nearer to its first angle and
     sets a fault bit.

@@ -7,12 +7,12 @@ from sensorless.errors import UserError
 
 
 def write_atomic(path: str | Path, data: str | bytes) -> None:
-    """Write a file beside its place, then move it there; text becomes UTF-8.
+    """Write a temporary file next to ``path``, then rename it; text becomes UTF-8.
 
     Raises
     ------
     UserError
-        The folder cannot be written to; an older file of that name is as it was.
+        The folder cannot be written to; an older file of that name is unchanged.
     """
     path = Path(path)
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
@@ -24,7 +24,7 @@ def write_atomic(path: str | Path, data: str | bytes) -> None:
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
-        raise UserError(f"output {str(path)!r}: {reason(error)}; write elsewhere") from None
+        raise UserError(f"output {str(path)!r}: {reason(error)}; write to another folder") from None
 
 
 def ensure_writable(folder: str | Path) -> Path:
@@ -49,13 +49,13 @@ def ensure_writable(folder: str | Path) -> Path:
 
 
 def check_writable(path: str | Path | None, name: str = "out") -> None:
-    """Find out before a long run whether a file can be written; None means no file.
+    """Check before a long run that a file can be written; None means no file.
 
     Raises
     ------
     UserError
-        No such folder, no right to write there, or the path is a folder; ``name`` is the option
-        that the message blames.
+        The folder does not exist or cannot be written to, or the path is a folder; the message
+        names the option ``name``.
     """
     if path is None:
         return
@@ -64,7 +64,7 @@ def check_writable(path: str | Path | None, name: str = "out") -> None:
     if not folder.is_dir():
         raise UserError(
             f"{name}: {str(path)!r}: folder {str(folder)!r} does not exist; create it, or write "
-            "elsewhere"
+            "to another one"
         )
     if path.is_dir():
         raise UserError(f"{name}: {str(path)!r} is a folder; give the name of a file")
@@ -73,7 +73,9 @@ def check_writable(path: str | Path | None, name: str = "out") -> None:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise UserError(f"{name}: {str(path)!r}: {reason(error)}; write elsewhere") from None
+        raise UserError(
+            f"{name}: {str(path)!r}: {reason(error)}; write to another folder"
+        ) from None
 
 
 def reason(error: Exception) -> str:

@@ -1,4 +1,4 @@
-"""What chooses the weight k_s at every decision."""
+"""Policies: what chooses the weight k_s at every decision."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -15,17 +15,17 @@ Signals = NDArray[np.float32]
 
 
 class Policy(Protocol):
-    """A rule for n drives at once; row i of every array is drive i."""
+    """Chooses k_s for n drives at once; row i of every array belongs to drive i."""
 
     name: str
     sensored: bool
-    """The drive runs on its true angle instead of an estimate, and k_s is without effect."""
+    """Whether the drive runs on its true angle; k_s then has no effect."""
     estimator: str | None
-    """Estimator that the policy runs on whatever the design says, as in ``DriveDesign``; None: the
-    design's."""
+    """Estimator that the policy needs, as in ``DriveDesign``; it overrides the design's. None: the
+    policy runs on the design's."""
 
     def reset(self, n: int) -> None:
-        """Forget the past; n drives are about to start."""
+        """Forget the past before n drives start."""
 
     def act(self, obs: Signals) -> NDArray[np.float32]:
         """Weights wanted (n,), 0 to 1, at the signals (n, SIGNAL_N) of ``core/drive/signals.h``."""
@@ -33,34 +33,36 @@ class Policy(Protocol):
 
 @runtime_checkable
 class PrivilegedPolicy(Policy, Protocol):
-    """A bound, no rule for a drive: it knows what no firmware can."""
+    """An upper bound, not a rule for a drive: it sees what no firmware can."""
 
     privileged: bool
 
     def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
-        """Weights wanted (n,) at the signals and the simulated drives themselves (SIM)."""
+        """Weights wanted (n,) from the signals and the state of the simulated drives (SIM)."""
 
 
 def design_for(policy: Policy, design: DriveDesign) -> DriveDesign:
-    """Design with the estimator that a policy asks for."""
+    """Design with the estimator that the policy needs, if it needs one."""
     return dataclasses.replace(design, estimator=policy.estimator or design.estimator)
 
 
 def trained_estimator(provenance: Mapping[str, Any]) -> str | None:
-    """Estimator that a schedule was made on; None if its provenance does not tell."""
+    """Estimator that a schedule was made on; None if its provenance does not name one."""
     design = provenance.get("design")
     return design.get("estimator") if isinstance(design, dict) else None
 
 
 def decide(policy: Policy, obs: Signals, sims: Array) -> NDArray[np.float32]:
-    """Weights wanted (n,); only a privileged policy gets to see the drives."""
-    knowing = getattr(policy, "act_knowing", None)  # isinstance of a protocol costs 100 times that
+    """Weights wanted (n,); only a privileged policy sees the simulated drives."""
+    knowing = getattr(
+        policy, "act_knowing", None
+    )  # a protocol's isinstance takes 100 times as long
     chosen: NDArray[np.float32] = policy.act(obs) if knowing is None else knowing(obs, sims)
     return chosen
 
 
 class TablePolicy:
-    """A schedule table, looked up by the code that also runs on the target. It has no memory.
+    """A schedule table, looked up by the code that runs on the target. It has no memory.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Settings: name, default, unit, range or choices, and meaning, each written down once.
 
-A dataclass declares its settings as fields: ``number``, ``switch`` or ``word``. What reads, checks,
-lists or documents them asks ``settings_of``.
+A dataclass declares its settings as fields: ``number``, ``switch`` or ``word``. All code that
+reads, checks, lists or documents them gets them from ``settings_of``.
 """
 
 import dataclasses
@@ -14,10 +14,10 @@ from typing import Any
 from sensorless.errors import UserError
 
 REQUIRED: Any = dataclasses.MISSING
-"""As a default: the setting must be given."""
+"""Default of a setting that must be given."""
 SWITCH = {"true": True, "false": False}
 LARGEST = 1e300
-"""Numbers from here on count as infinite: a whole number may be too large for a double."""
+"""Larger numbers count as infinite: a whole number may be too large for a double."""
 
 
 @dataclass(frozen=True)
@@ -26,23 +26,23 @@ class Setting:
 
     name: str
     default: Any
-    """Or ``REQUIRED``."""
+    """``REQUIRED`` if there is none."""
     unit: str
-    """``"1"`` for a plain number, empty for what is no number."""
+    """``"1"`` for a plain number, empty for a setting that is not a number."""
     low: float
     high: float
     meaning: str
     kind: type = float
     """float, int, bool or str."""
     above: bool = False
-    """``low`` itself is out of range."""
+    """Whether ``low`` itself is out of range."""
     endless: bool = False
-    """Infinity is in range."""
+    """Whether infinity is in range."""
     choices: Mapping[str, str] = field(default_factory=dict, hash=False)
-    """Words it may be, each with what it stands for; ``FILE.json`` is any file with that suffix.
-    None: any word."""
+    """Words that it may be, each with its meaning; ``FILE.json`` is any file with that suffix.
+    Empty: any word."""
     renamed: Mapping[str, str] = field(default_factory=dict, hash=False)
-    """Words of earlier versions, and what they are called now."""
+    """Words of earlier versions, and those that replace them."""
     was: str = ""
     """Name of a setting of earlier versions that this one replaces."""
 
@@ -64,10 +64,10 @@ class Setting:
 
     @property
     def sentence(self) -> str:
-        """Meaning, choices with theirs, range and unit: the text of an option's help."""
+        """Meaning, choices with their meanings, range and unit: the text of an option's help."""
         text = self.meaning + "".join(f"; {word}: {doc}" for word, doc in self.choices.items())
-        told = f" ({self.allowed})" if self.kind in (int, float) else ""
-        return f"{text[0].upper()}{text[1:]}{told}."
+        limits = f" ({self.allowed})" if self.kind in (int, float) else ""
+        return f"{text[0].upper()}{text[1:]}{limits}."
 
     def holds(self, value: object) -> bool:
         """Whether a value is of the kind of the setting and in its range."""
@@ -83,13 +83,13 @@ class Setting:
         return bool(above and x <= self.high and (_is_finite(x) or self.endless))
 
     def checked(self, value: object, where: str = "") -> Any:
-        """Value of the kind of the setting.
+        """Value converted to the kind of the setting.
 
         Parameters
         ----------
         value : object
         where : str
-            Opens the message, for example with the name of a file.
+            Start of the message, for example the name of a file.
 
         Raises
         ------
@@ -113,7 +113,7 @@ class Setting:
         )
 
     def parsed(self, text: str, where: str = "") -> Any:
-        """Value that a text stands for; errors as `checked`."""
+        """Value of a text; errors as `checked`."""
         value: object = text
         if self.kind is bool:
             value = SWITCH.get(text, text)
@@ -135,7 +135,7 @@ def _is_finite(x: Any) -> bool:
 
 
 def _is(value: object, choice: str) -> bool:
-    """Whether a value is this choice, or one of the files that it stands for."""
+    """Whether a value is this choice; ``FILE.json`` is any file with that suffix."""
     is_file = choice.startswith("FILE.") and isinstance(value, str) and value.endswith(choice[4:])
     return value == choice or is_file
 
@@ -151,8 +151,8 @@ def number(
     endless: bool = False,
 ) -> Any:
     """Field of a number from ``low`` to ``high``; a field of type int takes whole numbers."""
-    told = Setting("", default, unit, low, high, meaning, above=above, endless=endless)
-    return field(default=default, metadata={"setting": told})
+    setting = Setting("", default, unit, low, high, meaning, above=above, endless=endless)
+    return field(default=default, metadata={"setting": setting})
 
 
 def switch(default: bool, meaning: str) -> Any:
@@ -169,14 +169,14 @@ def word(
     was: str = "",
 ) -> Any:
     """Field of a word: one of ``choices``, or any."""
-    told = Setting(
+    setting = Setting(
         "", default, "", 0, 0, meaning, choices=choices or {}, renamed=renamed or {}, was=was
     )
-    return field(default=default, metadata={"setting": told})
+    return field(default=default, metadata={"setting": setting})
 
 
 def settings_of(cls: type) -> Mapping[str, Setting]:
-    """Settings of a dataclass by name; fields declared otherwise are none."""
+    """Settings of a dataclass by name; other fields are left out."""
     return {
         f.name: dataclasses.replace(f.metadata["setting"], name=f.name, kind=f.type)
         for f in dataclasses.fields(cls)
@@ -204,12 +204,12 @@ def check(owner: object, where: str = "") -> None:
 
 
 def read(cls: type, values: Mapping[str, object], where: str) -> dict[str, Any]:
-    """Settings of a dataclass out of a table that someone wrote.
+    """Settings of a dataclass from a table that a user wrote.
 
     Raises
     ------
     UserError
-        A name that is no setting or no longer one, one that is missing, or as `Setting.checked`.
+        A name is unknown, outdated or missing, or as `Setting.checked`.
     """
     known = settings_of(cls)
     unknown = sorted(set(values) - set(known))

@@ -1,4 +1,4 @@
-"""What a result depends on besides its inputs."""
+"""Versions that a result depends on besides its inputs."""
 
 import platform
 from collections.abc import Iterable
@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError, version
 from sensorless.core.api import ffi, lib
 
 LIBRARIES = ("numpy", "scipy")
-"""What every evaluation computes with."""
+"""Libraries that every evaluation computes with."""
 
 
 def versions(libraries: Iterable[str] = LIBRARIES) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""The commands ``sensorless motor ...``: from what people have to a motor file they can trust."""
+"""The commands ``sensorless motor ...``, which make and check motor files."""
 
 from collections.abc import Callable
 

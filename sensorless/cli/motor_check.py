@@ -1,4 +1,4 @@
-"""The command ``sensorless motor check``: is this motor suitable."""
+"""The command ``sensorless motor check``: whether a motor suits this drive."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,20 +14,24 @@ if TYPE_CHECKING:
 
 
 def check_command(
-    file: Annotated[str, typer.Argument(help="Motor file, or a shipped motor by name.")],
+    file: Annotated[
+        str, typer.Argument(help="Check this motor: a TOML file, or the name of a shipped one.")
+    ],
     out: Annotated[
-        Path | None, typer.Option(help="Write the same as one HTML page. Default: none.")
+        Path | None,
+        typer.Option(help="Write findings and figures as one HTML page. Default: no page."),
     ] = None,
     size: Annotated[
-        int, typer.Option(min=0, metavar="N", help="Scenarios of the quick run; 0: no run.")
+        int, typer.Option(min=0, metavar="N", help="Simulate this many scenarios; 0: none.")
     ] = 100,
     settings: SetOption = None,
 ) -> None:
     """Tell whether a motor suits this drive: yes, with limits, or no, and why.
 
-    The check looks for slips of unit, holds the rated point against current and voltage, follows
-    saliency and cross-coupling over the current, weighs the signal of injection against noise, and
-    suggests settings. Then it runs Eq. 25 on some scenarios of suite stress-1.
+    The check looks for implausible numbers, compares the rated point with current and voltage,
+    follows saliency and cross-coupling over the current, compares injection's signal with noise,
+    and suggests settings. Unless the answer is no already, it then simulates Eq. 25, the source
+    paper's rule, on scenarios of the suite stress-1.
 
     For example:
 
@@ -47,7 +51,7 @@ def check_command(
 def show_check(
     motor: "Motor", design: "DriveDesign", size: int, out: Path | None, command: str
 ) -> None:
-    """Check a motor under a design and show it: screen, verdict, page."""
+    """Check a motor under a design; print the findings and the verdict, and write the page."""
     from sensorless.report.motor_check import check, screen, write_page
 
     done = check(motor, design, size)

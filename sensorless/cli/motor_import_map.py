@@ -1,4 +1,4 @@
-"""The command ``sensorless motor import-map``: a flux map becomes a saturation model."""
+"""The command ``sensorless motor import-map``: a saturation model from a flux map."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,34 +8,51 @@ import typer
 from sensorless.cli.options import console
 
 WANTED = 1.0
-"""RMS error within rated current that is called good [% of rated current]."""
+"""RMS error within rated current that counts as good [% of rated current]."""
 
 
 def import_map_command(
     file: Annotated[
-        Path, typer.Argument(help="Flux map, CSV or .mat: i_d, i_q, psi_d, psi_q, FEA or measured.")
+        Path,
+        typer.Argument(
+            help="Read this flux map (FEA or measured): CSV or .mat with i_d, i_q, psi_d, psi_q."
+        ),
     ],
     motor: Annotated[
-        str, typer.Option("--motor", help="Motor file that the map belongs to, or a shipped name.")
+        str,
+        typer.Option(
+            "--motor",
+            help="Use this motor, to which the map belongs: a TOML file or a shipped name.",
+        ),
     ],
     out: Annotated[
-        Path | None, typer.Option(help="Motor file with the model. Default: print the model.")
+        Path | None,
+        typer.Option(help="Write a motor file with the model. Default: print the model."),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="Map, model and errors as PNG. Default: none.")
+        Path | None,
+        typer.Option(help="Draw map, model and errors as a PNG picture. Default: no picture."),
     ] = None,
     columns: Annotated[
         str | None,
-        typer.Option(metavar="NAMES", help="Column names in order. Default: from the heading."),
+        typer.Option(
+            metavar="NAMES",
+            help="Name the columns in order, separated by commas. Default: the heading names them.",
+        ),
     ] = None,
     turn: Annotated[
-        bool, typer.Option("--turn", help="The map's d axis is the iron's, its magnet along -q.")
+        bool,
+        typer.Option(
+            "--turn",
+            help="Turn a map whose d axis is that of a reluctance machine's iron, with the magnet "
+            "along -q. Default: the map's d axis is the magnet's.",
+        ),
     ] = False,
 ) -> None:
     """Fit the saturation model to a flux map and say how well it fits.
 
-    Columns may stand in any order, with units A, mA, Vs, mVs, Wb or mWb in brackets. The model is
-    reciprocal by construction, as iron is; points beyond i_max of the motor have no say. L_d, L_q
+    Columns may be in any order, with units A, mA, Vs, mVs, Wb or mWb in brackets. The model is
+    reciprocal by construction, as iron is. Points beyond the motor's i_max are ignored. L_d, L_q
     and psi_f of the motor become those of the model at zero current.
 
     For example:
@@ -58,7 +75,7 @@ def import_map_command(
     d, q = fit.rms_percent(machine.i_rated)
     console.print(
         f"{len(i)} points, {int(fit.inside(machine.i_max).sum())} within i_max = "
-        f"{machine.i_max:g} A; error of i_d and i_q in % of rated current:\n"
+        f"{machine.i_max:g} A; errors of i_d and i_q in % of rated current:\n"
         f"within rated current: {d:.2f} and {q:.2f} RMS, at most "
         f"{fit.max_percent(machine.i_rated):.2f}\n"
         "within i_max: {:.2f} and {:.2f} RMS, at most {:.2f}".format(
@@ -70,7 +87,7 @@ def import_map_command(
         f"psi_f = {made.psi_f:.4g} Vs"
     )
     if max(d, q) > WANTED:
-        console.print(f"the model misses the map by more than {WANTED:g} %: see --plot for where")
+        console.print(f"the model misses the map by more than {WANTED:g} %; --plot shows where")
     if out is None:
         text = "\n".join(table_lines("saturation", saturation_table(made.saturation)))
         console.print(text, highlight=False, markup=False)

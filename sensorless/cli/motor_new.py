@@ -17,91 +17,129 @@ ASKED = {
     "u_dc": "DC-link voltage of the inverter [V]",
     "pwm": "PWM frequency [Hz]",
 }
-"""What has to be, and how it is asked for."""
+"""What a motor file needs, and the question that asks for it."""
 
 
 def new_command(
-    name: Annotated[str, typer.Option(help="Name of the motor.")],
-    out: Annotated[Path, typer.Option(help="Motor file to write.")],
+    name: Annotated[str, typer.Option(help="Call the motor this.")],
+    out: Annotated[Path, typer.Option(help="Write the motor file here.")],
     poles: Annotated[
-        int | None, typer.Option(metavar="N", help="Twice the pole pairs. Default: asked for.")
+        int | None,
+        typer.Option(
+            metavar="N", help="Give the number of poles, twice the pole pairs. Default: asked for."
+        ),
     ] = None,
     speed: Annotated[
-        float | None, typer.Option(help="Rated speed [r/min]. Default: asked for.")
+        float | None, typer.Option(help="Give the rated speed [r/min]. Default: asked for.")
     ] = None,
     power: Annotated[
-        float | None, typer.Option(help="Rated power [W]. Default: from the torque.")
+        float | None,
+        typer.Option(help="Give the rated power [W]. Default: it follows from --torque."),
     ] = None,
     torque: Annotated[
-        float | None, typer.Option(help="Rated torque [N m]. Default: from the power.")
+        float | None,
+        typer.Option(help="Give the rated torque [N m]. Default: it follows from --power."),
     ] = None,
     current: Annotated[
-        float | None, typer.Option(help="Rated current, RMS [A]. Default: asked for.")
+        float | None, typer.Option(help="Give the rated RMS current [A]. Default: asked for.")
     ] = None,
     ke: Annotated[
         float | None,
-        typer.Option(help="No-load voltage, line to line [V/krpm]. Default: from --kt."),
+        typer.Option(
+            help="Give the no-load voltage between two lines at 1000 r/min [V]. Default: it "
+            "follows from --kt."
+        ),
     ] = None,
-    ke_kind: Annotated[str, typer.Option(help="How --ke counts the voltage: rms, peak.")] = "rms",
+    ke_kind: Annotated[str, typer.Option(help="Take --ke as an rms or a peak voltage.")] = "rms",
     kt: Annotated[
-        float | None, typer.Option(help="Torque constant [N m/A]. Default: from --ke.")
+        float | None,
+        typer.Option(help="Give the torque constant [N m/A]. Default: it follows from --ke."),
     ] = None,
-    kt_kind: Annotated[str, typer.Option(help="How --kt counts the current: rms, peak.")] = "rms",
+    kt_kind: Annotated[
+        str, typer.Option(help="Take --kt per ampere of rms or of peak current.")
+    ] = "rms",
     between: Annotated[
-        str, typer.Option(help="Where R and L are measured: line (two terminals), phase.")
+        str,
+        typer.Option(
+            help="Take --r, --l-d, --l-q and --l as measured between two terminals (line) or on "
+            "one phase (phase)."
+        ),
     ] = "line",
     r: Annotated[
-        float | None, typer.Option("--r", help="Resistance [ohm]. Default: asked for.")
+        float | None, typer.Option("--r", help="Give the resistance [ohm]. Default: asked for.")
     ] = None,
     l_d: Annotated[
         float | None,
-        typer.Option("--l-d", help="Inductance of the d axis [H]. Default: asked for."),
+        typer.Option("--l-d", help="Give the inductance of the d axis [H]. Default: asked for."),
     ] = None,
     l_q: Annotated[
         float | None,
-        typer.Option("--l-q", help="Inductance of the q axis [H]. Default: asked for."),
+        typer.Option("--l-q", help="Give the inductance of the q axis [H]. Default: asked for."),
     ] = None,
     inductance: Annotated[
         float | None,
-        typer.Option("--l", help="Average inductance [H], with --ratio. Default: --l-d, --l-q."),
+        typer.Option(
+            "--l",
+            help="Give the mean inductance of both axes [H] and --ratio instead of --l-d and "
+            "--l-q. Default: none.",
+        ),
     ] = None,
     ratio: Annotated[
-        float | None, typer.Option(help="L_q / L_d [-], with --l. Default: from --l-d, --l-q.")
+        float | None,
+        typer.Option(
+            help="Give L_q / L_d [-]; goes with --l. Default: it follows from --l-d and --l-q."
+        ),
     ] = None,
     inertia: Annotated[
         str | None,
         typer.Option(
-            help="With its unit: '320 g cm2', '1.2 kg cm2', '0.01 kg m2'. Default: 0.2 s "
-            "from rest to rated speed."
+            help="Give the inertia with its unit: '320 g cm2', '1.2 kg cm2', '0.01 kg m2'. "
+            "Default: "
+            "0.2 s from rest to rated speed at rated torque."
         ),
     ] = None,
     u_dc: Annotated[
-        float | None, typer.Option(help="DC-link voltage [V]. Default: asked for.")
+        float | None, typer.Option(help="Give the DC-link voltage [V]. Default: asked for.")
     ] = None,
     pwm: Annotated[
-        float | None, typer.Option(help="PWM frequency [Hz]. Default: asked for.")
+        float | None, typer.Option(help="Give the PWM frequency [Hz]. Default: asked for.")
     ] = None,
     adc_range: Annotated[
-        float | None, typer.Option(help="Largest measurable current [A]. Default: twice rated.")
+        float | None,
+        typer.Option(
+            help="Give the largest current that is measured [A]. Default: twice the rated current."
+        ),
     ] = None,
     adc_bits: Annotated[
-        int, typer.Option(metavar="N", help="Resolution of the current measurement.")
+        int,
+        typer.Option(metavar="N", help="Give the resolution of the current measurement in bits."),
     ] = 12,
     dead_time: Annotated[
-        float | None, typer.Option(help="Dead time [s]. Default: usual for the voltage.")
+        float | None,
+        typer.Option(
+            help="Give the dead time [s]. Default: 0.5e-6 below 150 V, 2e-6 from there on, at most "
+            "2 % of the PWM period."
+        ),
     ] = None,
     u_inj: Annotated[
-        float | None, typer.Option(help="Injected voltage [V]. Default: from noise and limits.")
+        float | None,
+        typer.Option(
+            help="Give the injected voltage [V]. Default: as low as noise, converter and dead time "
+            "allow."
+        ),
     ] = None,
     size: Annotated[
-        int, typer.Option(min=0, metavar="N", help="Scenarios of the check's run; 0: no run.")
+        int,
+        typer.Option(
+            min=0, metavar="N", help="Simulate this many scenarios in the check; 0: none."
+        ),
     ] = 100,
 ) -> None:
     """Write a motor file from what a data sheet gives, then check it.
 
-    What must be and is not given is asked for. Of --ke and --kt one is enough, of --power and
-    --torque likewise; where both are given they have to agree. The file says where every number is
-    from and what is assumed.
+    The command asks for what it needs and you did not give. Of --ke and --kt one is enough, and so
+    is one of --power and --torque; if you give both, they have to agree. The file names the source
+    of every number and says what is assumed.
 
     For example:
 
@@ -146,7 +184,7 @@ def new_command(
 
 
 def _asked(key: str, value: float | None) -> float:
-    """A value that was given, or asked for."""
+    """Return a value that was given, or ask for it."""
     if value is not None:
         return value
     number = _asked_number(key.replace("_", "-"), ASKED[key])
@@ -159,11 +197,11 @@ def _asked_number(option: str, question: str) -> float:
     Raises
     ------
     UserError
-        Nobody answers.
+        There is no answer.
     """
     try:
         return float(typer.prompt(question, type=float))
     except (typer.Abort, EOFError):
         raise UserError(
-            f"{option}: missing; allowed: --{option}, or an answer: {question}"
+            f"{option}: missing; give --{option}, or answer the question: {question}"
         ) from None

@@ -1,4 +1,4 @@
-"""The command ``sensorless motors``: the machines that come with the package."""
+"""The command ``sensorless motors``: machines that come with the package."""
 
 from sensorless.cli.options import console
 
@@ -6,7 +6,7 @@ from sensorless.cli.options import console
 def motors_command() -> None:
     """List the shipped motors with their numbers, and whether each suits this drive.
 
-    The verdict is that of `sensorless motor check` without its run.
+    The verdict is that of `sensorless motor check` without its simulation.
 
     For example:
 
@@ -34,5 +34,5 @@ def motors_command() -> None:
             examine(motor, DriveDesign().hfi_pll_hz).verdict.word,
         )
     console.print(table)
-    text = f"where each number is from: the table [source] of the files in {MOTORS}"
+    text = f"The table [source] of each file in {MOTORS} names the source of every number."
     console.print(text, markup=False, highlight=False, soft_wrap=True)

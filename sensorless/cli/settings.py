@@ -44,7 +44,7 @@ def settings_command(
 
 
 def facts(setting: Setting) -> dict[str, Any]:
-    """Everything about a setting in JSON types; an end that a range does not have is null."""
+    """All about a setting in JSON types; the end of an unlimited range is null."""
     out: dict[str, Any] = {"name": setting.name, "type": setting.kind.__name__}
     out["default"] = text_of(setting.default) if setting.default == math.inf else setting.default
     if setting.kind in (int, float):
@@ -58,19 +58,19 @@ def facts(setting: Setting) -> dict[str, Any]:
 
 
 def text_of(default: float | bool | str) -> str:
-    """A value as --set takes it."""
+    """Default as --set takes it."""
     if isinstance(default, bool):
         return str(default).lower()
     return default if isinstance(default, str) else f"{default:.12g}"
 
 
 def unit_of(setting: Setting) -> str:
-    """Unit of a number that has one."""
+    """Unit of a setting, empty if it has none."""
     return "" if setting.unit == "1" else setting.unit
 
 
 def range_of(setting: Setting) -> str:
-    """Ends of a number's range; what a switch or a word may be stands elsewhere."""
+    """Range of a number; empty for a switch or a word."""
     if setting.kind not in (int, float):
         return ""
     if math.isfinite(setting.high) or setting.endless:

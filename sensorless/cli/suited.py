@@ -1,4 +1,4 @@
-"""What speaks against a machine, said before minutes of work on it."""
+"""A warning about unsuitable machines, before minutes of work on them."""
 
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def say_if_unsuited(motor: "Motor", design: "DriveDesign") -> None:
-    """Print the verdict of the check without its run, unless it is yes."""
+    """Print the verdict of the check without its simulation, unless it is yes."""
     from sensorless.suitability.examine import examine
 
     verdict = examine(motor, design.hfi_pll_hz).verdict

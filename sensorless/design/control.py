@@ -14,7 +14,7 @@ from sensorless.machine.motor import Motor
 def operating_line(motor: Motor, use_mtpa: bool) -> Floats:
     """Currents (CURVE_N, 2) [A] the drive works on, at evenly spaced i_q from 0 to ``i_max``.
 
-    The first row stands just beside zero, where quotients by i_q exist.
+    The first i_q is slightly above zero, so that quotients by i_q exist.
     """
     i_q = np.linspace(0.0, motor.i_max, CURVE_N)
     i_q[0] = 1e-4 * motor.i_max
@@ -46,9 +46,9 @@ def design_curves(
 def torque_constant(motor: Motor) -> float:
     """Torque constant of the speed loop, times pole pairs: k_t of ``design_control`` [N m/A].
 
-    The magnet's, 1.5 n_p^2 psi_f, if the magnet alone makes rated torque from rated current;
-    otherwise rated torque over its torque current at maximum torque per ampere. With the magnet's
-    alone the loop of a reluctance machine would be much faster under load than asked for.
+    1.5 n_p^2 psi_f, the magnet's part, if the magnet alone makes rated torque from rated current;
+    otherwise rated torque over its i_q at maximum torque per ampere. With the magnet's part alone,
+    the speed loop of a reluctance machine would be much faster under load than its setting says.
     """
     magnet = 1.5 * motor.n_p**2 * motor.psi_f
     if magnet * motor.i_rated >= motor.n_p * motor.tau_rated:
@@ -65,12 +65,12 @@ def design_control(
     i_q_slew: float,
     u_dt: float,
 ) -> dict[str, Any]:
-    """Fields of ``control_params_t`` but for its curve.
+    """Fields of ``control_params_t`` except its curve ``i_d_mtpa``.
 
     Speed: critically damped closed loop of natural frequency ``speed_hz`` [Hz] on the inertia,
     k_p = 2 w J / k_t, k_i = w^2 J / k_t with k_t of ``torque_constant``. Current: internal-model
-    control of bandwidth ``current_hz`` [Hz] (doi 10.1109/28.663477) with the q inductance of half
-    rated current.
+    control of bandwidth ``current_hz`` [Hz] (doi 10.1109/28.663477) with the q inductance at half
+    the rated current.
 
     Parameters
     ----------

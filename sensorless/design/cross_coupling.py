@@ -14,7 +14,7 @@ from sensorless.machine.motor import Motor
 
 FORMAT = "sensorless-cross-coupling/1"
 POINTS = 60
-"""Currents that a line is fitted to."""
+"""Number of currents that a line is fitted to."""
 
 
 def slope_through_zero(i_q: Floats, angle: Floats) -> float:
@@ -29,15 +29,15 @@ def working_current(motor: Motor, line: Floats, share: float) -> float:
 
 
 def cross_curve(motor: Motor, line: Floats, cross: str, share: float) -> Floats:
-    """theta_m / 2 [rad] over i_q of the operating line, (CURVE_N,): what is added to the angle.
+    """theta_m / 2 [rad] over i_q of the operating line, (CURVE_N,): the angle's correction.
 
     Parameters
     ----------
     line : array, shape (CURVE_N, 2)
         Currents of the operating line [A].
     cross : str
-        ``"none"``; ``"line"``, through zero as in the source paper; ``"table"``; or the file of
-        ``sensorless identify cross-coupling``.
+        ``"none"``; ``"line"``, through zero as in the source paper; ``"table"``; or a file that
+        ``sensorless identify cross-coupling`` wrote.
     share : float
         The line is fitted from zero to this share of rated torque.
 
@@ -69,11 +69,11 @@ def load(path: Path, motor: Motor, i_q: Floats) -> Floats:
         ) from None
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         found = data.get("format") if isinstance(data, dict) else type(data).__name__
-        raise UserError(f"cross: {path}: format {found!r} is not {FORMAT!r}; identify anew")
+        raise UserError(f"cross: {path}: format {found!r} is not {FORMAT!r}; identify it again")
     if data.get("motor_digest") != motor.digest:
         raise UserError(
             f"cross: {path}: measured on machine {data.get('motor')!r}, not on {motor.name!r} as "
-            f"it is now, digest {motor.digest[:16]}; identify anew"
+            f"it is now, digest {motor.digest[:16]}; identify it again"
         )
     try:
         nodes = np.asarray(data["table"]["i_q_A"], dtype=np.float64)
@@ -83,5 +83,7 @@ def load(path: Path, motor: Motor, i_q: Floats) -> Floats:
     except (KeyError, TypeError, ValueError):
         good = False
     if not good:
-        raise UserError(f"cross: {path}: table: not finite angles over rising i_q_A; identify anew")
+        raise UserError(
+            f"cross: {path}: table: must hold finite angles over rising i_q_A; identify it again"
+        )
     return np.asarray(np.interp(i_q, nodes, angle))

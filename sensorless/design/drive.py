@@ -24,10 +24,10 @@ SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
 
 ESTIMATORS = enumeration("ESTIMATE_")
-"""By the name of what estimates beside the injection."""
+"""Numbers of the C core by the name that the setting ``estimator`` takes."""
 
 RENAMED = {"angles": "smo"}
-"""Names that estimators no longer have, and the ones they have now."""
+"""Old names of estimators, and their names now."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
     Raises
     ------
     UserError
-        The machine has no saliency, or its numbers leave those of the drive.
+        The machine has no saliency, or a number overflows 32 bits.
     """
     require_saliency(motor)
     omega_max = min(design.speed_bound * motor.omega_rated, float(np.finfo(np.float32).max))
@@ -287,14 +287,17 @@ def fill(record: Array, values: dict[str, Any]) -> None:
     Raises
     ------
     UserError
-        A whole number leaves 32 bits.
+        A whole number does not fit into 32 bits.
     """
     for name, value in values.items():
         if isinstance(value, dict):
             fill(record[name], value)
             continue
         try:
-            with np.errstate(over="ignore"):  # infinity: ``require_finite`` tells
+            with np.errstate(over="ignore"):  # ``require_finite`` reports infinity
                 record[name] = value
         except OverflowError:
-            raise UserError(f"{name}: {value:g}; allowed: a 32-bit number") from None
+            raise UserError(
+                f"{name} of the drive: {value:g} does not fit into 32 bits; give the machine in SI "
+                "units, and try sensorless motor check"
+            ) from None

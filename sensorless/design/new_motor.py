@@ -1,4 +1,4 @@
-"""The motor file of a data sheet: what it gives, and what is chosen or assumed beside it."""
+"""The motor file of a data sheet: numbers that it gives, and those chosen or assumed."""
 
 import math
 from collections.abc import Mapping
@@ -13,13 +13,13 @@ from sensorless.observers.injection_signal import suggested_injection
 from sensorless.units import RPM_TO_RAD_S
 
 LOW_VOLTAGE = 150.0
-"""Below, inverters have MOSFETs with short dead times [V]."""
+"""Below this link voltage, inverters have MOSFETs with short dead times [V]."""
 OVERLOAD, TRIP = 1.5, 3.0
-"""Current limit of the control and trip over rated current, unless the converter is smaller."""
+"""Current limit of the control, and trip, over rated current; see also ``ADC_ROOM``."""
 ADC_ROOM = 0.9
-"""Largest controlled current over the range of the converter: room for injection and ripple."""
+"""Most current limit over the converter's range: leaves room for injection and ripple."""
 START_TIME = 0.2
-"""J omega / tau of rated values that stands in for an unknown inertia [s]."""
+"""J omega / tau at rated values, assumed where the inertia is unknown [s]."""
 
 
 def new_motor(
@@ -42,7 +42,7 @@ def new_motor(
     sheet : Datasheet
     u_dc, pwm_hz, adc_range, adc_bits, dead_time, u_inj : float
         The inverter: link voltage [V], switching frequency [Hz], largest measurable current [A],
-        resolution, dead time [s], injected voltage [V]; none: chosen, and the file says so.
+        resolution, dead time [s], injected voltage [V]; None: chosen, and the file says so.
     pll_hz : float
         Natural frequency of the injection loop that the injected voltage is chosen for [Hz].
 
@@ -52,10 +52,13 @@ def new_motor(
         Numbers that contradict each other, are missing or out of range, or no saliency.
     """
     if not (math.isfinite(pwm_hz) and pwm_hz > 0.0):
-        raise UserError(f"pwm: {pwm_hz!r}; allowed: a frequency above 0 [Hz]")
-    for label, value in (("speed", sheet.speed_rpm), ("current", sheet.current_rms)):
+        raise UserError(f"pwm: {pwm_hz:g} Hz; give a frequency above 0")
+    for label, value, unit in (
+        ("speed", sheet.speed_rpm, "r/min"),
+        ("current", sheet.current_rms, "A"),
+    ):
         if not (math.isfinite(value) and value > 0.0):
-            raise UserError(f"{label}: {value!r}; allowed: above 0")
+            raise UserError(f"{label}: {value:g} {unit}; give a number above 0")
     numbers = machine_numbers(sheet)
     tau, i_rated = numbers["tau_rated"].value, numbers["i_rated"].value
     omega = sheet.speed_rpm * RPM_TO_RAD_S
@@ -101,7 +104,7 @@ def _inverter(
 
 
 def plain(data: Mapping[str, Any]) -> dict[str, Any]:
-    """A copy that ``Motor.from_tables`` may take apart."""
+    """Copy for ``Motor.from_tables``, which empties the tables it gets."""
     return {
         key: dict(value) if isinstance(value, Mapping) else value for key, value in data.items()
     }

@@ -1,4 +1,4 @@
-"""The drive computes in 32 bits: a design that leaves them is refused before it runs."""
+"""The drive computes in 32 bits: a design with numbers beyond them is refused before it runs."""
 
 from collections.abc import Iterator
 
@@ -10,12 +10,12 @@ from sensorless.machine.motor import Motor
 
 
 def require_finite(record: Array, motor: Motor) -> None:
-    """Refuse a record with a number that is not finite.
+    """Refuse a record of drive parameters with a number that is not finite.
 
     Raises
     ------
     UserError
-        Names the machine and the first such field.
+        A field is not finite; the message names the machine and the first such field.
     """
     for name, value in _leaves(record, ""):
         if not np.all(np.isfinite(value)):

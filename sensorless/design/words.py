@@ -1,4 +1,4 @@
-"""A drive design from the words of ``--set``, and names for people."""
+"""A drive design from the words of ``--set``, and the names of observers in texts."""
 
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -14,11 +14,11 @@ OBSERVERS = {
     "flux": "flux observer",
     "coupled": "coupled observer",
 }
-"""Name of what leads at k_s = 0, by ``DriveDesign.estimator``; SMO is the sliding-mode observer."""
+"""Name of the observer that leads at k_s = 0, by ``DriveDesign.estimator``; SMO: sliding-mode."""
 
 
 def observer_name(estimator: str) -> str:
-    """Name of the observer of a drive with that estimator, for pictures and tables."""
+    """Name of the observer of a drive with this estimator, for pictures and tables."""
     return OBSERVERS[estimator]
 
 

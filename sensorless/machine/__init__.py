@@ -1,1 +1,1 @@
-"""One motor: its file, its magnetics."""
+"""A motor: its file and its magnetics."""

@@ -1,4 +1,4 @@
-"""From what a data sheet gives to the numbers of a motor file, each with where it is from."""
+"""From a data sheet to the numbers of a motor file, each with its source."""
 
 import math
 from dataclasses import dataclass
@@ -7,22 +7,22 @@ from sensorless.errors import UserError
 from sensorless.units import RPM_TO_RAD_S
 
 KE_KINDS = {"rms": math.sqrt(2.0), "peak": 1.0}
-"""How Ke counts the line-to-line voltage, and the factor to its peak."""
+"""Whether Ke counts the RMS or the peak line-to-line voltage; factor to the peak."""
 KT_KINDS = {"rms": 1.0 / math.sqrt(2.0), "peak": 1.0}
-"""How Kt counts the current, and the factor to newton metres per peak ampere."""
+"""Whether Kt counts the RMS or the peak current; factor to newton metres per peak ampere."""
 BETWEEN = {"line": 0.5, "phase": 1.0}
-"""What R and L are measured between: two terminals of a star, or one phase."""
+"""Where R and L are measured: between two terminals of a star, or on one phase."""
 INERTIA = {"kgm2": 1.0, "kgcm2": 1e-4, "gm2": 1e-3, "gcm2": 1e-7}
-"""Units of inertia [kg m^2]."""
+"""Factors of units of inertia to kg m^2."""
 ROUNDED = 0.05
-"""Two numbers of one sheet may differ so much by rounding."""
+"""Largest relative difference of two numbers of one sheet that rounding explains."""
 TOLERANCE = 0.15
-"""Ke and Kt may differ so much: the one at no load and cold, the other at rated torque."""
+"""Largest relative difference of Ke, at no load and cold, and Kt, at rated torque."""
 
 
 @dataclass(frozen=True)
 class Number:
-    """One number of a motor file and where it is from."""
+    """One number of a motor file, and its source."""
 
     value: float
     source: str
@@ -30,7 +30,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Datasheet:
-    """What the sheet says; none where it says nothing. ``machine_numbers`` has what must be."""
+    """What the sheet says, None where it says nothing; ``machine_numbers`` checks it."""
 
     poles: int
     speed_rpm: float
@@ -48,7 +48,7 @@ class Datasheet:
     L: float | None = None
     """average of both axes [H]"""
     ratio: float | None = None
-    """L_q / L_d that goes with it"""
+    """L_q / L_d, which goes with ``L``"""
     power: float | None = None
     torque: float | None = None
     inertia: float | None = None
@@ -56,12 +56,12 @@ class Datasheet:
 
 
 def inertia_from(text: str) -> float:
-    """Inertia [kg m^2] from words like ``320 g cm2``, ``1.2kgcm2`` or ``0.003``.
+    """Inertia [kg m^2] from a text like ``320 g cm2``, ``1.2kgcm2`` or ``0.003``.
 
     Raises
     ------
     UserError
-        No number, or no unit of ``INERTIA``.
+        The text is not a number with a unit of ``INERTIA``, or without unit.
     """
     word = text.replace("²", "2").replace("^", "").replace("*", "").replace("·", "")
     word = "".join(word.lower().split())
@@ -70,7 +70,8 @@ def inertia_from(text: str) -> float:
         return float(word.removesuffix(unit)) * INERTIA.get(unit, 1.0)
     except ValueError:
         raise UserError(
-            f"inertia: {text!r}; allowed: a number in kg m2, or with {', '.join(INERTIA)}"
+            f"inertia: {text!r}; give a number in kg m2, or a number with one of the units "
+            f"{', '.join(INERTIA)}"
         ) from None
 
 
@@ -80,17 +81,17 @@ def machine_numbers(s: Datasheet) -> dict[str, Number]:
     Raises
     ------
     UserError
-        Something is missing, or two numbers contradict each other: the message has both.
+        A number is missing, or two numbers contradict each other; the message has both.
     """
     if s.poles < 2 or s.poles % 2:
-        raise UserError(f"poles: {s.poles}; allowed: an even number from 2, twice the pole pairs")
+        raise UserError(f"poles: {s.poles}; give twice the pole pairs: 2, 4, 6, ...")
     for name, value, known in (
         ("ke-kind", s.ke_kind, KE_KINDS),
         ("kt-kind", s.kt_kind, KT_KINDS),
         ("between", s.between, BETWEEN),
     ):
         if value not in known:
-            raise UserError(f"{name}: {value!r}; allowed: {', '.join(known)}")
+            raise UserError(f"{name}: {value!r}; choose from {', '.join(known)}")
     n_p = s.poles // 2
     L_d, L_q = _inductances(s)
     share, measured = BETWEEN[s.between], f"data sheet, {s.between}"
@@ -118,28 +119,26 @@ def _inductances(s: Datasheet) -> tuple[Number, Number]:
     halved = ", halved" if s.between == "line" else ""
     if s.L_d is not None and s.L_q is not None:
         if s.L is not None or s.ratio is not None:
-            raise UserError("l, ratio: given beside l-d and l-q; allowed: one of the two pairs")
+            raise UserError("l, ratio: given in addition to l-d and l-q; give one of the two pairs")
         return (
             Number(share * s.L_d, f"{said}: {s.L_d:g} H{halved}"),
             Number(share * s.L_q, f"{said}: {s.L_q:g} H{halved}"),
         )
     if s.L is None or s.ratio is None or s.L_d is not None or s.L_q is not None:
         raise UserError(
-            "inductance: incomplete; allowed: l-d and l-q, or the average l with ratio = L_q / L_d"
+            "inductance: incomplete; give l-d and l-q, or the average l and ratio = L_q / L_d"
         )
     if s.ratio <= 0.0:
-        raise UserError(f"ratio: {s.ratio:g}; allowed: L_q / L_d, above 1 for buried magnets")
+        raise UserError(f"ratio: {s.ratio:g}; give L_q / L_d, above 1 for buried magnets")
     how = f"{said}: average {s.L:g} H{halved}, L_q / L_d = {s.ratio:g} as given"
     L_d = 2.0 * share * s.L / (1.0 + s.ratio)
     return Number(L_d, how), Number(s.ratio * L_d, how)
 
 
 def _magnet(s: Datasheet, n_p: int) -> Number:
-    """Magnet flux linkage [Vs] of Ke, else of Kt; both have to agree."""
+    """Magnet flux linkage [Vs] from Ke, else from Kt; where both are given they must agree."""
     from_ke = from_kt = None
     if s.ke is not None:
-        if s.ke_kind not in KE_KINDS:
-            raise UserError(f"ke-kind: {s.ke_kind!r}; allowed: {', '.join(KE_KINDS)}")
         volt = s.ke * KE_KINDS[s.ke_kind] / math.sqrt(3.0)
         from_ke = volt / (n_p * 1000.0 * RPM_TO_RAD_S)
     if s.kt is not None:
@@ -149,8 +148,9 @@ def _magnet(s: Datasheet, n_p: int) -> Number:
         if abs(off - 1.0) > TOLERANCE:
             raise UserError(
                 f"ke, kt: Ke = {s.ke:g} V/krpm ({s.ke_kind}) is a magnet flux of {from_ke:.4g} Vs, "
-                f"Kt = {s.kt:g} N m/A ({s.kt_kind}) one of {from_kt:.4g} Vs: {off:.2f} times"
-                f"{_likely(off)}; allowed: within {100 * TOLERANCE:.0f} %, or only one of them"
+                f"Kt = {s.kt:g} N m/A ({s.kt_kind}) one of {from_kt:.4g} Vs, {off:.2f} times as "
+                f"much{_likely(off)}; correct one (they may differ by {100 * TOLERANCE:.0f} %), or "
+                "give only one"
             )
     if from_ke is not None:
         beside = f"; Kt gives {from_kt:.4g} Vs" if from_kt is not None else ""
@@ -160,11 +160,11 @@ def _magnet(s: Datasheet, n_p: int) -> Number:
             from_kt,
             f"data sheet: Kt = {s.kt:g} N m/A {s.kt_kind}, taken as the magnet's alone",
         )
-    raise UserError("ke, kt: none given; allowed: at least one of them")
+    raise UserError("ke, kt: none given; give at least one of them")
 
 
 def _likely(off: float) -> str:
-    """A usual mistake that makes this factor."""
+    """A usual mistake that explains this factor."""
     usual = {
         "RMS and peak are mixed": math.sqrt(2.0),
         "line and phase are mixed": math.sqrt(3.0),
@@ -179,14 +179,14 @@ def _likely(off: float) -> str:
 def _torque(s: Datasheet) -> Number:
     omega = s.speed_rpm * RPM_TO_RAD_S
     if s.power is None and s.torque is None:
-        raise UserError("power, torque: none given; allowed: at least one of them")
+        raise UserError("power, torque: none given; give at least one of them")
     if s.torque is None:
         assert s.power is not None
         return Number(s.power / omega, f"data sheet: {s.power:g} W at {s.speed_rpm:g} r/min")
     if s.power is not None and abs(s.torque * omega / s.power - 1.0) > ROUNDED:
         raise UserError(
             f"power, torque: {s.power:g} W at {s.speed_rpm:g} r/min is {s.power / omega:.4g} N m, "
-            f"the torque given is {s.torque:g} N m; allowed: within {100 * ROUNDED:.0f} %, or only "
-            "one of them"
+            f"but the torque given is {s.torque:g} N m; correct one (they may differ by "
+            f"{100 * ROUNDED:.0f} %), or give only one"
         )
     return Number(s.torque, "data sheet")

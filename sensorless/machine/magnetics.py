@@ -76,7 +76,10 @@ def flux(s: Saturation, i: Floats) -> Floats:
             psi = psi - np.clip(move, -0.3, 0.3)
     if np.max(np.abs(error)) < 1e-8:
         return psi
-    raise UserError("saturation: the flux map cannot be inverted at all currents in use")
+    raise UserError(
+        "saturation: the flux map has no inverse at some currents in use; check its "
+        "coefficients, or lower i_max"
+    )
 
 
 def torque(motor: Motor, i: Floats) -> Floats:
@@ -104,12 +107,12 @@ def mtpa(motor: Motor, n: int = 49) -> tuple[Floats, Floats]:
 
 
 def apparent_q_inductance(motor: Motor, i: Floats) -> Floats:
-    """psi_q / i_q [H] at currents (n, 2) with i_q > 0: what makes the EMF angle exact."""
+    """psi_q / i_q [H] at currents (n, 2) with i_q > 0: with it the angle of the EMF is exact."""
     return np.asarray(flux(motor.saturation, i)[:, 1] / i[:, 1])
 
 
 def cross_angle(motor: Motor, i: Floats) -> Floats:
-    """Turn of the magnetic axes theta_m / 2 [rad] at currents (n, 2).
+    """Angle theta_m / 2 [rad] by which current turns the magnetic axes, at currents (n, 2).
 
     The injection estimator locks at theta - theta_m / 2 (doi 10.12177/emca.2025.011, Eq. 16).
     """

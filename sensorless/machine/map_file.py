@@ -15,7 +15,7 @@ UNITS = {"a": 1.0, "ma": 1e-3, "ka": 1e3, "vs": 1.0, "wb": 1.0, "mvs": 1e-3, "mw
 """Factors to A and Vs."""
 FLUX_WORDS = ("psi", "lambda", "flux", "phi")
 MOST = 200_000
-"""Points of a map."""
+"""Largest number of points of a map."""
 
 
 def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tuple[Floats, Floats]:
@@ -24,12 +24,13 @@ def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tupl
     Parameters
     ----------
     path : Path
-        ``.mat``: four variables; axes and grids are laid out. Else text: four columns under a
-        heading, with commas, semicolons, tabs or blanks between, ``#`` before comments.
+        ``.mat``: four variables, as columns, or as grids of flux over two axes of current. Else
+        text: four columns under a heading, separated by commas, semicolons, tabs or blanks; ``#``
+        starts a comment.
     columns : str, optional
-        Names of the columns in their order, for a file without a heading or with other names.
+        Names of the columns in order, for a file without a heading or with other names.
     turn : bool
-        The map's d axis is the one of the iron of a reluctance machine, its magnet along -q.
+        The map's d axis is that of a reluctance machine's iron, its magnet along -q.
 
     Raises
     ------
@@ -48,7 +49,7 @@ def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tupl
     good = np.all(np.isfinite(i) & np.isfinite(psi), axis=1)
     i, psi = i[good], psi[good]
     if not 20 <= len(i) <= MOST:
-        raise UserError(f"map: {path}: {len(i)} points with four numbers; give 20 to {MOST}")
+        raise UserError(f"map: {path}: {len(i)} points with four finite numbers; give 20 to {MOST}")
     if turn:
         i, psi = (np.stack([-x[:, 1], x[:, 0]], axis=-1) for x in (i, psi))
     return i, psi
@@ -59,20 +60,22 @@ def _text(path: Path, columns: str | None) -> dict[str, Any]:
     lines = path.read_text(encoding="utf-8-sig").splitlines()
     rows = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
     if not rows:
-        raise ValueError("no numbers in it")
+        raise ValueError("the file has no numbers; give a flux map")
     heads = re.split(r"[,;\t]", rows[0]) if re.search(r"[,;\t]", rows[0]) else rows[0].split()
     if columns is not None:
         names = [name.strip() for name in columns.split(",")]
         rows = rows if _is_number(heads[0]) else rows[1:]
     elif _is_number(heads[0]):
-        raise ValueError(f"no heading; name its columns, --columns {','.join(COLUMNS)}")
+        raise ValueError(f"no heading; name the columns: --columns {','.join(COLUMNS)}")
     else:
         names, rows = [head.strip() for head in heads], rows[1:]
     table = np.array(
         [re.split(r"[,;\t\s]+", row.strip().rstrip(",;")) for row in rows], dtype=float
     )
     if table.ndim != 2 or table.shape[1] < len(names):
-        raise ValueError(f"{len(names)} names, but rows of another length")
+        raise ValueError(
+            f"{len(names)} column names, but rows of another length; name each column once"
+        )
     return {name: table[:, k] for k, name in enumerate(names)}
 
 
@@ -111,13 +114,13 @@ def _named(raw: Mapping[str, Any], path: Path) -> list[Floats]:
     if missing:
         raise UserError(
             f"map: {path}: no column {missing[0]}; found {', '.join(raw)}; name them "
-            f"{', '.join(COLUMNS)}, with the unit behind, e.g. psi_d [mVs]"
+            f"{', '.join(COLUMNS)}, with a unit in brackets if need be, e.g. psi_d [mVs]"
         )
     return _laid_out([out[name] for name in COLUMNS], path)
 
 
 def _meaning(name: str) -> tuple[str, float]:
-    """Which column a heading names, or none, and the factor of its unit."""
+    """Column that a heading names, empty if it names none, and the factor of its unit."""
     match = re.match(r"\s*([A-Za-z]+?)_?(?:s_)?([dq])\b\s*[\[(]?\s*([A-Za-z]*)", name)
     if match is None:
         return "", 1.0
@@ -129,28 +132,32 @@ def _meaning(name: str) -> tuple[str, float]:
     else:
         return "", 1.0
     if unit and unit not in UNITS:
-        raise ValueError(f"unit of {name.strip()!r}; write one of A, mA, kA, Vs, mVs, Wb, mWb")
+        raise ValueError(
+            f"{name.strip()!r}: unknown unit; write one of A, mA, kA, Vs, mVs, Wb, mWb"
+        )
     return f"{kind}_{axis}", UNITS.get(unit, 1.0)
 
 
 def _laid_out(parts: list[Floats], path: Path) -> list[Floats]:
-    """Axes of a grid beside its fluxes become a current for every point."""
+    """Currents and fluxes point by point; axes of a grid become the currents of its points."""
     i_d, i_q, psi_d, psi_q = parts
     if i_d.ndim == 1 and i_q.ndim == 1 and psi_d.ndim == 2:
         grids = np.meshgrid(i_d, i_q, indexing="ij"), np.meshgrid(i_d, i_q, indexing="xy")
         fits = [pair for pair in grids if pair[0].shape == psi_d.shape == psi_q.shape]
         if not fits:
             raise UserError(
-                f"map: {path}: fluxes of shape {psi_d.shape} over {len(i_d)} i_d and {len(i_q)} i_q"
+                f"map: {path}: fluxes of shape {psi_d.shape} over {len(i_d)} i_d and {len(i_q)} "
+                "i_q; give one flux for each pair of currents"
             )
         best = max(fits, key=lambda pair: _follows(pair[0], psi_d) + _follows(pair[1], psi_q))
         i_d, i_q = best
     flat = [np.ravel(x) for x in (i_d, i_q, psi_d, psi_q)]
     if len({len(x) for x in flat}) != 1:
-        raise UserError(f"map: {path}: columns of {', '.join(str(len(x)) for x in flat)} numbers")
+        lengths = ", ".join(str(len(x)) for x in flat)
+        raise UserError(f"map: {path}: columns of {lengths} numbers; give columns of one length")
     return flat
 
 
 def _follows(i: Floats, psi: Floats) -> float:
-    """Correlation: tells which way a square grid lies."""
+    """Correlation of current and flux: shows which axis of a square grid is which."""
     return float(np.corrcoef(np.ravel(i), np.ravel(psi))[0, 1])

@@ -1,9 +1,9 @@
-"""A flux map to the reciprocal saturation model: coefficients by least squares, exponents searched.
+"""Fit of the saturation model to a flux map: coefficients by least squares, exponents by search.
 
-For given exponents the model of ``core/sim/flux_map.h`` is linear in all coefficients but three of
-its bridge term (a_bp, k_q, psi_n); these are found by least squares around a non-negative linear
-one. Exponents move one at a time as long as that helps. The error is that of the current at the
-map's flux linkages, over rated current.
+For given exponents the model of ``core/sim/flux_map.h`` is linear in all coefficients except three
+of its bridge term (a_bp, k_q, psi_n). Non-linear least squares finds these three; each of its steps
+solves non-negative linear least squares for the others. The search then moves one exponent at a
+time as long as that helps. The error is that of the current at the map's flux linkages.
 """
 
 from collections.abc import Sequence
@@ -17,22 +17,22 @@ from sensorless.machine.magnetics import Floats, currents, flux, inverse_inducta
 from sensorless.machine.motor import Saturation
 
 EXPONENTS = {"S": 7, "T": 7, "U": 5, "V": 5, "W": 6}
-"""Largest exponent tried of each; the least is 0 of the cross term, 1 of the others."""
+"""Largest exponents tried; the smallest is 0 in the cross term (U, V) and 1 elsewhere."""
 STARTS = ((4, 5, 1, 1, 1), (4, 6, 1, 1, 2), (4, 1, 0, 0, 2))
-"""Exponents to begin at: those of published fits (doi 10.1109/ICEM60801.2024.10700403)."""
+"""Exponents to start from: those of published fits (doi 10.1109/ICEM60801.2024.10700403)."""
 SHAPES = tuple((a, k, n) for a in (1.0, 10.0) for k in (0.05, 0.2) for n in (0.7, 1.0))
-"""a_bp, k_q, psi_n to begin at; fluxes over the largest of the map."""
+"""a_bp, k_q, psi_n to start from, with fluxes over the map's largest."""
 OUTSIDE = 0.5
-"""Weight of a point between rated current and the largest, 1 within rated."""
+"""Weight of points between rated and largest current; points within rated have 1."""
 NOTHING = 1e-5
-"""Largest part of the current that a term is left out for."""
+"""Share of the largest current below which a term is left out."""
 LEAST = 1e-3
-"""Least slope of a straight part over the map's mean slope: the model stays invertible."""
+"""Least slope of the linear terms over the map's mean slope; keeps the model invertible."""
 
 
 @dataclass(frozen=True)
 class MapFit:
-    """A fitted model and what it leaves."""
+    """A fitted model and its errors."""
 
     saturation: Saturation
     i: Floats
@@ -60,12 +60,12 @@ class MapFit:
 
 
 def fit_map(i: Floats, psi: Floats, i_rated: float, i_max: float) -> MapFit:
-    """Fit the model to a map; points beyond ``i_max`` [A] have no say.
+    """Fit the model to the points of a map within ``i_max`` [A].
 
     Raises
     ------
     UserError
-        Too few points within the current, or a model without an inverse up to ``i_max``.
+        The map has too few points within ``i_max``, or the model has no inverse up to it.
     """
     size = np.hypot(*i.T)
     use = size <= (1.0 + 1e-9) * i_max
@@ -106,7 +106,7 @@ class _Trial:
 
 
 def _descend(data: _Data, exponents: list[int]) -> tuple[float, _Trial]:
-    """One exponent at a time, as long as one of them helps."""
+    """Change one exponent at a time, as long as that helps."""
     cost, trial = _fit(data, exponents, SHAPES)
     moved = True
     while moved:
@@ -127,7 +127,7 @@ def _descend(data: _Data, exponents: list[int]) -> tuple[float, _Trial]:
 def _fit(
     data: _Data, exponents: Sequence[int], shapes: Sequence[tuple[float, ...]]
 ) -> tuple[float, _Trial]:
-    """Least squares over the bridge's shape around a non-negative linear one."""
+    """Best coefficients for these exponents, starting from each of the bridge's shapes."""
     parts = _parts(data.psi, exponents)
     both = np.r_[data.weight, data.weight]
     wanted = both * np.r_[data.i[:, 0], data.i[:, 1]]
@@ -157,7 +157,7 @@ def _fit(
 
 
 def _parts(psi: Floats, exponents: Sequence[int]) -> Floats:
-    """Columns of a_d0, i_f, a_dd, a_q0, a_qq, a_dq: rows of i_d, then of i_q."""
+    """Matrix of the linear terms: columns a_d0, i_f, a_dd, a_q0, a_qq, a_dq; rows i_d, then i_q."""
     S, T, U, V = exponents[:4]
     d, q = psi.T
     ad, aq, zero = np.abs(d), np.abs(q), np.zeros(len(psi))
@@ -167,7 +167,7 @@ def _parts(psi: Floats, exponents: Sequence[int]) -> Floats:
 
 
 def _unscaled(t: _Trial, scale: float) -> Saturation:
-    """Coefficients of fluxes in Vs."""
+    """Model for fluxes in Vs, from one for scaled fluxes."""
     S, T, U, V, W = t.exponents
     a_d0, i_f, a_dd, a_q0, a_qq, a_dq, a_b = (float(x) for x in t.linear)
     a_bp, k_q, psi_n = (float(x) for x in t.shape)

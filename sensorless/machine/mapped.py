@@ -14,12 +14,12 @@ from sensorless.machine.saliency import principal
 
 
 def mapped(motor: Motor, fit: MapFit) -> Motor:
-    """The machine with the model of a map, and L_d, L_q and psi_f of it at zero current.
+    """The machine with a fitted model, and with the model's L_d, L_q and psi_f at zero current.
 
     Raises
     ------
     UserError
-        The map's d axis is not that of the magnet.
+        The map's d axis is not the magnet's, or the map belongs to another machine.
     """
     s = Saturation(**{name: _six(x) for name, x in dataclasses.asdict(fit.saturation).items()})
     zero = np.zeros((1, 2))
@@ -36,14 +36,14 @@ def mapped(motor: Motor, fit: MapFit) -> Motor:
     low, high = principal(motor, zero)[0] * (0.2, 5.0)
     if not (low < L_d < high and low < L_q < high):
         raise UserError(
-            f"map: L_d = {L_d:.4g} H, L_q = {L_q:.4g} H at zero current, the motor file says "
+            f"map: L_d = {L_d:.4g} H, L_q = {L_q:.4g} H at zero current, but the motor file says "
             f"{motor.L_d:g} and {motor.L_q:g} H: another machine, or a wrong unit?"
         )
     return dataclasses.replace(motor, L_d=_six(L_d), L_q=_six(L_q), psi_f=_six(psi_f), saturation=s)
 
 
 def tables_of(motor: Motor, source: str, base: str) -> dict[str, Any]:
-    """Tables of its file: ``source`` of what the map gave, ``base`` where the rest is from."""
+    """Tables of its motor file: ``source`` of the map's numbers, ``base`` of all others."""
     from_map = ("L_d", "L_q", "psi_f")
     return {
         "name": motor.name,
@@ -62,11 +62,11 @@ def tables_of(motor: Motor, source: str, base: str) -> dict[str, Any]:
 
 
 def saturation_table(s: Saturation) -> dict[str, float]:
-    """What of a model differs from its defaults, and what has none."""
+    """Coefficients that differ from their defaults, or have none."""
     defaults = {f.name: f.default for f in dataclasses.fields(s)}
     return {k: v for k, v in dataclasses.asdict(s).items() if v != defaults[k]}
 
 
 def _six(x: Any) -> Any:
-    """Six digits; whole numbers as they are."""
+    """Round to six digits; whole numbers stay as they are."""
     return x if isinstance(x, int) else float(f"{x:.6g}")

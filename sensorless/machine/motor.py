@@ -24,7 +24,7 @@ INF = math.inf
 def positive(unit: str, meaning: str) -> Any:
     """Field of a number above zero without a default.
 
-    Its bounds are wider than any machine, and no product of a few leaves float32.
+    Its bounds are wider than any machine; products of a few such numbers stay within float32.
     """
     return number(REQUIRED, unit, 1e-12, 1e12, meaning, above=True)
 
@@ -60,8 +60,8 @@ class Motor:
     """A machine with its inverter and sensors: SI units, peak values.
 
     ``L_d``, ``L_q`` and ``psi_f`` describe the machine at zero current (what a data sheet gives);
-    ``saturation`` is what the simulated machine follows. The details from ``emf_5`` on are the
-    simulated machine's alone, no controller knows them: the no-load EMF of a phase is
+    the simulated machine follows ``saturation``. The fields from ``emf_5`` on describe the
+    simulated machine alone; no controller uses them. The no-load EMF of a phase is
     -omega psi_f (sin theta + emf_5 sin 5 theta + emf_7 sin 7 theta), and a second saliency of
     ``saliency_6`` times (1/L_d - 1/L_q) / 2 turns six times as fast as the rotor, seen from it.
     """
@@ -105,7 +105,7 @@ class Motor:
     def digest(self) -> str:
         """SHA-256 over all numbers of the machine, hexadecimal.
 
-        A detail at its default counts as absent: a machine keeps its digest when new ones come.
+        Fields at their defaults do not count, so new fields leave old digests unchanged.
         """
         values = dataclasses.asdict(self)
         values.pop("description")
@@ -141,7 +141,7 @@ class Motor:
 
     @classmethod
     def from_tables(cls, data: dict[str, Any], where: str) -> "Motor":
-        """Machine of the tables of a TOML file; errors as in ``load``, under the name ``where``."""
+        """Machine from the tables of a TOML file; ``where`` names it in errors, see ``load``."""
         return _from_tables(dict(data), where)
 
 

@@ -1,4 +1,4 @@
-"""A motor file written: tables, units, and the source of every number."""
+"""How a motor file is written: tables, units, and the source of every number."""
 
 import json
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ WHOLE = ("n_p", "adc_bits")
 
 
 def tables(name: str, description: str, numbers: Mapping[str, Number]) -> dict[str, Any]:
-    """Tables of a motor file as ``Motor.from_tables`` takes them; values of five digits."""
+    """Tables of a motor file as ``Motor.from_tables`` takes them, rounded to five digits."""
     return {
         "name": name,
         "description": description,
@@ -31,7 +31,7 @@ def _value(field: str, number: Number) -> float:
 
 
 def written(data: Mapping[str, Any], head: str) -> str:
-    """TOML of a motor file's tables: ``head`` on top, meaning and unit behind each number."""
+    """TOML text of a motor file: ``head`` on top, meaning and unit after each number."""
     meaning = {
         s.name: s.meaning if s.unit in ("", "1") else f"{s.meaning} [{s.unit}]"
         for s in settings_of(Motor).values()
@@ -49,7 +49,7 @@ def written(data: Mapping[str, Any], head: str) -> str:
 def table_lines(
     name: str, fields: Mapping[str, Any], meaning: Mapping[str, str] | None = None
 ) -> list[str]:
-    """Lines of one table, with a comment where a field has a ``meaning``."""
+    """Lines of one table, each with its ``meaning`` as a comment if given."""
     out = [f"[{name}]"]
     for field, value in fields.items():
         line = f"{field} = {toml_value(value)}"

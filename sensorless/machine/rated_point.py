@@ -1,4 +1,4 @@
-"""What a machine reaches of its name plate within its current and its voltage."""
+"""How much of its name plate a machine reaches within its current and its voltage."""
 
 import math
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from sensorless.units import RPM_TO_RAD_S
 USABLE = 0.97
 """Share of u_dc / sqrt(3) that field weakening lets the control use, ``fw_margin``."""
 ROUNDING = 0.02
-"""A name plate is met within 2 %: its numbers are rounded."""
+"""Share by which a machine may miss its name plate, whose numbers are rounded."""
 
 
 @dataclass(frozen=True)
 class RatedPoint:
-    """What rated current and the DC link allow, beside what the file asks for."""
+    """Torque and speed that rated current and the DC link allow."""
 
     torque: float
     """largest torque at rated current, low speed [N m]"""
@@ -33,19 +33,19 @@ class RatedPoint:
     """largest speed without load and without field weakening [r/min]"""
 
     def objection(self, motor: Motor) -> str | None:
-        """Why the rated point is out of reach, with what is reached; nothing if it is not."""
+        """Why the rated point is out of reach, and what is reached; None if it is reached."""
         least = (1.0 - ROUNDING) * motor.tau_rated
         if self.torque < least:
             return (
                 f"rated torque {motor.tau_rated:g} N m needs "
                 + (f"{self.current:.3g} A" if math.isfinite(self.current) else "more than i_max")
-                + f", i_rated is {motor.i_rated:g} A, which gives {self.torque:.3g} N m"
+                + f", but i_rated is {motor.i_rated:g} A, which gives {self.torque:.3g} N m"
             )
         if self.torque_at_speed < least:
             return (
                 f"{motor.tau_rated:g} N m at {motor.n_rated_rpm:g} r/min is beyond "
-                f"{motor.u_dc:g} V: rated torque is reached up to {self.speed:.0f} r/min, rated "
-                f"speed with {self.torque_at_speed:.3g} N m"
+                f"{motor.u_dc:g} V: rated torque is reached up to {self.speed:.0f} r/min, and "
+                f"rated speed with {self.torque_at_speed:.3g} N m"
             )
         return None
 
@@ -76,7 +76,7 @@ def rated_point(motor: Motor) -> RatedPoint:
 
 
 def polar(motor: Motor, angles: int = 91) -> Floats:
-    """Currents (n, 2) [A] of a quarter plane, motoring with i_d <= 0; the first is zero.
+    """Currents (n, 2) [A] of a quarter plane: i_d <= 0, i_q >= 0; the first is zero.
 
     Rated current is one of the amplitudes.
     """

@@ -1,4 +1,4 @@
-"""What injection lives on: the difference of the two inductances, at any current."""
+"""Saliency, the difference of the two inductances, by which injection finds the rotor."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from sensorless.machine.magnetics import Floats, flux, inverse_inductance
 from sensorless.machine.motor import Motor
 
 LEAST = 1.02
-"""L_q / L_d below which no drive is designed: tolerances of 2 % may turn its sign."""
+"""L_q / L_d below which no drive is designed: tolerances of 2 % could reverse the saliency."""
 
 
 def require_saliency(motor: Motor) -> None:
@@ -16,7 +16,7 @@ def require_saliency(motor: Motor) -> None:
     Raises
     ------
     UserError
-        L_q is not above L_d by ``LEAST``; the message has both values.
+        L_q / L_d is below ``LEAST``; the message has both values.
     """
     if motor.L_q >= LEAST * motor.L_d:
         return
@@ -35,8 +35,8 @@ def require_saliency(motor: Motor) -> None:
 def principal(motor: Motor, i: Floats) -> Floats:
     """Incremental inductances (n, 2) [H] along the magnetic axes, small before large.
 
-    The axes are those that cross-coupling has turned, see ``cross_angle``; a current where the
-    inductance is not positive in every direction gives infinity.
+    Cross-coupling has turned these axes, see ``cross_angle``. Where the inductance is not positive
+    in every direction, the larger one is infinite.
     """
     gamma = inverse_inductance(motor.saturation, flux(motor.saturation, i))
     low, high = np.linalg.eigvalsh(0.5 * (gamma + gamma.swapaxes(1, 2))).T

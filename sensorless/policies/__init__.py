@@ -1,1 +1,1 @@
-"""From a word to a policy."""
+"""Policies by name: rules, tuned rules, learned schedules."""

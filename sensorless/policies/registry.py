@@ -1,4 +1,4 @@
-"""From a word on the command line to a policy."""
+"""Policies by the names that commands take."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -62,12 +62,12 @@ RUN = "RUN"
 
 
 def known() -> dict[str, str]:
-    """Every policy that ``make_policy`` understands, and what it is."""
+    """Names that ``make_policy`` understands, and what each policy is."""
     return {
         **{rule.usage: rule.doc for rule in RULES.values()},
         **shipped.docs(),
-        TUNED: "result of sensorless tune; also FILE.json alone",
-        RUN: "folder of a training run, by its path",
+        TUNED: "rule that sensorless tune wrote; FILE.json alone also works",
+        RUN: "policy of a training run; give the path of its folder",
     }
 
 
@@ -85,14 +85,15 @@ def rule_named(name: str) -> Rule:
 
 
 def make_policy(spec: str, motor: Motor) -> Policy:
-    """Policy of a word as in ``known``, for one motor.
+    """Policy by a name as in ``known``, for one motor.
 
-    A rule's name goes before a folder or file of the same name; write ``./NAME`` for the folder.
+    The name of a rule takes precedence over a folder or file of that name; ``./NAME`` means the
+    folder.
 
     Raises
     ------
     UserError
-        Unknown name, or a number out of its range.
+        The name is unknown, or a number is out of its range.
     """
     word, colon, text = spec.partition(":")
     if word in RULES:
@@ -115,22 +116,22 @@ def make_policy(spec: str, motor: Motor) -> Policy:
     rule_name = spec.removesuffix(shipped.SUFFIX)
     if rule_name in RULES:
         raise UserError(
-            f"policy: {spec!r}: there is no results/reference/tuned/{spec}.json; make one with "
+            f"policy: {spec!r}: results/reference/tuned/{spec}.json does not exist; make one with "
             f"'sensorless tune {rule_name} --out FILE.json', or choose from {names}"
         )
     raise UserError(
-        f"policy: {spec!r} is no rule, folder or file; choose from {names}; "
+        f"policy: {spec!r} is not a rule, folder or file; choose from {names}; "
         "'sensorless evaluate --list' explains them"
     )
 
 
 def make_policies(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
-    """Policies of several words by name; by their whole word where a name is taken.
+    """Policies by name; where two have the same name, the second goes by all that was given.
 
     Raises
     ------
     UserError
-        A word given twice, or as in `make_policy`.
+        A policy is given twice, or as in `make_policy`.
     """
     out: dict[str, Policy] = {}
     for spec in specs:
@@ -143,7 +144,7 @@ def make_policies(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
 
 
 def table_named(spec: str, motor: Motor) -> KsTable:
-    """Table of a policy that is one, for training to start from.
+    """Table of a policy, for training to start from.
 
     Raises
     ------
@@ -156,8 +157,8 @@ def table_named(spec: str, motor: Motor) -> KsTable:
         raise UserError(f"start: {error}") from None
     if not isinstance(policy, TablePolicy):
         raise UserError(
-            f"start: {spec!r} is no table; start from eq25, linear:LO,HI [r/min], logistic, a file "
-            "that sensorless tune wrote, or the folder of a run with a table"
+            f"start: {spec!r} has no table; start from eq25, linear:LO,HI [r/min], logistic, a "
+            "file that sensorless tune wrote, or the folder of a run with a table"
         )
     return policy.table
 
@@ -165,12 +166,12 @@ def table_named(spec: str, motor: Motor) -> KsTable:
 def load_tuned(path: Path, motor: Motor) -> Policy:
     """Policy of a tuned rule, named after its file. Its parameters scale with the machine.
 
-    It runs on the estimator that it was tuned on, if the file tells.
+    It runs on the estimator that it was tuned on, if the file names one.
 
     Raises
     ------
     UserError
-        No such file, a damaged one, or one with parameters that its rule does not take.
+        The file does not exist or is damaged, or its rule does not take its parameters.
     """
     tuned = Tuned.load(path)
     if tuned.rule not in RULES:

@@ -1,4 +1,4 @@
-"""What the package brings along ready to use: the reference run, and rules that were tuned."""
+"""Policies that come with the package: the learned schedules, and the tuned rules."""
 
 from pathlib import Path
 
@@ -9,18 +9,18 @@ from sensorless.policy import trained_estimator
 FOLDER = Path(__file__).absolute().parents[1] / "reference"
 """``results/reference`` of the repository."""
 RUNS = {"reference": "", "reference-smo": "sliding-mode"}
-"""Learned schedules by name, and where in ``FOLDER`` they are."""
+"""Learned schedules by name, and their folders within ``FOLDER``."""
 SUFFIX = "-tuned"
 
 
 def reference_run(name: str = "reference") -> Path | None:
-    """Folder of a learned schedule of ``RUNS``, if it is there."""
+    """Folder of a learned schedule of ``RUNS``; None if it does not exist."""
     folder = FOLDER / RUNS[name] if name in RUNS else None
     return folder if folder is not None and (folder / "table.json").is_file() else None
 
 
 def tuned_file(name: str) -> Path:
-    """Where the tuned rule of that name, ``linear-tuned`` for one, is kept if it is there."""
+    """Path of a tuned rule, such as ``linear-tuned``; the file need not exist."""
     return FOLDER / "tuned" / f"{name}.json"
 
 
@@ -30,7 +30,7 @@ def tuned_names() -> list[str]:
 
 
 def docs() -> dict[str, str]:
-    """One line about each of them.
+    """One line about each policy, by name.
 
     Raises
     ------

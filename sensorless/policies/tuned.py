@@ -1,4 +1,4 @@
-"""A rule with parameters that tuning found, as a file."""
+"""The file of a rule with the parameters that tuning found."""
 
 import json
 import math
@@ -16,11 +16,11 @@ FORMAT = "sensorless-tuned/1"
 
 @dataclass(frozen=True)
 class Tuned:
-    """What the file holds."""
+    """A tuned rule, as the file holds it."""
 
     rule: str
     parameters: Values
-    """As the rule gets them: free of any machine."""
+    """In the rule's own units, which scale with the machine."""
     provenance: Mapping[str, Any]
     """JSON types."""
 
@@ -36,12 +36,12 @@ class Tuned:
 
     @classmethod
     def load(cls, path: Path) -> "Tuned":
-        """Read a file that ``save`` wrote; whether the rule exists and takes these is not checked.
+        """Read a file that ``save`` wrote; the rule and its parameters are not checked here.
 
         Raises
         ------
         UserError
-            No such file, or not of this format.
+            The file cannot be read, or has another format.
         """
         try:
             data = json.loads(path.read_text(encoding="utf-8"))

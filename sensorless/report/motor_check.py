@@ -1,4 +1,4 @@
-"""A machine checked: examined on paper, then run in short; one screen or one page."""
+"""Check of a machine: examined on paper, then simulated briefly; as a table or as a page."""
 
 import math
 from dataclasses import dataclass, replace
@@ -20,16 +20,16 @@ from sensorless.suitability.examine import Examination, examine
 from sensorless.suitability.finding import LIMIT, NO, Finding
 
 SUITE, SEED, SIZE = "stress-1", 1, 100
-"""Of the quick run."""
+"""Scenarios of the quick run."""
 LOST = (0.05, 0.5)
-"""Lost share of the quick run: above, a limit; above the second, no drive."""
+"""Lost share of the quick run above which the drive is limited, or unable."""
 INFEASIBLE = 0.05
-"""Share of the quick run that not even the sensored twin follows, above which it is a limit."""
+"""Share of the quick run that the sensored twin fails too, above which the drive is limited."""
 
 
 @dataclass(frozen=True)
 class QuickRun:
-    """Eq. 25 on the default drive over some ``stress`` scenarios."""
+    """Eq. 25, the source paper's rule, on scenarios of ``SUITE``."""
 
     size: int
     lost: float
@@ -37,19 +37,19 @@ class QuickRun:
     infeasible: float
     """share in which the sensored twin itself trips or runs away"""
     torque_dev: float
-    """mean torque deviation from the twin of the survivors, over rated torque"""
+    """mean torque deviation from the twin where lock is kept, over rated torque"""
 
 
 @dataclass(frozen=True)
 class Check:
-    """All that the check found."""
+    """Result of a check."""
 
     examination: Examination
     run: QuickRun | None
 
 
 def check(motor: Motor, design: DriveDesign, size: int = SIZE) -> Check:
-    """Examine a machine, and run it if nothing speaks against it; ``size`` 0: examine only."""
+    """Examine a machine, and simulate it unless the verdict is no; ``size`` 0: examine only."""
     e = examine(motor, design.hfi_pll_hz)
     if e.verdict.word == "no" or size == 0:
         return Check(e, None)
@@ -62,23 +62,27 @@ def check(motor: Motor, design: DriveDesign, size: int = SIZE) -> Check:
 def _judged(run: QuickRun) -> list[Finding]:
     found = []
     if run.infeasible > INFEASIBLE:
-        text = f"the same control with an encoder fails {run.infeasible:.0%} of suite {SUITE}"
+        text = f"even with an encoder, the drive fails {run.infeasible:.0%} of the suite {SUITE}"
         found.append(Finding(LIMIT, "run", text))
     if not run.lost <= LOST[0]:
-        text = f"the default drive under Eq. 25 loses {run.lost:.0%} of suite {SUITE}"
+        text = f"the drive under Eq. 25 loses {run.lost:.0%} of the feasible scenarios of {SUITE}"
         found.append(Finding(NO if not run.lost <= LOST[1] else LIMIT, "run", text))
     return found
 
 
 def rows(c: Check) -> list[tuple[str, str, str]]:
-    """What was asked, what was found, and what is suggested, in words."""
+    """Quantity, what was found, and what is suggested, in words."""
     e, m = c.examination, c.examination.motor
     out = []
     if e.point is not None:
         p = e.point
-        least = f"{p.current:.3g} A" if math.isfinite(p.current) else "beyond i_max"
+        least = f"{p.current:.3g} A" if math.isfinite(p.current) else "more than i_max"
         out += [
-            ("rated torque", f"{m.tau_rated:g} N m: {least} of {m.i_rated:g} A", ""),
+            (
+                "rated torque",
+                f"{m.tau_rated:g} N m needs {least}; rated current is {m.i_rated:g} A",
+                "",
+            ),
             (
                 "rated speed",
                 f"{m.n_rated_rpm:g} r/min: {p.torque_at_speed:.3g} N m within {m.u_dc:g} V; "
@@ -100,7 +104,7 @@ def rows(c: Check) -> list[tuple[str, str, str]]:
             ("cross-coupling", f"{cross[k]:.1f}° at rated current, at most {cross.max():.1f}°", ""),
             (
                 "injection",
-                f"{m.u_inj:g} V, {s.amplitude:.3g} A; one degree is "
+                f"{m.u_inj:g} V, {s.amplitude:.3g} A; one degree of error shows as "
                 f"{1e3 * np.deg2rad(s.slope[: k + 1].min()):.3g} mA",
                 f"u_inj = {hint['u_inj']:g} V",
             ),
@@ -114,7 +118,7 @@ def rows(c: Check) -> list[tuple[str, str, str]]:
             ("converter", f"{m.adc_range:g} A, {m.adc_bits} bits",
              f"adc_range of at least {hint['adc_range']:g} A"),
             ("PWM period", f"{1e6 * m.T_s:g} µs, "
-             f"{2.0 * math.pi / (m.omega_rated * m.T_s):.0f} a turn at rated speed",
+             f"{2.0 * math.pi / (m.omega_rated * m.T_s):.0f} per electrical turn at rated speed",
              f"T_s of at most {1e6 * hint['T_s']:g} µs"),
         ]  # fmt: skip
     if c.run is not None:
@@ -122,7 +126,7 @@ def rows(c: Check) -> list[tuple[str, str, str]]:
             (
                 f"quick run, {c.run.size} of suite {SUITE}",
                 f"lost {c.run.lost:.0%}, torque deviation {100 * c.run.torque_dev:.2f} %, "
-                f"failed with an encoder as well {c.run.infeasible:.0%}",
+                f"not feasible {c.run.infeasible:.0%} (fails with an encoder too)",
                 "",
             )
         )
@@ -130,13 +134,13 @@ def rows(c: Check) -> list[tuple[str, str, str]]:
 
 
 def screen(c: Check) -> Table:
-    """All of it as a table for the terminal."""
+    """The result as a table for the terminal."""
     m = c.examination.motor
     table = Table(
         title=f"{m.name}: {m.description}", title_justify="left", box=None, padding=(0, 1)
     )
-    for heading in ("what", "found"):
-        table.add_column(heading, no_wrap=heading == "what")
+    for heading in ("quantity", "found"):
+        table.add_column(heading, no_wrap=heading == "quantity")
     for what, found, hint in rows(c):
         table.add_row(what, found + (f"; suggested: {hint}" if hint else ""))
     for finding in c.examination.findings:
@@ -145,14 +149,14 @@ def screen(c: Check) -> Table:
 
 
 def write_page(c: Check, path: Path, command: str) -> None:
-    """All of it as one HTML page that needs no other file. Needs the extra ``plot``."""
+    """Write the result as one HTML page without other files; needs the extra ``plot``."""
     e = c.examination
     figures = []
     if e.point is not None:
-        caption = "Within current and voltage; resistance included."
+        caption = "Largest torque within current and voltage, resistance included."
         figures.append(Figure("reach", "Torque over speed", caption, png(reach(e.motor))))
     if e.seen is not None:
-        caption = "Along maximum torque per ampere; dashed: rated current."
+        caption = "Over the current along maximum torque per ampere; dashed: rated current."
         picture = png(signal(e.motor, e.seen))
         figures.append(Figure("signal", "What injection sees", caption, picture))
     environment = Environment(

@@ -1,1 +1,1 @@
-"""Is a machine suitable: what is found without running it, and the verdict."""
+"""Whether a machine suits this drive: findings without running it, and the verdict."""

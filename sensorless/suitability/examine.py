@@ -1,4 +1,4 @@
-"""A machine examined on paper: everything that can be said without running a drive."""
+"""A machine examined on paper: all that its numbers show without running a drive."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from sensorless.suitability.seen import Seen, look, objections, suggestions
 
 @dataclass(frozen=True)
 class Examination:
-    """What is known of a machine; the parts are missing where its flux map has no inverse."""
+    """Result of an examination; the parts are None where the flux map has no inverse."""
 
     motor: Motor
     findings: tuple[Finding, ...]
@@ -22,7 +22,7 @@ class Examination:
 
     @property
     def verdict(self) -> Verdict:
-        """Of the findings so far."""
+        """Verdict of the findings."""
         return verdict(self.findings)
 
 

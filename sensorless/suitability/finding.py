@@ -1,4 +1,4 @@
-"""What a check finds, how much it weighs, and the verdict of all of it."""
+"""What a check finds, how much each finding weighs, and the verdict."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,26 +14,26 @@ class Finding:
     weight: str
     """``NOTE``, ``LIMIT`` or ``NO``"""
     field: str
-    """number of the motor file that it is about, or the part of the check"""
+    """field of the motor file that it concerns, or part of the check"""
     text: str
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Yes, with limits, or no, and why."""
+    """Whether a machine is suitable (yes, with limits, no), and why."""
 
     word: str
     because: tuple[str, ...]
 
     def __str__(self) -> str:
-        """Return the sentence that a check ends with."""
+        """Return the last sentence of a check."""
         return f"suitable: {self.word}" + (
             f", because {'; '.join(self.because)}" if self.because else ""
         )
 
 
 def verdict(findings: Sequence[Finding]) -> Verdict:
-    """Verdict of all findings: the heaviest decides, and those of its weight are the reasons."""
+    """Verdict of all findings: the heaviest decide, and are the reasons."""
     for weight, word in ((NO, "no"), (LIMIT, "with limits")):
         reasons = tuple(f.text for f in findings if f.weight == weight)
         if reasons:

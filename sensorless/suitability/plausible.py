@@ -1,4 +1,4 @@
-"""Numbers of a motor file in per-unit terms: slips of unit, factor and axis stand out."""
+"""Numbers of a motor file in per-unit terms, where wrong units, factors and axes show."""
 
 import math
 from collections.abc import Iterator
@@ -12,15 +12,15 @@ from sensorless.observers.injection_signal import LINK_SHARE, dead_time_voltage
 from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 
 BEYOND = 3.0
-"""A value this factor outside its usual range is an error, not an odd machine."""
+"""A value this factor outside its usual range is an error, not an unusual machine."""
 TURN = (20.0, 8.0)
-"""PWM periods an electrical turn at rated speed: fewer limit the drive, or are too few."""
+"""PWM periods per electrical turn at rated speed below which a drive is limited, or unable."""
 SAME = 0.05
-"""[saturation] at zero current meets L_d, L_q and psi_f within this share."""
+"""Largest relative difference of [saturation] at zero current from L_d, L_q and psi_f."""
 
 
 def plausible(motor: Motor) -> Iterator[Finding]:
-    """What is odd about the numbers, each alone and beside the others."""
+    """Implausible numbers, each alone and in relation to the others."""
     yield from _per_unit(motor)
     yield from _axes(motor)
     yield from _saturation(motor)
@@ -45,8 +45,8 @@ def _per_unit(m: Motor) -> Iterator[Finding]:
         yield Finding(
             NO if far and field != "J" else LIMIT,
             field,
-            f"{field} = {getattr(m, field):g}: {what} is {value:.3g}, usual {low:g} to {high:g}: "
-            "unit, factor or pole pairs?",
+            f"{field} = {getattr(m, field):g}: {what} is {value:.3g}, usually {low:g} to {high:g}: "
+            "wrong unit, factor or pole pairs?",
         )
 
 
@@ -65,9 +65,8 @@ def _saturation(m: Motor) -> Iterator[Finding]:
     for field, value in found.items():
         said = getattr(m, field)
         if abs(value / said - 1.0) > SAME:
-            text = (
-                f"[saturation] gives {field} = {value:.4g} at zero current, the file says {said:g}"
-            )
+            gives = f"[saturation] gives {field} = {value:.4g} at zero current"
+            text = f"{gives}, but the file says {said:g}"
             yield Finding(LIMIT, field, text)
 
 
@@ -75,7 +74,7 @@ def _inverter(m: Motor) -> Iterator[Finding]:
     turn = 2.0 * math.pi / (m.omega_rated * m.T_s)
     if turn < TURN[0]:
         weight = NO if turn < TURN[1] else LIMIT
-        text = f"rated speed has {turn:.1f} PWM periods an electrical turn, wanted {TURN[0]:g}"
+        text = f"rated speed has {turn:.1f} PWM periods per electrical turn; needed: {TURN[0]:g}"
         yield Finding(weight, "T_s", text)
     if m.i_max < m.i_rated:
         text = f"i_max = {m.i_max:g} A is below i_rated = {m.i_rated:g} A"
@@ -93,7 +92,7 @@ def _inverter(m: Motor) -> Iterator[Finding]:
         text = f"u_inj = {m.u_inj:g} V is above a fifth of the DC link, {LINK_SHARE * m.u_dc:g} V"
         yield Finding(LIMIT, "u_inj", text)
     elif m.u_inj < dead_time_voltage(m):
-        text = f"u_inj = {m.u_inj:g} V is below what dead time takes, {dead_time_voltage(m):.3g} V"
+        text = f"u_inj = {m.u_inj:g} V is below the loss by dead time, {dead_time_voltage(m):.3g} V"
         yield Finding(LIMIT, "u_inj", text)
     if m.dead_time > 0.1 * m.T_s:
         weight = NO if m.dead_time > 0.5 * m.T_s else LIMIT

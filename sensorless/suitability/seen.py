@@ -1,4 +1,4 @@
-"""What the flux map and the sensors let injection see, and what to choose for both."""
+"""What injection can see with this flux map and these sensors, and settings to choose."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,16 +17,18 @@ from sensorless.suitability.finding import LIMIT, NO, Finding
 from sensorless.suitability.plausible import TURN
 
 RATIO = (1.15, 1.05)
-"""Inductance ratio under load: below, a limit; below the second, no signal worth the name."""
+"""Inductance ratio under load below which the drive is limited, or gets no useful signal."""
 NOISE = (3.0, 10.0)
-"""RMS of the angle from noise [deg]."""
+"""RMS angle noise above which the drive is limited, or unable [deg]."""
 CROSS = (25.0, 40.0)
-"""Turn of the magnetic axes [deg]: compensation must be right to a part of it."""
+"""Turn of the magnetic axes above which the drive is limited, or unable [deg].
+
+Compensation has to be exact to a fraction of it."""
 
 
 @dataclass(frozen=True)
 class Seen:
-    """Injection along the operating line."""
+    """What injection sees along the operating line."""
 
     signal: InjectionSignal
     cross_deg: Floats
@@ -44,7 +46,7 @@ def look(motor: Motor, pll_hz: float) -> Seen:
 
 
 def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
-    """What limits injection, within rated current and up to ``i_max``."""
+    """Limits of injection within rated current and up to ``i_max``."""
     s, size = seen.signal, np.hypot(*seen.signal.i.T)
     for field, values, (limit, bad), unit, what in (
         ("L_q", -s.ratio, (-RATIO[0], -RATIO[1]), "", "inductance ratio"),
@@ -59,7 +61,8 @@ def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
         weight = NO if worst > bad else LIMIT
         where = "within rated current" if worst > limit else f"above {upto:.3g} A: lower i_max"
         top = worst if worst > limit else float(values.max())
-        text = f"{what} {abs(top):.3g}{unit} {where}, wanted {abs(limit):g}"
+        bound = "at least" if field == "L_q" else "at most"
+        text = f"{what} {abs(top):.3g}{unit} {where}; needed: {bound} {abs(limit):g}"
         yield Finding(weight, field, text)
     if s.amplitude > 2.5 * RIPPLE_SHARE * motor.i_rated:
         text = f"injected current {s.amplitude:.3g} A is {s.amplitude / motor.i_rated:.0%} of rated"
@@ -67,11 +70,11 @@ def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
 
 
 def suggestions(motor: Motor, seen: Seen, pll_hz: float) -> dict[str, float]:
-    """Values that follow from the machine.
+    """Suggested values of ``u_inj``, ``i_trip``, ``adc_range`` and ``T_s``.
 
-    The trip lies above the limit by what the current rises in two periods, until control answers;
-    the converter sees the limit with the injection on top; an electrical turn at rated speed has
-    ``TURN`` periods.
+    The trip is above the limit by the rise of the current in two periods, until control reacts. The
+    converter measures the limit with the injected current on top. An electrical turn at rated speed
+    has at least ``TURN[0]`` periods.
     """
     u_inj = suggested_injection(motor, pll_hz)
     ripple = seen.signal.amplitude * u_inj / motor.u_inj

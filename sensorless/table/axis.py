@@ -1,4 +1,4 @@
-"""One axis of the schedule table, and numbers that survive float32."""
+"""One axis of the schedule table, and numbers that float32 keeps unchanged."""
 
 import math
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ def float32_in(name: str, x: Any, low: float, high: float) -> float:
     Raises
     ------
     UserError
-        It is no number, not finite or out of range.
+        It is not a number, not finite or out of range.
     """
     try:
         with np.errstate(over="ignore"):
@@ -38,7 +38,7 @@ def float32_in(name: str, x: Any, low: float, high: float) -> float:
 
 @dataclass(frozen=True)
 class Axis:
-    """Evenly spaced nodes over one signal; beyond them the value at the edge holds."""
+    """Evenly spaced nodes over one signal; beyond them the value at the edge applies."""
 
     signal: str
     """Name in ``SIGNAL_NAMES``."""
@@ -59,7 +59,7 @@ class Axis:
         """
         if self.signal not in SIGNAL_NAMES:
             known = ", ".join(SIGNAL_NAMES)
-            raise UserError(f"table: axis: {self.signal!r} is no signal; choose from {known}")
+            raise UserError(f"table: axis: {self.signal!r} is not a signal; choose from {known}")
         if isinstance(self.n, bool) or not isinstance(self.n, int) or not 2 <= self.n <= MAX_NODES:
             raise UserError(
                 f"table: axis {self.signal}: n: {self.n!r}; give 2 to {MAX_NODES} nodes"

@@ -1,6 +1,6 @@
 """The table as the firmware holds it: a header ``ks_table_t`` and stored node values.
 
-Checksums, check and lookup are those of ``core/drive/ks_table.c``.
+Checksums, check and lookup run the code of ``core/drive/ks_table.c``.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ PROBLEMS: dict[int, str] = {
     lib.KS_BAD_VALUE: "value out of range",
     lib.KS_BAD_MOTOR: "made for another motor",
 }
-"""What ``check`` returns, in words; 0 is a good table."""
+"""What each result of ``check`` means; 0 is a good table."""
 
 
 def seal(header: Array, values: Array) -> None:
@@ -27,7 +27,7 @@ def seal(header: Array, values: Array) -> None:
 
 
 def check(header: Array, values: Array, motor_hash: int = 0) -> int:
-    """Return the verdict on a header of shape (1,) and its values: 0, or a key of ``PROBLEMS``."""
+    """Return 0 if a header of shape (1,) and its values are good, else a key of ``PROBLEMS``."""
     t = pointer(header, "ks_table_t[]")
     return int(lib.ks_table_check(t, pointer(values, "char[]"), motor_hash))
 

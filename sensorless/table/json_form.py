@@ -1,4 +1,4 @@
-"""The schedule table as a text file: the same float32 bits after writing and reading."""
+"""The schedule table as a text file; reading it restores every float32 bit."""
 
 import json
 import math
@@ -14,12 +14,12 @@ AXIS_FIELDS = ("signal", "lo", "hi", "n")
 
 
 def content(fields: Mapping[str, Any]) -> bytes:
-    """Return all numbers of a table in one canonical text, which checksum and digest run over."""
+    """Return all numbers of a table as one canonical text, for checksum and digest."""
     return json.dumps(fields, sort_keys=True, separators=(",", ":")).encode()
 
 
 def to_text(fields: Mapping[str, Any], provenance: Mapping[str, Any]) -> str:
-    """Return the file's text: one row of nodes (last axis) a line."""
+    """Return the file's text, with one line for each row of nodes along the last axis."""
     head = {
         "format": FORMAT,
         "crc32": f"0x{zlib.crc32(content(fields)):08x}",
@@ -35,7 +35,7 @@ def to_text(fields: Mapping[str, Any], provenance: Mapping[str, Any]) -> str:
 
 
 def _plain(x: object) -> object:
-    """JSON types only: a number that is not finite becomes its name."""
+    """Convert to JSON types; a number that is not finite becomes a string."""
     if isinstance(x, Mapping):
         return {str(key): _plain(value) for key, value in x.items()}
     if isinstance(x, (list, tuple)):
@@ -55,7 +55,7 @@ def from_text(text: str, where: str) -> tuple[dict[str, Any], dict[str, Any], st
     Raises
     ------
     UserError
-        The text is no table of this format.
+        The text is not a table of this format.
     """
     try:
         data = json.loads(text)
@@ -63,7 +63,7 @@ def from_text(text: str, where: str) -> tuple[dict[str, Any], dict[str, Any], st
         raise UserError(f"{where}: {error}; give a table in JSON") from None
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         found = data.get("format") if isinstance(data, dict) else type(data).__name__
-        raise UserError(f"{where}: format {found!r} is not {FORMAT!r}; write the table anew")
+        raise UserError(f"{where}: format {found!r} is not {FORMAT!r}; write the table again")
     _exactly(data, ("format", "crc32", "provenance", *FIELDS), where)
     if not isinstance(data["provenance"], dict):
         raise UserError(f"{where}: provenance: {data['provenance']!r}; give an object")
@@ -87,7 +87,7 @@ def check_crc(fields: Mapping[str, Any], stored: str, where: str) -> None:
     crc = f"0x{zlib.crc32(content(fields)):08x}"
     if stored != crc:
         raise UserError(
-            f"{where}: crc32: {stored!r} is not {crc!r}, the checksum of the numbers in it: the "
+            f"{where}: crc32: {stored!r} is not {crc!r}, the checksum of the table's numbers: the "
             "file was changed or damaged; restore it"
         )
 

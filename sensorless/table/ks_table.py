@@ -1,6 +1,6 @@
-"""The schedule table: k_s over up to four signals, as it is trained, stored, run and exported.
+"""The schedule table: k_s over up to four signals, for training, files, runs and export.
 
-Lookup, check and checksum are those of ``core/drive/ks_table.c``; there is no second one.
+Lookup, check and checksum run the code of ``core/drive/ks_table.c``; there is no second version.
 """
 
 import hashlib
@@ -40,7 +40,7 @@ class KsTable:
     fallback: float = 1.0
     """k_s where a signal is not finite."""
     rule: tuple[float, float] = (0.2, 0.8 / 3.0)
-    """Band of the built-in linear rule that replaces a damaged table; speed over rated."""
+    """Speeds, over rated, between which the rule that replaces a damaged table falls to 0."""
     provenance: Mapping[str, Any] = field(default_factory=dict)
     """Where the table comes from (JSON types); ``motor_digest`` names its machine."""
 
@@ -71,14 +71,14 @@ class KsTable:
             object.__setattr__(self, name, value)
 
     def evaluate(self, obs: NDArray[np.float32]) -> NDArray[np.float32]:
-        """k_s (n,) at signals (n, SIGNAL_N), by the firmware's code."""
+        """Return k_s (n,) at signals (n, SIGNAL_N), looked up by the firmware's code."""
         rows = np.ascontiguousarray(obs, dtype=np.float32)
         if rows.ndim != 2 or rows.shape[1] != SIGNAL_N:
             raise ValueError(f"obs: shape {rows.shape}; give (n, {SIGNAL_N})")
         return lookup(*self._image, rows)
 
     def check(self) -> int:
-        """Return the verdict of the firmware's own check: 0, or a key of ``ks_image.PROBLEMS``."""
+        """Return the result of the firmware's own check: 0, or a key of ``image.PROBLEMS``."""
         return check(*self._image)
 
     @cached_property
@@ -102,7 +102,7 @@ class KsTable:
         form : {"f32", "q15"}
             Kind of the values, see ``stored``.
         policy_hash : int, optional
-            32 bits that name the policy; the first of ``digest`` by default.
+            32 bits that name the policy; by default the first 32 of ``digest``.
         motor_hash : int
             32 bits that name the machine; 0 for none.
         """
@@ -121,7 +121,7 @@ class KsTable:
         return header.reshape(())
 
     def fields(self) -> dict[str, Any]:
-        """Return all numbers as JSON types, with the fewest digits that restore every float32."""
+        """Return all numbers as JSON types, in the fewest digits that restore every float32."""
         return {
             "axes": [
                 {"signal": a.signal, "lo": decimal(a.lo), "hi": decimal(a.hi), "n": a.n}
@@ -160,7 +160,7 @@ class KsTable:
         Raises
         ------
         UserError
-            The file cannot be read, or is no table.
+            The file cannot be read, or is not a table.
         """
         try:
             text = Path(path).read_text(encoding="utf-8")
@@ -191,7 +191,7 @@ class KsTable:
 
 
 def _checked_nodes(values: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """Node values as a read-only float32 array of its own, without minus zero."""
+    """Copy of the node values as a read-only float32 array, minus zero turned to zero."""
     if math.prod(shape) > MAX_NODES:
         raise UserError(f"table: {math.prod(shape)} nodes; give at most {MAX_NODES}")
     try:

@@ -1,1 +1,1 @@
-"""CMA-ES on the numbers of a rule."""
+"""Tuning of a rule's parameters by CMA-ES."""

@@ -1,4 +1,4 @@
-"""Several policies on the same scenarios at once, and what each of them costs."""
+"""Several policies on the same scenarios at once, and the cost of each."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,13 +17,13 @@ from sensorless.evaluation.rollout import Floats, rollout
 from sensorless.policy import Policy, Signals, decide
 
 DRIVES = 512
-"""Drives at a time."""
+"""Most drives simulated at once, roughly."""
 
 
 class SideBySide:
-    """Policies in blocks of rows: rows i n to (i + 1) n belong to policy i.
+    """Policies in blocks of n rows: rows i n to (i + 1) n - 1 belong to policy i.
 
-    All of them have to work on the same estimator.
+    All must run on the same estimator.
     """
 
     name = "side by side"
@@ -36,13 +36,13 @@ class SideBySide:
         self._n = 0
 
     def reset(self, n: int) -> None:
-        """Each policy gets its share of the n drives."""
+        """Give each policy its share of the n drives."""
         self._n = n // len(self.policies)
         for policy in self.policies:
             policy.reset(self._n)
 
     def act(self, obs: Signals) -> NDArray[np.float32]:
-        """Weights of policies that need no truth, (n,)."""
+        """Weights (n,) of policies that do not see the simulated truth."""
         return self.act_knowing(obs, np.empty(len(obs)))
 
     def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
@@ -55,7 +55,7 @@ class SideBySide:
 
 @dataclass(frozen=True)
 class _Group:
-    """Policies ``row`` and following on the scenarios ``column`` and following."""
+    """Policies from ``row`` on, simulated on the scenarios from ``column`` on."""
 
     row: int
     column: int
@@ -69,7 +69,7 @@ def costs(
     factory: SimFactory,
     engine: Engine = LOCAL,
 ) -> tuple[list[Cost], float]:
-    """Cost of every policy over all scenarios, and the time simulated [s]; twins do not count."""
+    """Cost of every policy over all scenarios, and the time simulated [s] without the twins."""
     n, seconds = len(scenarios), 0.0
     alive = np.zeros((len(policies), n), dtype=np.bool_)
     dev, ripple = np.zeros(alive.shape), np.zeros(alive.shape)
@@ -86,7 +86,7 @@ def costs(
 
 
 def _groups(policies: Sequence[Policy], scenarios: Scenarios) -> Iterator[_Group]:
-    """All policies on all scenarios, about DRIVES drives a group."""
+    """All policies on all scenarios, in groups of about DRIVES drives."""
     for column in range(0, len(scenarios), DRIVES):
         part = scenarios[column : column + DRIVES]
         at_once = max(1, DRIVES // len(part))
@@ -95,7 +95,7 @@ def _groups(policies: Sequence[Policy], scenarios: Scenarios) -> Iterator[_Group
 
 
 def _run(factory: SimFactory, group: _Group) -> tuple[float, NDArray[np.bool_], Floats, Floats]:
-    """Time simulated [s], and by policy and scenario: survived, deviation, ripple."""
+    """Time simulated [s]; then, by policy and scenario: not lost, torque deviation, ripple."""
     shape = len(group.policies), len(group.scenarios)
     rows = np.tile(np.arange(shape[1]), shape[0])
     r = rollout(SideBySide(group.policies), group.scenarios[rows], factory)

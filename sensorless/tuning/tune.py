@@ -1,9 +1,9 @@
-"""Parameters of a hand-over rule by CMA-ES, on scenarios that neither training nor judging sees.
+"""Parameters of a hand-over rule by CMA-ES, on scenarios that neither training nor evaluation uses.
 
-Each generation meets scenarios of its own, the same for all its candidates. After every CHECK of
-them the centre of the search is judged on a fixed set, from the same role; the best centre, or the
-start, is the result. Time simulated counts against the budget wherever it is spent; the sensored
-twins are not counted.
+Each generation draws new scenarios, the same for all its candidates. After every CHECK generations
+the centre of the search is judged on a fixed set of scenarios drawn for tuning too; the result is
+the best centre judged, or the start if none is better. All time simulated counts against the
+budget, except that of the sensored twins.
 """
 
 from collections.abc import Callable, Sequence
@@ -34,15 +34,15 @@ if TYPE_CHECKING:
 
 SUITE, ROLE = "stress-1", "tune"
 CHECK = 3
-"""Generations from one judgement of the centre to the next."""
+"""Generations between two judgements of the centre."""
 GENERATIONS = 30
-"""Aimed at when the number of scenarios is chosen."""
+"""Number of generations that the number of scenarios is chosen for."""
 FEWEST_SCENARIOS, MOST_SCENARIOS = 8, 256
-"""Scenarios of a candidate in a generation."""
+"""Scenarios that each candidate of a generation runs."""
 NONE = Cost(1.0, 1.0, 1.0)
-"""Before anything is judged."""
+"""Cost before anything has been judged."""
 SIGMA = 0.2
-"""First step over the range of each parameter."""
+"""First step of the search, over the range of each parameter."""
 
 Progress = Callable[[float, Cost, Cost], None]
 """Called with the share of the budget used, the best found so far, and the start."""
@@ -50,7 +50,7 @@ Progress = Callable[[float, Cost, Cost], None]
 
 @dataclass
 class _Search:
-    """What is known so far."""
+    """State of the search."""
 
     rule: Rule
     factories: Sequence[SimFactory]
@@ -82,25 +82,26 @@ def tune(
     Parameters
     ----------
     name : str
-        Of a rule with parameters.
+        Name of a rule with parameters.
     budget : float
         Time that may be simulated [s].
     seed : int
-        Draws scenarios and search, and the machines.
+        Seed of the scenarios, the search and the machines.
     machines : int
-        Tune over so many random machines instead of the motor, which then only turns shares of
-        rated speed into r/min for people.
+        Number of random machines to tune on instead of the motor, which then only converts shares
+        of rated speed into r/min for display. 0: the motor.
     command : str
-        For the provenance.
+        Command line, kept in the provenance.
     engine : Engine
-        Where the scenarios run; the result is the same to the bit.
+        Where the scenarios run; the result is the same to the bit on every engine.
 
     Raises
     ------
     UserError
-        No such rule, one without parameters, a budget too small, or the library is missing.
+        The rule does not exist or has no parameters, the budget is out of range, or the library
+        cma is missing.
     KeyboardInterrupt
-        Only before there is a result; later it ends the search early.
+        Before the start has been judged; later, an interrupt ends the search with its best.
     """
     rule = rule_named(name)
     if not rule.parameters:
@@ -157,7 +158,7 @@ def _run(
     length: float,
     progress: Progress | None,
 ) -> None:
-    """Generations until the budget could be exceeded, the last judgement included."""
+    """Search until another generation and its judgement could exceed the budget."""
     rule, last = search.rule, 0
     while True:
         longest = (es.popsize * batch + search.judged) * length
@@ -180,7 +181,7 @@ def _run(
 
 
 def _shared(batch: float, machines: Machines) -> int:
-    """Scenarios of a candidate, the same number on every machine."""
+    """Scenarios of a candidate, rounded down to the same number on every machine."""
     n = len(machines.motors)
     return int(batch) // n * n
 
@@ -188,7 +189,7 @@ def _shared(batch: float, machines: Machines) -> int:
 def _costs(
     search: _Search, values: Sequence[dict[str, float]], generation: int, n: int
 ) -> list[Cost]:
-    """Cost of every candidate over n scenarios: the mean over the machines that share them."""
+    """Mean cost of every candidate over n scenarios, shared among the machines."""
     share, parts = n // len(search.factories), []
     for i, factory in enumerate(search.factories):
         policies = [search.rule.build(search.rule.name, v, factory.motor) for v in values]
@@ -200,13 +201,13 @@ def _costs(
 
 
 def _scenarios(motor: Motor, seed: int, generation: int, n: int, machine: int = 0) -> Scenarios:
-    """Scenarios of a generation, from 1 on; 0 are those that the centres are judged on."""
+    """Scenarios of a generation, counted from 1; 0: the set that centres are judged on."""
     words = (seed, generation, machine) if machine else (seed, generation)
     return suite(SUITE, motor, int(combine(*words)[0]) >> 1, n, ROLE)
 
 
 def _judge(search: _Search, values: dict[str, float]) -> None:
-    """Keep these values if they are better than the best."""
+    """Keep these values if they cost less than the best so far."""
     (cost,) = _costs(search, [values], 0, search.judged)
     if cost.objective < search.best_cost.objective:
         search.best, search.best_cost = values, cost
@@ -228,13 +229,13 @@ def _cma(rule: Rule, seed: int) -> "CMAEvolutionStrategy":
         "verb_log": 0,
         "tolflatfitness": 20,
     }
-    if len(start) == 1:  # the library searches from two dimensions on: the second has no effect
+    if len(start) == 1:  # the library needs two dimensions; the second has no effect
         start = [*start, 0.5]
     return cma.CMAEvolutionStrategy(np.clip(start, 0.02, 0.98), SIGMA, options)
 
 
 def _ask(es: "CMAEvolutionStrategy", rule: Rule) -> tuple[list[Floats], list[dict[str, float]]]:
-    """Candidates that the rule takes, each drawn again until it does."""
+    """Candidates, each drawn until the rule accepts it: as points and as parameters."""
     points: list[Floats] = []
     while len(points) < es.popsize:
         x = es.ask(1)[0]
@@ -244,7 +245,7 @@ def _ask(es: "CMAEvolutionStrategy", rule: Rule) -> tuple[list[Floats], list[dic
 
 
 def _decode(rule: Rule, x: Floats) -> dict[str, float]:
-    """Parameters of a point of the unit cube, as they will stand in the file."""
+    """Parameters at a point of the unit cube, rounded as in the file."""
     values = {}
     for p, u in zip(rule.parameters, x, strict=False):
         low, high = p.search
@@ -257,5 +258,5 @@ def _scores(found: Cost) -> dict[str, float]:
 
 
 def _plain(design: dict[str, Any]) -> dict[str, Any]:
-    """JSON has no infinity."""
+    """Settings in JSON types: infinity becomes a string."""
     return {k: str(v) if v == np.inf else v for k, v in design.items()}

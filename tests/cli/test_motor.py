@@ -1,15 +1,21 @@
 """From a data sheet to a checked motor file, and what the check says on screen and page."""
 
+import inspect
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args, get_type_hints
 
 import pytest
 from typer.testing import CliRunner
 
 from sensorless.cli.app import app
+from sensorless.cli.motor_new import new_command
 from sensorless.cli.suited import say_if_unsuited
 from sensorless.design.drive import DriveDesign
+from sensorless.design.new_motor import START_TIME, new_motor
+from sensorless.machine.datasheet import Datasheet
 from sensorless.machine.motor import MOTORS, Motor, Saturation
 from tests.helpers.command import run
 
@@ -147,3 +153,26 @@ def test_weak_saliency_is_said_and_strong_is_not(capsys: pytest.CaptureFixture[s
     assert "inductance ratio 1.07 within rated current" in " ".join(capsys.readouterr().err.split())
     say_if_unsuited(known, DriveDesign())
     assert not capsys.readouterr().err
+
+
+def test_the_help_names_the_values_that_are_assumed() -> None:
+    """Figures in the help of ``motor new`` are those of the code."""
+    hints = get_type_hints(new_command, include_extras=True)
+    helps = {
+        name: str(get_args(hints[name])[1].help)
+        for name in inspect.signature(new_command).parameters
+    }
+    short, long = (float(x) for x in re.findall(r"\d\S*e-6", helps["dead_time"]))
+    (limit,) = (float(x) for x in re.findall(r"below (\d+) V", helps["dead_time"]))
+    sheet = Datasheet(poles=6, speed_rpm=1500, current_rms=4.3, R=7.2, ke=209.7, torque=14.0,
+                      L_d=0.072, L_q=0.102)  # fmt: skip
+    for volt, pwm, dead_time in (
+        (limit - 1.0, 1e3, short),
+        (limit, 1e3, long),
+        (limit, 2e4, 0.02 / 2e4),
+    ):
+        made = new_motor("mine", sheet, u_dc=volt, pwm_hz=pwm, pll_hz=15.0)
+        assert made["drive"]["dead_time"] == pytest.approx(dead_time)
+        assert made["drive"]["adc_range"] == pytest.approx(2.0 * math.sqrt(2.0) * 4.3, rel=1e-4)
+    assert f"{START_TIME:g} s from rest" in helps["inertia"]
+    assert "at most 2 %" in helps["dead_time"] and "twice the rated" in helps["adc_range"]

@@ -50,7 +50,7 @@ def test_random_machines_are_suitable() -> None:
         ({"u_inj": 200.0}, "with limits", "above a fifth of the DC link, 108 V"),
         ({"u_inj": 3.0}, "no", "angle noise"),
         ({"R_s": 360.0}, "no", "R_s = 360"),
-        ({"n_p": 30}, "no", "PWM periods an electrical turn"),
+        ({"n_p": 30}, "no", "PWM periods per electrical turn"),
         ({"u_dc": 300.0}, "with limits", "beyond 300 V: rated torque is reached up to"),
         ({"tau_rated": 30.0}, "with limits", "rated torque 30 N m needs more than i_max"),
         ({"dead_time": 3e-5}, "with limits", "dead time is 15% of T_s"),
@@ -66,7 +66,8 @@ def test_slips_are_found(changes: dict[str, Any], word: str, said: str) -> None:
 
 def test_inductances_that_contradict_the_flux_map() -> None:
     e = changed(PAPER, L_q=0.35)
-    assert "[saturation] gives L_q = 0.286 at zero current, the file says 0.35" in str(e.verdict)
+    said = "[saturation] gives L_q = 0.286 at zero current, but the file says 0.35"
+    assert said in str(e.verdict)
 
 
 def test_cross_coupling_beyond_a_current_asks_for_a_lower_limit() -> None:
@@ -76,7 +77,7 @@ def test_cross_coupling_beyond_a_current_asks_for_a_lower_limit() -> None:
     (found,) = (f for f in e.findings if f.text.startswith("turn by cross-coupling"))
     assert found.weight == LIMIT
     at = float(found.text.split("above ")[1].split(" A")[0])
-    assert found.text.endswith(f"above {at:.3g} A: lower i_max, wanted 25")
+    assert found.text.endswith(f"above {at:.3g} A: lower i_max; needed: at most 25")
     assert e.seen is not None
     size = np.hypot(*e.seen.signal.i.T)
     assert np.interp(at, size, np.abs(e.seen.cross_deg)) == pytest.approx(25.0, abs=4.0)

@@ -187,7 +187,7 @@ def test_any_motor_is_accepted_without_a_hash() -> None:
 @pytest.mark.parametrize(
     ("build", "message"),
     [
-        (lambda: Axis("omega", 0, 1, 3), "axis: 'omega' is no signal; choose from speed,"),
+        (lambda: Axis("omega", 0, 1, 3), "axis: 'omega' is not a signal; choose from speed,"),
         (lambda: Axis("speed", 0, 1, 1), "axis speed: n: 1; give 2 to 1024"),
         (lambda: Axis("speed", 0, 1, 1025), "axis speed: n: 1025"),
         (lambda: Axis("speed", 0, 1, True), "axis speed: n: True"),
@@ -282,5 +282,5 @@ def test_what_is_no_table_is_refused(tmp_path: Path, text: str) -> None:
 
 def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(UserError, match=r"file/t\.json'.*; write elsewhere"):
+    with pytest.raises(UserError, match=r"file/t\.json'.*; write to another folder"):
         table().save(tmp_path / "file" / "t.json")
