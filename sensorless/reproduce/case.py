@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PUBLISHED = DriveDesign(
+    estimator="smo",
     hfi_pll_hz=20.0,
     smo_pll_hz=30.0,
     smo_gain=1.0,
@@ -33,7 +34,7 @@ PUBLISHED = DriveDesign(
 """Eqs. 7 and 9, injection along the angle of the sample, sigmoid without lag cure, constant L_q, no
 filter in the cross term, i_d = 0. The paper gives no bandwidths; these were chosen."""
 
-CORRECTED = DriveDesign()
+CORRECTED = DriveDesign(estimator="smo")
 """The default drive of this project."""
 
 NOT_SWITCHABLE = (
