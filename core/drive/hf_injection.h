@@ -11,8 +11,8 @@
  * the sign of the voltage that was applied over [k-1, k]. With one period of computation delay that
  * voltage was computed at k-2: signs wait in a queue, parity of k is never used.
  *
- * Magnetic cross-coupling turns the lock point by theta_m / 2 (Eq. 16), a function of the torque
- * current; the caller adds it to the angle.
+ * Magnetic cross-coupling turns the lock point by theta_cross (half of the angle of Eq. 16), a
+ * function of the torque current; the caller adds it to the angle.
  */
 #ifndef SENSORLESS_HF_INJECTION_H
 #define SENSORLESS_HF_INJECTION_H

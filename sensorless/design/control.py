@@ -27,7 +27,7 @@ def operating_line(motor: Motor, use_mtpa: bool) -> Floats:
 def design_curves(
     motor: Motor, line: Floats, *, L_q_table: bool, cross: str, cross_torque: float = 0.5
 ) -> tuple[Floats, Floats, Floats]:
-    """Curves over |i_q|: i_d of the operating line [A], L_q of the observer [H], theta_m / 2 [rad].
+    """Curves over |i_q|: i_d of the operating line [A], L_q of the observer [H], theta_cross [rad].
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ def working_current(motor: Motor, line: Floats, share: float) -> float:
 
 
 def cross_curve(motor: Motor, line: Floats, cross: str, share: float) -> Floats:
-    """theta_m / 2 [rad] over i_q of the operating line, (CURVE_N,): the angle's correction.
+    """theta_cross [rad] over i_q of the operating line, (CURVE_N,): the angle's correction.
 
     Parameters
     ----------

@@ -2,8 +2,8 @@
 
 The drive runs at low speed on its injection estimator, and the load goes from full torque in one
 direction to full torque in the other while an encoder watches. Without compensation the estimate is
-off the rotor by half the cross-coupling angle theta_m (Fig. 4 and Eq. 16 of doi
-10.12177/emca.2025.011). Angles here are truth minus estimate, theta_m / 2: what compensation adds.
+off the rotor by theta_cross (half the angle of Fig. 4 and Eq. 16 of doi 10.12177/emca.2025.011).
+Angles here are truth minus estimate: what compensation adds.
 """
 
 import dataclasses
@@ -74,12 +74,12 @@ class CrossCoupling:
     i: Floats
     """(n, 2) currents of the sweep [A]"""
     angle: Floats
-    """(n,) theta_m / 2 measured [rad]"""
+    """(n,) theta_cross measured [rad]"""
     line: Line
     nodes: Floats
     """(CURVE_N,) |i_q| of the table [A]"""
     table: Floats
-    """(CURVE_N,) theta_m / 2 at positive i_q [rad], from a second sweep under the first fit"""
+    """(CURVE_N,) theta_cross at positive i_q [rad], from a second sweep under the first fit"""
     table_fit: Fit
     left: Floats
     """(m,) error of the drive that runs on the table [rad], over ``left_i_q`` [A]"""
@@ -98,7 +98,7 @@ class CrossCoupling:
             "motor_digest": self.motor.digest,
             "mtpa": self.mtpa,
             "speed_rpm": self.speed_rpm,
-            "angle": "truth minus estimate of the uncompensated injection estimator, theta_m / 2",
+            "angle": "truth minus estimate of the uncompensated injection estimator, theta_cross",
             "line": {
                 "slope_deg_per_A": float(rad(line.slope)),
                 "fitted_up_to_A": line.up_to,

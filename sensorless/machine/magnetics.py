@@ -112,9 +112,10 @@ def apparent_q_inductance(motor: Motor, i: Floats) -> Floats:
 
 
 def cross_angle(motor: Motor, i: Floats) -> Floats:
-    """Angle theta_m / 2 [rad] by which current turns the magnetic axes, at currents (n, 2).
+    """Angle theta_cross [rad] by which current turns the magnetic axes, at currents (n, 2).
 
-    The injection estimator locks at theta - theta_m / 2 (doi 10.12177/emca.2025.011, Eq. 16).
+    The injection estimator locks at theta_e - theta_cross. Half of theta_m of doi
+    10.12177/emca.2025.011, Eq. 16, whose m stands for magnetic.
     """
     gamma = inverse_inductance(motor.saturation, flux(motor.saturation, i))
     return np.asarray(0.5 * np.arctan2(-2.0 * gamma[:, 0, 1], gamma[:, 0, 0] - gamma[:, 1, 1]))

@@ -18,6 +18,8 @@ EXPONENTS = ("S", "T", "U", "V", "W")
 SATURATED = tuple("n_p R_s a_d0 a_dd S a_q0 a_qq T a_dq U V".split())
 BRIDGE = ("a_b", "a_bp", "k_q", "psi_n", "W")
 POSITIVE = ("T_s", "L_d", "L_q", "a_d0", "a_q0", "J")
+INIT = {"i_d": "i_d", "i_q": "i_q", "theta_m": "theta_e", "w_M": "omega_m"}
+"""Keys of ``init`` and what they are called here."""
 NOTES = ("rtol", "atol")
 """Keys that say how a reference was made; they are ignored."""
 
@@ -40,9 +42,9 @@ class PlantCase:
     i_d: float
     """current at the start [A]"""
     i_q: float
-    theta_m: float
+    theta_e: float
     """electrical angle at the start [rad]"""
-    w_M: float
+    omega_m: float
     """mechanical speed at the start, or the held one [rad/s]"""
 
 
@@ -82,7 +84,7 @@ def case_from(data: Any, where: str) -> PlantCase:
     mechanics = _numbers(
         tables["mechanics"], ("w_M",) if held else ("J", "B"), f"{where}: mechanics"
     )
-    init = _numbers(tables["init"], ("i_d", "i_q", "theta_m", "w_M"), f"{where}: init")
+    init = _numbers(tables["init"], tuple(INIT), f"{where}: init")
     if held and init["w_M"] != mechanics["w_M"]:
         raise UserError(
             f"{where}: init: w_M: {init['w_M']:g}; give the held speed, {mechanics['w_M']:g} rad/s"
@@ -94,7 +96,7 @@ def case_from(data: Any, where: str) -> PlantCase:
         saturation=saturation,
         J=mechanics.get("J", math.inf),
         B=mechanics.get("B", 0.0),
-        **init,
+        **{INIT[key]: value for key, value in init.items()},
     )
 
 
@@ -133,7 +135,7 @@ def _number(name: str, values: dict[str, Any], where: str) -> float:
     if good and name in (*EXPONENTS, "n_p"):
         low, high = (1, 100) if name == "n_p" else (0, 7)
         good = value == int(value) and low <= value <= high
-    elif good and name not in ("i_d", "i_q", "theta_m", "w_M"):
+    elif good and name not in INIT:
         good = value > 0 if name in POSITIVE else value >= 0
     if not good:
         raise UserError(f"{where}: {name}: {value!r}; give {_range(name)}")
@@ -145,6 +147,6 @@ def _range(name: str) -> str:
         return "a whole number from 0 to 7"
     if name == "n_p":
         return "a whole number from 1 to 100"
-    if name in ("i_d", "i_q", "theta_m", "w_M"):
+    if name in INIT:
         return "a finite number"
     return f"a finite number {'above 0' if name in POSITIVE else 'of at least 0'}"

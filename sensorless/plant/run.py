@@ -71,8 +71,8 @@ def plant_arrays(
     state = np.zeros(1, dtype=PLANT_STATE)
     psi = flux(case.saturation, np.array([[case.i_d, case.i_q]]))[0]
     state["psi_d"], state["psi_q"] = psi
-    state["omega_m"] = case.w_M
-    state["theta_e"] = math.remainder(case.theta_m, 2.0 * math.pi)
+    state["omega_m"] = case.omega_m
+    state["theta_e"] = math.remainder(case.theta_e, 2.0 * math.pi)
     return plant, state
 
 

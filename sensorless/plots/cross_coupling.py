@@ -45,7 +45,7 @@ def cross_coupling(c: CrossCoupling, paper: Sequence[PaperValue] = ()) -> "Figur
     )
     top.plot(i_q, deg(c.angle), "o", color=COLOURS["hfi"], ms=4, label="measured, no compensation")
     draw(top, paper)
-    top.set_ylabel("θₘ/2 [° el.]\ntruth − injection estimate")
+    top.set_ylabel("cross-coupling [° el.]\ntruth − injection estimate")
     top.set_title(
         f"{c.motor.name}: cross-coupling at {c.speed_rpm:.0f} r/min, "
         + ("MTPA" if c.mtpa else "$i_d$ = 0")

@@ -49,8 +49,8 @@ def holding_voltage(motor: Motor, rpm: float, i: complex) -> complex:
         B=0.0,
         i_d=i.real,
         i_q=i.imag,
-        theta_m=0.0,
-        w_M=omega / motor.n_p,
+        theta_e=0.0,
+        omega_m=omega / motor.n_p,
     )
 
     def moved(u: Floats) -> Floats:

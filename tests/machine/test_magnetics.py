@@ -93,7 +93,7 @@ def test_linear_machine(linear: Motor) -> None:
 
 
 def test_cross_angle_turns_the_axes_of_the_inductance(motor: Motor) -> None:
-    """The axis of least incremental inductance, where injection locks, lies at -theta_m / 2."""
+    """The axis of least incremental inductance, where injection locks, lies at -theta_cross."""
     i = np.array([[-0.6, 1.8], [0.0, 5.0], [-2.0, 3.6], [0.0, -2.0]])
     angle = cross_angle(motor, i)
     L = np.linalg.inv(inverse_inductance(motor.saturation, flux(motor.saturation, i)))

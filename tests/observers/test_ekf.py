@@ -28,8 +28,8 @@ def turning(rpm: float, i_dq: complex, periods: int, theta: float) -> tuple[Floa
         B=0.0,
         i_d=i_dq.real,
         i_q=i_dq.imag,
-        theta_m=theta,
-        w_M=omega_m,
+        theta_e=theta,
+        omega_m=omega_m,
     )
     omega = MOTOR.n_p * omega_m
     psi = complex(*flux(MOTOR.saturation, np.array([[i_dq.real, i_dq.imag]]))[0])

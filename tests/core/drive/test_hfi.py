@@ -59,8 +59,8 @@ class Bench:
             B=0.0,
             i_d=0.0 if current is None else current.real,
             i_q=0.0 if current is None else current.imag,
-            theta_m=0.5,
-            w_M=self.omega / motor.n_p,
+            theta_e=0.5,
+            omega_m=self.omega / motor.n_p,
         )
         self.plant, self.state = plant_arrays(case)
         self.emf = self.omega * motor.psi_f
@@ -126,7 +126,7 @@ def test_slope(c: Call, motor: Motor) -> None:
 def test_slope_under_load(c: Call, motor: Motor, i: complex) -> None:
     """At 6 N m: 0.68 around the rotor axis, and 1 - L_min / L_max, 0.70, where it locks.
 
-    That is at theta_m / 2, on the turned magnetic axes; 1 - L_d / L_q alone would be 0.685.
+    That is at theta_cross, on the turned magnetic axes; 1 - L_d / L_q alone would be 0.685.
     """
     at = np.array([[i.real, i.imag]])
 

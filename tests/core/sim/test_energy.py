@@ -48,8 +48,8 @@ def test_balance(name: str, motor: Motor, map_currents: Map) -> None:
         B=0.02,
         i_d=-1.0,
         i_q=3.0,
-        theta_m=0.4,
-        w_M=60.0,
+        theta_e=0.4,
+        omega_m=60.0,
     )
     rng = np.random.default_rng(3)
     held = np.concatenate(
@@ -93,8 +93,8 @@ def test_without_resistance_the_field_gives_back_what_it_took(
         B=0.0,
         i_d=0.0,
         i_q=0.0,
-        theta_m=0.0,
-        w_M=0.0,
+        theta_e=0.0,
+        omega_m=0.0,
     )
     loop = np.array(
         [[1000.0, 500.0, 0.0], [-700.0, 900.0, 0.0], [-600.0, -800.0, 0.0], [300.0, -600.0, 0.0]]

@@ -43,7 +43,7 @@ ODD = Saturation(
 
 RATED = 3.98 * math.sqrt(2.0)
 
-# i_q [A] at i_d = 0: torque, psi_d, psi_q, incremental L_d, L_q, L_dq, theta_m / 2 [deg]
+# i_q [A] at i_d = 0: torque, psi_d, psi_q, incremental L_d, L_q, L_dq, theta_cross [deg]
 FITTED = [
     (1.0, 2.96, 0.9862, 0.2564, 0.0635, 0.2336, -0.0123, -4.13),
     (2.04, 5.93, 0.9691, 0.4833, 0.0645, 0.2053, -0.0200, -7.92),

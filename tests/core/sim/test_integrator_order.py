@@ -33,8 +33,8 @@ def case_of(saturation: Saturation, held: bool) -> PlantCase:
         B=0.0 if held else 0.01,
         i_d=-1.0,
         i_q=4.0,
-        theta_m=2.0,
-        w_M=90.0,
+        theta_e=2.0,
+        omega_m=90.0,
     )
 
 
@@ -42,8 +42,8 @@ def voltages(case: PlantCase, periods: int) -> Floats:
     """Voltages (n, 3) near the EMF with an alternating part, and a load."""
     psi_f = flux(case.saturation, np.zeros((1, 2)))[0, 0]
     k = np.arange(periods)
-    theta = case.theta_m + case.n_p * case.w_M * case.T_s * (k + 0.5)
-    emf = case.n_p * case.w_M * psi_f
+    theta = case.theta_e + case.n_p * case.omega_m * case.T_s * (k + 0.5)
+    emf = case.n_p * case.omega_m * psi_f
     along = 40.0 * (-1.0) ** k
     return np.stack(
         [
@@ -66,7 +66,7 @@ def oracle(case: PlantCase, inputs: Floats, currents: Map, turning: bool) -> Flo
     ``turning``: the voltage is held in the stator frame, as it is; else in the rotor frame.
     """
     psi = flux(case.saturation, np.array([[case.i_d, case.i_q]]))[0]
-    state = np.array([psi[0], psi[1], case.w_M, case.theta_m])
+    state = np.array([psi[0], psi[1], case.omega_m, case.theta_e])
     rows = [state]
     for u_alpha, u_beta, tau_load in inputs:
         start = state[3]
