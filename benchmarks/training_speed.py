@@ -19,7 +19,7 @@ from benchmarks.timing import Run, best_rates
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import training_env
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
-from sensorless.agents.train.train import TablePPO, _model
+from sensorless.agents.train.train import TablePPO, new_model
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.stress import DURATION
 from sensorless.machine.motor import Motor
@@ -91,9 +91,9 @@ def measure(seconds: float) -> dict[str, Any]:
     table = config.start_table(table_named("eq25", motor), motor, design.k_s_slew)
     env = training_env(config, design, (motor,))
     env.seed(0)
-    model = _model(config, table, env)
+    model = new_model(config, table, env)
     free = FreeVecEnv(env, round(1e3 * DURATION / config.decision_ms))
-    runs = {"drive": updates(model), "free": updates(_model(config, table, free))}
+    runs = {"drive": updates(model), "free": updates(new_model(config, table, free))}
     rates = best_rates(runs, seconds)
 
     spent: dict[str, float] = defaultdict(float)

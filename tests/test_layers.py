@@ -1,6 +1,7 @@
 """A layer is a folder: files import from lower ones and from their own, never in circles."""
 
 import ast
+import re
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -119,6 +120,56 @@ def test_a_forbidden_import_is_found(module: str, source: str) -> None:
     """Added to the real file, which is clean without it."""
     text = FILES[module].read_text(encoding="utf-8")
     assert len(forbidden(module, f"{text}\n{source}\n")) == 1
+
+
+def private_names(source: str) -> set[str]:
+    """Private functions, classes, variables and attributes that a file defines."""
+    found = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            found.add(node.name)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            found.add(node.id)
+        elif isinstance(node, ast.Attribute) and ast.unparse(node.value) == "self":
+            found.add(node.attr)
+    return {name for name in found if re.fullmatch("_[^_].*", name)}
+
+
+PRIVATE = set().union(*(private_names(p.read_text(encoding="utf-8")) for p in FILES.values()))
+
+
+def pried(source: str) -> list[str]:
+    """Private names of the package that a file outside of it imports, reads or replaces."""
+    out, own = [], private_names(source)
+    for node in ast.walk(ast.parse(source)):
+        names: list[object] = []
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sensorless."):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.Attribute) and ast.unparse(node.value) not in ("self", "cls"):
+            names = [node.attr]
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("setattr"):
+            names = [arg.value for arg in node.args[1:2] if isinstance(arg, ast.Constant)]
+        out += [f"{ast.unparse(node)}: {name}" for name in names if name in PRIVATE - own]
+    return out
+
+
+@pytest.mark.parametrize("folder", ["tests", "benchmarks", "studies"])
+def test_nobody_pries(folder: str) -> None:
+    for path in (ROOT / folder).rglob("*.py"):
+        assert not pried(path.read_text(encoding="utf-8")), path
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "from sensorless.tuning.tune import _judge",
+        "from sensorless.tuning import tune as t\nt._judge",
+        "factory._motor_of",
+        "monkeypatch.setattr(tuning, '_judge', stop)",
+    ],
+)
+def test_prying_is_found(source: str) -> None:
+    assert len(pried(source)) == 1
 
 
 def circle(graph: dict[str, set[str]]) -> list[str]:

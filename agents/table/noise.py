@@ -23,20 +23,21 @@ class NodeNoise(DiagGaussianDistribution):
     def __init__(self, kernel: NodeKernel) -> None:
         super().__init__(action_dim=1)
         self._kernel = kernel
-        self._z = torch.zeros(0, 0)
+        self.z = torch.zeros(0, 0)
+        """(n_envs, nodes) noise that is held."""
         self._offset = torch.zeros(0, 1)
 
     def draw(self, n_envs: int) -> None:
         """Draw new noise for every pair of environments and every node, opposite within a pair."""
-        self._z = opposite(self._kernel.sample((n_envs + 1) // 2))[:n_envs]
+        self.z = opposite(self._kernel.sample((n_envs + 1) // 2))[:n_envs]
 
     def at(
         self, mean: Tensor, std: Tensor, nodes: Tensor, frac: Tensor, weights: Tensor
     ) -> "NodeNoise":
         """Set the distribution at n observations from means (n, 1), corner nodes and weights."""
         self.distribution = Normal(mean, std.expand_as(mean))
-        if len(self._z) == len(mean):
-            z = (self._z.gather(1, nodes) * weights).sum(dim=1, keepdim=True)
+        if len(self.z) == len(mean):
+            z = (self.z.gather(1, nodes) * weights).sum(dim=1, keepdim=True)
             self._offset = std * z / self._kernel.spread(frac)
         else:
             self._offset = std * torch.randn_like(mean)

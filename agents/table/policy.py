@@ -67,6 +67,7 @@ class TableActorCritic(ActorCriticPolicy):
             "monotone": monotone,
         }
         self.learn_actor = True
+        self.monotone = monotone
         nets: dict[str, list[int]] = {"pi": [], "vf": []}
         super().__init__(observation_space, action_space, lr_schedule, net_arch=nets)
         self.use_sde = use_sde
@@ -114,7 +115,7 @@ class TableActorCritic(ActorCriticPolicy):
         nodes.grad = smooth / max(self._size, 1e-30)
 
     def _after_step(self, *_: object) -> None:
-        self.actor.project(monotone=self._settings["monotone"])
+        self.actor.project(monotone=self.monotone)
 
     def reset_noise(self, n_envs: int = 1) -> None:
         """Draw the noise of the next rollout."""

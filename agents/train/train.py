@@ -68,7 +68,7 @@ def train(
     reference = Motor.load(config.motor)
     machines = Machines.of(reference, config.machines, config.seed)
     table = config.start_table(source, reference, design.k_s_slew)
-    model = _model(config, table, training_env(config, design, machines.motors))
+    model = new_model(config, table, training_env(config, design, machines.motors))
     create(folder, config, machines, design, table)
     return _learn(model, folder, config, design, machines, report)
 
@@ -93,7 +93,7 @@ def resume(config: TrainConfig, folder: Path, *, report: Progress | None = None)
             f"it cannot continue on {machines.name!r}, digest {machines.digest[:16]}"
         )
     config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)
-    model = _model(config, table, training_env(config, design, machines.motors))
+    model = new_model(config, table, training_env(config, design, machines.motors))
     _restore(model, folder / LATEST)
     return _learn(model, folder, config, design, machines, report)
 
@@ -121,7 +121,8 @@ def _learn(
     return watch.best
 
 
-def _model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
+def new_model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
+    """PPO of a run before its first update."""
     torch.set_num_threads(1)
     actor: type[TableActorCritic] | type[MlpActorCritic] = TableActorCritic
     kwargs = {"table": table, "noise": config.noise, "value_scale": VALUE_SCALE, "hidden": 64}

@@ -171,7 +171,8 @@ class SimFactory:
             },
         )
         template["sensor"]["carrier"] = int(design.carrier)
-        self._template = template
+        self.template = template
+        """One drive (1,) before its scenario; ``build`` starts from copies."""
 
     def build(
         self,
@@ -197,7 +198,7 @@ class SimFactory:
                 f"seek: {motor.name} does not saturate along d, so its poles look alike; start "
                 "at a known angle, or give the machine a saturation model"
             )
-        sims = np.repeat(self._template, len(s))
+        sims = np.repeat(self.template, len(s))
         if estimator not in (None, self.design.estimator):
             design = dataclasses.replace(self.design, estimator=estimator)
             sims["control"] = control_record(motor, design)

@@ -110,7 +110,7 @@ def tune(
     drawn = Machines.of(motor, machines, seed)
     es = _cma(rule, seed)
     population = es.popsize
-    length = float(_scenarios(motor, seed, 0, 1).duration[0])
+    length = float(generation_scenarios(motor, seed, 0, 1).duration[0])
     fewest = max(FEWEST_SCENARIOS, len(drawn.motors))
     least = (2 + CHECK) * population * fewest * length
     if not least <= budget <= 1e9:
@@ -193,14 +193,16 @@ def _costs(
     share, parts = n // len(search.factories), []
     for i, factory in enumerate(search.factories):
         policies = [search.rule.build(search.rule.name, v, factory.motor) for v in values]
-        part = _scenarios(factory.motor, search.seed, generation, share, i)
+        part = generation_scenarios(factory.motor, search.seed, generation, share, i)
         found, seconds = costs(policies, part, factory, search.engine)
         search.used += seconds
         parts.append([astuple(cost) for cost in found])
     return [Cost(*(float(x) for x in row)) for row in np.mean(parts, axis=0)]
 
 
-def _scenarios(motor: Motor, seed: int, generation: int, n: int, machine: int = 0) -> Scenarios:
+def generation_scenarios(
+    motor: Motor, seed: int, generation: int, n: int, machine: int = 0
+) -> Scenarios:
     """Scenarios of a generation, counted from 1; 0: the set that centres are judged on."""
     words = (seed, generation, machine) if machine else (seed, generation)
     return suite(SUITE, motor, int(combine(*words)[0]) >> 1, n, ROLE)

@@ -32,8 +32,8 @@ def test_partners_explore_in_opposite_directions() -> None:
     torch.manual_seed(0)
     noise = NodeNoise(NodeKernel((4, 3), 1.0))
     noise.draw(6)
-    assert torch.equal(noise._z[0::2], -noise._z[1::2])
-    assert not torch.equal(noise._z[0], noise._z[2])
+    assert torch.equal(noise.z[0::2], -noise.z[1::2])
+    assert not torch.equal(noise.z[0], noise.z[2])
     assert opposite(torch.arange(2.0)).tolist() == [0.0, -0.0, 1.0, -1.0]
 
 

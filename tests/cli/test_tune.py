@@ -3,6 +3,7 @@
 import json
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from typer.testing import CliRunner
@@ -10,6 +11,7 @@ from typer.testing import CliRunner
 from sensorless.cli.app import app
 from sensorless.errors import UserError
 from sensorless.tuning import tune as tuning
+from sensorless.tuning.batch import costs
 from tests.helpers.scenarios import lasting
 
 RUN = CliRunner()
@@ -36,10 +38,8 @@ def test_ctrl_c_writes_the_best_and_tells_so(
 ) -> None:
     monkeypatch.setattr(tuning, "suite", lasting(0.05))
 
-    def stop(*args: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(tuning, "_run", stop)
+    started = Mock(side_effect=[costs, KeyboardInterrupt])
+    monkeypatch.setattr(tuning, "costs", lambda *args: started()(*args))
     out = tmp_path / "mine.json"
     done = RUN.invoke(app, ["tune", "linear", "--budget", "20", "--out", str(out)])
     assert done.exit_code == 130

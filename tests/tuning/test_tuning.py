@@ -120,8 +120,8 @@ def test_random_machines_share_the_scenarios(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_every_generation_has_scenarios_of_its_own() -> None:
-    seeds = [tuning._scenarios(PAPER, 1, g, 8).seed for g in range(5)]
-    others = tuning._scenarios(PAPER, 2, 1, 8).seed
+    seeds = [tuning.generation_scenarios(PAPER, 1, g, 8).seed for g in range(5)]
+    others = tuning.generation_scenarios(PAPER, 2, 1, 8).seed
     assert len(np.unique(np.concatenate([*seeds, others]))) == 48
 
 

@@ -15,7 +15,7 @@ from sensorless.versions import versions
 def code() -> dict[str, str]:
     """Versions of package, core and libraries; digests of the sources and NumPy's arithmetic."""
     known = {name: value for name, value in versions().items() if name != "python"}
-    return {**known, "sources": _sources(), "arithmetic": _arithmetic()}
+    return {**known, "sources": _sources(), "arithmetic": arithmetic()}
 
 
 def difference(here: dict[str, str], there: dict[str, str]) -> str:
@@ -41,7 +41,7 @@ def _sources() -> str:
     return digest.hexdigest()
 
 
-def _arithmetic() -> str:
+def arithmetic() -> str:
     """Digest of functions for which NumPy uses different instructions on different processors."""
     x = np.linspace(-3.0, 3.0, 1001)
     digest = hashlib.sha256()

@@ -40,9 +40,9 @@ STORE = 256 * 2**20
 class RayEngine:
     """Tasks of the cluster that this process is connected to."""
 
-    def __init__(self, ray: ModuleType) -> None:
-        self._ray = ray
-        self._task = ray.remote(max_retries=RETRIES)(_task())
+    def __init__(self, ray: ModuleType, retries: int = RETRIES) -> None:
+        self._ray, self._retries = ray, retries
+        self._task = ray.remote(max_retries=retries)(_task())
         self._window = WINDOW_PER_CPU * max(4, int(ray.cluster_resources().get("CPU", 0)))
 
     def map(self, function: Callable[[Chunk], Result], chunks: Iterable[Chunk]) -> Iterator[Result]:
@@ -71,8 +71,8 @@ class RayEngine:
             raise error.cause from None
         except self._ray.exceptions.RayError as error:
             raise UserError(
-                f"engine: ray lost a chunk after {RETRIES} retries: {_line(error)}; check the "
-                "cluster, or use --engine local"
+                f"engine: ray lost a chunk after {self._retries} retries: {_line(error)}; check "
+                "the cluster, or use --engine local"
             ) from None
         if refusal is not None:
             raise UserError(f"engine: {refusal}; install the same version on every node")

@@ -114,7 +114,7 @@ def test_a_monotone_table_falls_with_speed_whatever_the_gradient() -> None:
     tables = {}
     for monotone in (True, False):
         net = policy(smoothness=0.0)
-        net._settings["monotone"] = monotone
+        net.monotone = monotone
         net.actor.values.data = 1.0 - net.actor.values.data  # falling along both axes
         start = net.actor.values.detach().clone()
         net.actor.project(monotone=monotone)

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from torch.optim import Adam
 
 from sensorless.agents.loading import load_run
 from sensorless.agents.table.module import TableModule
-from sensorless.agents.table.policy import TableActorCritic
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.train import resume, train
 from sensorless.baselines.linear import EQ25_BAND, linear_table
@@ -97,13 +97,13 @@ def test_steps_of_the_optimiser_end_where_asked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen: list[list[float]] = []
-    before = TableActorCritic._before_step
+    step = Adam.step
 
-    def watched(self: TableActorCritic, *_: object) -> None:
-        seen.append([group["lr"] for group in self.optimizer.param_groups])
-        before(self)
+    def watched(self: Adam, closure: None = None) -> object:
+        seen.append([group["lr"] for group in self.param_groups])
+        return step(self, closure)
 
-    monkeypatch.setattr(TableActorCritic, "_before_step", watched)
+    monkeypatch.setattr(Adam, "step", watched)
     train(replace(SMALL, lr_end=0.1), DriveDesign(), tmp_path / "run", START)
     np.testing.assert_allclose(seen[0], [SMALL.lr_nodes, SMALL.lr_critic])
     # Of the four rollouts the last one ends the training without an update.

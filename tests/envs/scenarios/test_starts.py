@@ -27,7 +27,7 @@ def starts(n: int = 1000, polarity: bool = True) -> Rollout:
     """The suite under Eq. 25; without polarity detection the first guess of the pole is kept."""
     factory = SimFactory(MOTOR, DriveDesign())
     if not polarity:
-        factory._template["control"]["start"]["i_pole"] = 0.0
+        factory.template["control"]["start"]["i_pole"] = 0.0
     return rollout(make_policy("eq25", MOTOR), suite("starts", MOTOR, 1, n), factory)
 
 

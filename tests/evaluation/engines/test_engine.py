@@ -10,8 +10,7 @@ import pytest
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
-from sensorless.evaluation.engines import code as engine_code
-from sensorless.evaluation.engines.code import code, difference
+from sensorless.evaluation.engines.code import arithmetic, code, difference
 from sensorless.evaluation.engines.engine import LOCAL
 from sensorless.evaluation.engines.named import engine_named
 from sensorless.machine.motor import Motor
@@ -61,7 +60,7 @@ def test_every_rule_can_travel(rule: str) -> None:
     there, built = pickle.loads(pickle.dumps((policy, factory)))
     assert there.name == policy.name
     assert built.design == factory.design
-    assert built._template.tobytes() == factory._template.tobytes()
+    assert built.template.tobytes() == factory.template.tobytes()
 
 
 def test_code_names_what_bits_depend_on() -> None:
@@ -74,6 +73,6 @@ def test_code_names_what_bits_depend_on() -> None:
 
 
 def test_another_arithmetic_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    exact, exp = engine_code._arithmetic(), np.exp
+    exact, exp = arithmetic(), np.exp
     monkeypatch.setattr("numpy.exp", lambda x: np.nextafter(exp(x), np.inf))
-    assert engine_code._arithmetic() != exact
+    assert arithmetic() != exact

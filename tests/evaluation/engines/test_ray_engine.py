@@ -134,16 +134,14 @@ def test_other_code_is_refused(engine: Engine, monkeypatch: pytest.MonkeyPatch) 
         list(engine.map(abs, [-1]))
 
 
-def test_a_worker_that_dies_every_time_ends_the_work(
-    engine: Engine, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_worker_that_dies_every_time_ends_the_work(cluster: Any, engine: Engine) -> None:
+    import ray
+
     def dies(_: int) -> None:
         os._exit(1)
 
-    assert isinstance(engine, ray_engine.RayEngine)
-    monkeypatch.setattr(engine, "_task", engine._task.options(max_retries=1))
-    with pytest.raises(UserError, match="lost a chunk after 8 retries"):
-        list(engine.map(dies, [1]))
+    with pytest.raises(UserError, match="lost a chunk after 1 retries"):
+        list(ray_engine.RayEngine(ray, retries=1).map(dies, [1]))
 
 
 @pytest.mark.parametrize("address", ["nonsense", "127.0.0.1:1", ":1", "127.0.0.1:x"])
