@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from sensorless.agents.mlp.schedule import MlpSchedule
 from sensorless.agents.table.fit import TableFit
-from sensorless.agents.validation import validate
+from sensorless.agents.validation import SUITE, validate
 from sensorless.core.api import Array
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import SimFactory
@@ -150,6 +150,6 @@ def _visit(
     """Run a policy on the scenarios of a round; return the RMS difference to the teacher."""
     taught = _Taught(policy, teacher, fit)
     drawn = int(combine(seed, number)[0]) >> 1
-    for _ in rollouts(taught, suite("stress-1", factory.motor, drawn, size, "train"), factory):
+    for _ in rollouts(taught, suite(SUITE, factory.motor, drawn, size, "train"), factory):
         pass
     return taught.rms

@@ -13,10 +13,13 @@ from sensorless.evaluation.objective import Cost
 from sensorless.evaluation.rollout import rollouts
 from sensorless.policy import Policy
 
+SUITE = "stress-1"
+"""Suite of validation, and of the states that distillation visits."""
+
 
 def validate(policy: Policy, factory: SimFactory, size: int, seed: int = 0) -> Cost:
-    """Cost of a policy over ``size`` stress scenarios with the role ``tune``."""
-    scenarios = suite("stress-1", factory.motor, seed, size, role="tune")
+    """Cost of a policy over ``size`` scenarios of ``SUITE`` with the role ``tune``."""
+    scenarios = suite(SUITE, factory.motor, seed, size, role="tune")
     lost, dev, ripple = [], [], []
     for r in rollouts(policy, scenarios, factory):
         kept = r.lost == 0

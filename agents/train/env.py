@@ -1,4 +1,4 @@
-"""Environments to train in: stress scenarios of the role ``train``."""
+"""Environments to train in: scenarios of the suite ``stress-1`` with the role ``train``."""
 
 from collections.abc import Sequence
 
@@ -18,7 +18,7 @@ from sensorless.machine.motor import Motor
 
 
 def training_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
-    """Stress scenarios of the role ``train``."""
+    """Scenarios of the suite ``stress-1`` with the role ``train``."""
     return stress_1_scenarios(motor, combine(ROLES["train"], seeds))
 
 

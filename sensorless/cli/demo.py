@@ -29,7 +29,7 @@ def demo_command(
     """Train, judge, draw and export a schedule for the paper's motor in about three minutes.
 
     The schedule starts as Eq. 25, the linear rule of the source paper, and learns with PPO. It is
-    judged beside three rules and a drive with a position sensor on stress scenarios, which draw
+    judged against three rules and a drive with a position sensor on the suite stress-1, which draws
     load, machine and sensor errors at random. Figures, results and C code land in one folder.
 
     For example:
@@ -37,7 +37,7 @@ def demo_command(
         sensorless demo --minutes 1 --out build/demo
     """
     from sensorless.agents.train.config import TrainConfig
-    from sensorless.cli.demo_steps import ESTIMATOR, draw, fresh_folder, hand_over, judge
+    from sensorless.cli.demo_steps import ESTIMATOR, SUITE, draw, fresh_folder, hand_over, judge
     from sensorless.cli.train import run_training
     from sensorless.design.drive import DriveDesign
 
@@ -46,7 +46,7 @@ def demo_command(
     run = out / "ppo-table"
     errors.print(f"[bold]1/4[/] training a schedule for {minutes:g} min, starting from Eq. 25")
     run_training(config, DriveDesign(estimator=ESTIMATOR), run, resume=False)
-    errors.print(f"[bold]2/4[/] judging it on {size} stress scenarios")
+    errors.print(f"[bold]2/4[/] judging it on {size} scenarios of the suite {SUITE}")
     with policy_progress() as report:
         results = judge(out, f"./{run}" if not run.is_absolute() else str(run), size, seed, report)
     errors.print("[bold]3/4[/] drawing figures")

@@ -1,4 +1,4 @@
-"""The whole road in one command: train, judge, look, export."""
+"""The steps of ``sensorless demo``: judge, draw, export."""
 
 import shutil
 from pathlib import Path
@@ -18,8 +18,10 @@ from sensorless.policies.registry import make_policies, make_policy
 from sensorless.policy import TablePolicy, design_for
 
 MARK = ".sensorless-demo"
+SUITE = "stress-1"
+"""Suite that the demo judges on."""
 ESTIMATOR = "flux"
-"""Of the drive that the demo trains on: Eq. 25 is judged on both, the last of RULES is it there."""
+"""Estimator that the demo trains on; the last of RULES is Eq. 25 on it."""
 RULES = ("eq25", "hysteresis", "flux_observer")
 FIG9 = ("0:200,1:350,2:600", "0:0", 3.0)
 
@@ -49,13 +51,11 @@ def fresh_folder(folder: Path) -> None:
 
 
 def judge(folder: Path, run: str, size: int, seed: int, report: PolicyProgress) -> Results:
-    """Rules, the trained table and the sensored drive on the suite stress-1."""
+    """Judge the rules, the trained table and the sensored drive on ``SUITE``."""
     motor = Motor.load("paper")
     policies = make_policies([*RULES, run, "sensored"], motor)
     out = folder / "results.json"
-    return evaluate(
-        motor, DriveDesign(), "stress-1", seed, size, policies, out=out, progress=report
-    )
+    return evaluate(motor, DriveDesign(), SUITE, seed, size, policies, out=out, progress=report)
 
 
 def draw(folder: Path, run: str, results: Results) -> list[Path]:

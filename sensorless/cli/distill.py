@@ -40,7 +40,10 @@ def distill_command(
         ),
     ] = 4,
     size: Annotated[
-        int, typer.Option(metavar="N", min=1, help="Visit this many stress scenarios per round.")
+        int,
+        typer.Option(
+            metavar="N", min=1, help="Visit this many scenarios of the suite stress-1 per round."
+        ),
     ] = 256,
     seed: SeedOption = 1,
     smoothness: Annotated[
@@ -55,7 +58,9 @@ def distill_command(
     validate_size: Annotated[
         int,
         typer.Option(
-            metavar="N", min=16, help="Judge each table on this many other stress scenarios."
+            metavar="N",
+            min=16,
+            help="Judge each table on this many other scenarios of the suite stress-1.",
         ),
     ] = 512,
 ) -> None:

@@ -59,9 +59,10 @@ def _train(
     """Train a schedule for k_s with PPO, a method of reinforcement learning.
 
     The table itself is the policy. It starts as a copy of Eq. 25, the linear rule of the source
-    paper. The run folder, runs/NAME, holds the best schedule found in validation (table.json, or
-    mlp.npz with --policy-kind mlp), config.json (settings, command, versions, seed), start.json,
-    checkpoints, progress.csv and TensorBoard logs in tb/; every --policy option takes the folder.
+    paper, and learns on scenarios of the suite stress-1 that evaluation never uses. The run folder,
+    runs/NAME, holds the best schedule found in validation (table.json, or mlp.npz with
+    --policy-kind mlp), config.json (settings, command, versions, seed), start.json, checkpoints,
+    progress.csv and TensorBoard logs in tb/; every --policy option takes the folder.
 
     The same --seed and --steps give the same schedule to the bit on the same computer; --minutes
     does not. Ctrl-C keeps a checkpoint, and --resume FOLDER continues from it: --minutes and

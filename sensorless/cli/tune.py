@@ -60,9 +60,9 @@ def tune_command(
 ) -> None:
     """Tune the numbers of a hand-over rule with CMA-ES, an evolutionary search.
 
-    It minimises 10 lost_rate + torque deviation + torque ripple on stress scenarios that training
-    and judging never see. The same command gives the same file, on any engine. Ctrl-C keeps the
-    best rule found so far.
+    It minimises 10 lost_rate + torque deviation + torque ripple on scenarios of the suite stress-1
+    that training and evaluation never see. The same command gives the same file, on any engine.
+    Ctrl-C keeps the best rule found so far.
 
     For example:
 

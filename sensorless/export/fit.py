@@ -174,10 +174,10 @@ def readme(entry: dict[str, Any] | None) -> str:
     )
     fitted = fill(f"Fit: {entry['fit']}.", 100)
     return f"""For firmware that has only speed settings, these are the two thresholds of the
-estimated speed that come closest to the table (`two_threshold` in `ks_table.json`), with their cost
-on {SIZE} random stress scenarios, which neither training nor `sensorless evaluate` uses. Torque
-deviation is that from the same drive with a position sensor. Deviation and ripple are RMS over
-rated torque, means over the drives that a rule does not lose.
+estimated speed that come closest to the table (`two_threshold` in `ks_table.json`). Their cost is
+over {SIZE} scenarios of the suite `{SUITE}`; neither training nor `sensorless evaluate` uses them.
+Torque deviation is that from the same drive with a position sensor. Deviation and ripple are RMS
+values over rated torque, averaged over the drives that a rule does not lose.
 
 | rule | what it does | drives lost | torque deviation | torque ripple |
 | --- | --- | --- | --- | --- |

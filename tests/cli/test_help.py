@@ -2,18 +2,23 @@
 
 import dataclasses
 import inspect
+import math
 import re
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 import typer.main
 from typer.testing import CliRunner
 
 from sensorless.agents.train.config import TrainConfig
 from sensorless.cli.app import app
-from sensorless.envs.scenarios.suites import SUITES
-from sensorless.machine.motor import MOTORS
+from sensorless.envs.counter_random import combine
+from sensorless.envs.reward import ANGLE_FREE, RewardWeights
+from sensorless.envs.scenarios.stress import DURATION
+from sensorless.envs.scenarios.suites import ROLES, SUITES
+from sensorless.machine.motor import MOTORS, Motor
 
 ACTIONS = {"--help", "--install-completion", "--show-completion"}
 PLAIN = {"--smoothness"}
@@ -100,6 +105,52 @@ def test_the_help_names_every_suite_and_motor() -> None:
     assert all(re.search(rf"\b{name}\b", suite.help) for name in SUITES)
     (motor,) = (o for o in options("evaluate") if o.name == "motor")
     assert all(path.stem in motor.help for path in MOTORS.glob("*.toml"))
+
+
+def test_the_help_names_the_suite_that_a_command_uses() -> None:
+    """Read from the code; imported here, as some of it needs torch."""
+    from sensorless.agents import validation
+    from sensorless.agents.train.env import training_scenarios
+    from sensorless.cli import demo_steps
+    from sensorless.report import motor_check
+    from sensorless.tuning import tune
+
+    motor, seeds = Motor.load("paper"), np.arange(3, dtype=np.uint64)
+    trained = training_scenarios(motor, seeds)
+    for name in ("stress-1", "stress"):
+        drawn = SUITES[name](motor, combine(ROLES["train"], seeds), np.arange(3), 3)
+        fields = [f.name for f in dataclasses.fields(drawn)]
+        same = all(np.array_equal(getattr(drawn, f), getattr(trained, f)) for f in fields)
+        assert same is (name == validation.SUITE), "training and validation draw the same way"
+    for path, suite in (
+        ("tune", tune.SUITE),
+        ("train", validation.SUITE),
+        ("distill", validation.SUITE),
+        ("demo", demo_steps.SUITE),
+        ("motor check", motor_check.SUITE),
+    ):
+        texts = [COMMANDS[path].help, *(option.help or "" for option in options(path))]
+        named = [n for text in texts for n in re.findall(r"suite\s+([a-z]+(?:-\d)?)", text)]
+        assert named and set(named) == {suite}, path
+        assert not any("stress scenarios" in text for text in texts), path
+
+
+def test_the_help_of_train_has_the_figures_of_the_code() -> None:
+    helps = {option.name: option.help for option in options("train")}
+    config, weights = TrainConfig(), RewardWeights()
+
+    def figures(name: str, pattern: str) -> list[float]:
+        found = re.search(pattern, helps[name])
+        assert found is not None, name
+        return [float(x) for x in found.groups()]
+
+    assert figures("n_steps", r"(\d+) of (\d+) ms") == [config.n_steps, config.decision_ms]
+    assert config.n_steps * config.decision_ms == 1e3 * DURATION, "a whole scenario"
+    worst, of = figures("lost_penalty", r"(\d+) in a scenario of (\d+) s")
+    assert of == DURATION
+    without_angle = weights.worst_running - weights.angle
+    assert worst == pytest.approx(1e3 * DURATION * without_angle, abs=0.5)
+    assert figures("angle_cost", r"begins at (\d+) degrees") == [math.degrees(ANGLE_FREE)]
 
 
 def test_version() -> None:
