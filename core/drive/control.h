@@ -1,8 +1,9 @@
 /* Speed and current control in the estimated rotor frame.
  *
  * Speed: PI with weighted reference (weight 0 is an IP controller) and back-calculated anti-windup;
- * its output is the torque current i_q, limited in slope and magnitude. The d current follows the
- * curve of maximum torque per ampere, lowered by a voltage-driven field-weakening integrator.
+ * its output is the torque current i_q, limited in slope and magnitude, and not increased while the
+ * current control is out of voltage. The d current follows the curve of maximum torque per ampere,
+ * lowered by a voltage-driven field-weakening integrator.
  * Current: two-degree-of-freedom internal-model control (doi 10.1109/28.663477) on the mean of two
  * samples, which carries no injected current; voltage limited to the circle u_dc / sqrt(3) less the
  * reserve for injection. Voltage is turned by theta + 1.5 omega T_s: one period of computation and
@@ -51,12 +52,16 @@ typedef struct {
     float u_max;  /* voltage limit of the last period [V] */
 } control_state_t;
 
-/* Torque-current reference from the speed error [A]. omega_ref, omega: electrical [rad/s]. */
+/* Torque-current reference from the speed error [A]. omega_ref, omega: electrical [rad/s].
+ * Without voltage to spare the reference waits for field weakening: short of voltage the flux falls
+ * behind the rotor, which lowers the torque of a motor and raises that of a generator, until it
+ * slips. */
 CORE_INLINE float speed_control(const control_params_t *p, control_state_t *x, float omega_ref,
                                 float omega, float T_s) {
     float want = p->k_p_speed * (p->weight_ref * omega_ref - omega) + x->i_int;
     float i_d = x->i_ref.d;
     float i_q_max = sqrt_f(max_f(p->i_max * p->i_max - i_d * i_d, 0.0f));
+    i_q_max = x->u_abs > x->u_max ? min_f(i_q_max, abs_f(x->i_ref.q)) : i_q_max;
     float step = clamp_f(want - x->i_ref.q, -p->i_q_step, p->i_q_step);
     float i_q = clamp_f(x->i_ref.q + step, -i_q_max, i_q_max);
     x->i_int += T_s * p->k_i_speed * (omega_ref - omega + (i_q - want) / p->k_p_speed);
@@ -88,7 +93,7 @@ CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, 
     };
     float u_abs = sqrt_f(u.d * u.d + u.q * u.q);
     float u_max = max_f(u_dc * INV_SQRT3_F - reserve, 1.0f);
-    float scale = min_f(u_max / max_f(u_abs, 1.0f), 1.0f);
+    float scale = u_abs > u_max ? u_max / u_abs : 1.0f;
     dq_t u_lim = {scale * u.d, scale * u.q};
     x->u_int.d += p->k_i_d * (x->i_ref.d - i.d + (u_lim.d - u.d) / p->k_t_d);
     x->u_int.q += p->k_i_q * (x->i_ref.q - i.q + (u_lim.q - u.q) / p->k_t_q);

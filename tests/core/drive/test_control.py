@@ -20,6 +20,8 @@ Call = Callable[..., None]
 STATE = struct_dtype("control_state_t")
 U_DC = 540.0
 RESERVE = 50.0
+AMPLE = 1e5
+"""A DC link [V] that no reference exhausts: what the speed control does on its own."""
 
 
 DESIGN = DriveDesign(speed_hz=2.5, speed_weight=0.0, current_hz=120.0, i_q_slew=150.0)
@@ -204,7 +206,7 @@ def test_reference_limits(c: Call, motor: Motor, sign: float) -> None:
     p["k_fw"] = 0.0
     last = 0.0
     for k in range(400):
-        step(c, motor, p, x, 0j, omega_ref=sign * 400.0)
+        step(c, motor, p, x, 0j, omega_ref=sign * 400.0, u_dc=AMPLE)
         i_d, i_q = float(x["i_ref"]["d"][0]), float(x["i_ref"]["q"][0])
         assert abs(i_q) - abs(last) <= 150.0 * motor.T_s * (1.0 + 1e-3)
         assert math.hypot(i_d, i_q) <= motor.i_max * 1.02
@@ -217,17 +219,37 @@ def test_reference_limits(c: Call, motor: Motor, sign: float) -> None:
     assert last * sign > 0.7 * motor.i_max
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_torque_current_waits_for_voltage(c: Call, motor: Motor, sign: float) -> None:
+    """Short of voltage |i_q| does not rise and the speed integrator rests; it may still fall."""
+    p, x = params(motor), np.zeros(1, dtype=STATE)
+    p["k_fw"] = 0.0
+    x["i_ref"]["q"] = x["i_int"] = 2.0 * sign
+    x["u_abs"], x["u_max"] = 200.0, 199.0
+    for _ in range(3000):
+        step(c, motor, p, x, 0j, omega_ref=sign * 100.0, u_dc=60.0, reserve=0.0)
+        assert abs(float(x["i_ref"]["q"][0])) <= 2.0
+    rest = float(x["i_int"][0])
+    assert abs(rest) < 50.0
+    step(c, motor, p, x, 0j, omega_ref=sign * 100.0, u_dc=60.0, reserve=0.0)
+    assert float(x["i_int"][0]) == pytest.approx(rest, abs=1e-3)
+    step(c, motor, p, x, 0j, omega_ref=-sign * 1e3, u_dc=60.0, reserve=0.0)
+    for _ in range(300):
+        step(c, motor, p, x, 0j, omega_ref=-sign * 1e3, u_dc=60.0, reserve=0.0)
+    assert sign * float(x["i_ref"]["q"][0]) < 1.0
+
+
 def test_speed_control_does_not_wind_up(c: Call, motor: Motor) -> None:
     """Two seconds at the current limit leave a bounded integrator and a small overshoot."""
     p, x = params(motor), np.zeros(1, dtype=STATE)
     p["k_fw"] = 0.0
     k_t = 1.5 * motor.n_p**2 * motor.psi_f
     for _ in range(10_000):
-        step(c, motor, p, x, 0j, omega=0.0, omega_ref=300.0)
+        step(c, motor, p, x, 0j, omega=0.0, omega_ref=300.0, u_dc=AMPLE)
     assert abs(float(x["i_int"][0])) < 60.0
     omega, peak = 0.0, 0.0
     for _ in range(10_000):
-        step(c, motor, p, x, 0j, omega=omega, omega_ref=300.0)
+        step(c, motor, p, x, 0j, omega=omega, omega_ref=300.0, u_dc=AMPLE)
         omega += motor.T_s * k_t * float(x["i_ref"]["q"][0]) / motor.J
         peak = max(peak, omega)
     assert omega == pytest.approx(300.0, rel=0.01)
@@ -240,7 +262,7 @@ def test_speed_step_without_limits_does_not_overshoot(c: Call, motor: Motor) -> 
     k_t, speed = 1.5 * motor.n_p**2 * motor.psi_f, []
     omega, hertz = 0.0, DESIGN.speed_hz
     for _ in range(int(1.5 / motor.T_s)):
-        step(c, motor, p, x, 0j, omega=omega, omega_ref=20.0)
+        step(c, motor, p, x, 0j, omega=omega, omega_ref=20.0, u_dc=AMPLE)
         omega += motor.T_s * k_t * float(x["i_ref"]["q"][0]) / motor.J
         speed.append(omega)
     t = motor.T_s * np.arange(1, len(speed) + 1)

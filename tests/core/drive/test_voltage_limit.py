@@ -1,0 +1,33 @@
+"""The drive where its DC link ends: a load that drives a reluctance machine beyond rated speed."""
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import TRACE_NAMES, sim_trace
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.machine.motor import Motor
+
+
+@pytest.mark.parametrize("inertia", [0.55, 0.7, 1.0, 1.7])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_braking_beyond_rated_speed_does_not_slip(inertia: float, way: float) -> None:
+    """A driving load of rated torque within 2 ms, at rated speed.
+
+    The flux that the voltage allows falls as the speed rises. A drive that asks for its torque
+    nevertheless loses the current: torque, sensored or not, runs to several times rated, then the
+    current limit trips.
+    """
+    motor = Motor.load("pmsyrm_5600w")
+    s = Scenarios.nominal(motor, np.array([1], dtype=np.uint64), 0.8)
+    s.omega_0[:] = way * motor.omega_rated / motor.n_p
+    s.omega[:] = s.omega_0[:, None]
+    s.t[:, 1], s.tau[:, 1:] = 0.2, -way * motor.tau_rated
+    s.tau_rate[:] = motor.tau_rated / 0.002
+    s.J[:] = inertia
+    sim = SimFactory(motor, DriveDesign(estimator="coupled")).build(s)
+    trace = sim_trace(sim, int(sim["k_end"][0]), 0.0)
+    column = {name: trace[:, j] for j, name in enumerate(TRACE_NAMES)}
+    assert sim["lost"][0] == 0
+    for who in ("tau", "tau_twin"):
+        assert np.max(np.abs(column[who])) < 2.0 * motor.tau_rated
