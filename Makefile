@@ -37,7 +37,7 @@ bench: $(READY) ## Measure speed, write build/bench.json
 bench-peers: $(READY) ## Measure speed beside other simulators
 	$(VENV)/bin/python benchmarks/peers.py
 
-reference: $(READY) ## Make results/reference anew (about 40 minutes with -j2)
+reference: $(READY) ## Make results/reference anew (about 15 minutes with -j2)
 	@$(MAKE) --no-print-directory -f results/reference.mk
 
 clean: ## Remove all that was built, keep the libraries in .venv

@@ -7,7 +7,7 @@ from typing import Any
 from sensorless.agents.mlp.schedule import MlpSchedule
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
-from sensorless.policy import TablePolicy, trained_estimator
+from sensorless.policy import UNRECORDED, TablePolicy, trained_estimator
 from sensorless.table.ks_table import KsTable
 
 TABLE, MLP, CONFIG = "table.json", "mlp.npz", "config.json"
@@ -42,7 +42,8 @@ def load_run(folder: str | Path, motor: Motor) -> TablePolicy | MlpSchedule:
             f"digest {made_for[:16]}; it cannot run on motor {motor.name!r}, digest "
             f"{motor.digest[:16]}: select its motor, or train anew"
         )
-    policy.estimator = trained_estimator(known) or trained_estimator(_config(path))
+    recorded = trained_estimator(known) or trained_estimator(_config(path))
+    policy.estimator = recorded or UNRECORDED
     return policy
 
 

@@ -31,6 +31,7 @@ HFI = Rule(
 )
 SMO = Rule(
     "smo",
-    "observer alone (sliding-mode by default): constant:0",
-    lambda name, v, motor: TablePolicy(name, constant_table(0.0)),
+    "sliding-mode observer alone: constant:0 on it",
+    lambda name, v, motor: TablePolicy(name, constant_table(0.0), "smo"),
+    estimator="smo",
 )

@@ -16,9 +16,14 @@ def ramp_on(name: str, estimator: str, doc: str) -> Rule:
         speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
         speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it no injection"),
     )
-    return Rule(name, doc, build, band, rising=(("lo", "hi"),))
+    return Rule(name, doc, build, band, rising=(("lo", "hi"),), estimator=estimator)
 
 
+SLIDING_MODE = ramp_on(
+    "sliding_mode",
+    "smo",
+    "the paper's rule on the paper's observers: ramp of the speed to the sliding-mode one",
+)
 ERROR_BLEND = ramp_on(
     "error_blend",
     "errors",

@@ -8,7 +8,8 @@ err_hfi and err_smo are the true angle minus the estimate, means over the last d
 weight before. This k_s minimises (err_smo - k_s apart)^2 + inertia^2 (k_s - k_s')^2: without
 inertia the weight would jump between 0 and 1 wherever the estimators agree. The oracle knows the
 true angle, so it is no deployable rule. It shows what choosing by the angle error alone can reach,
-and no more than that: the best choice now need not be the best for the next half second.
+and no more than that: the best choice now need not be the best for the next half second. It runs on
+the sliding-mode observer; the coupled one has no second angle to choose.
 
 While there is no injection, the error of its estimator is unknown; WAKE_K_S starts it.
 """
@@ -39,7 +40,8 @@ class Oracle:
     """
 
     sensored = False
-    estimator: str | None = None
+    estimator: str | None = "smo"
+    """Of a drive that has two angles to choose from."""
     privileged = True
 
     def __init__(self, name: str, inertia: float, wake: float) -> None:

@@ -53,6 +53,8 @@ class Rule:
     """Pairs of parameters of which the first has to be below the second."""
     needs_numbers: bool = False
     """There are no defaults worth having."""
+    estimator: str | None = None
+    """Estimator that the rule brings along, as in ``Policy``."""
 
     @property
     def usage(self) -> str:

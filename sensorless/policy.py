@@ -13,6 +13,10 @@ from sensorless.table.ks_table import KsTable
 
 Signals = NDArray[np.float32]
 
+UNRECORDED = "smo"
+"""Estimator of a schedule or tuned rule whose file names none: such files are older than the choice
+of estimators."""
+
 
 class Policy(Protocol):
     """Chooses k_s for n drives at once; row i of every array belongs to drive i."""

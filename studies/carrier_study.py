@@ -2,8 +2,9 @@
 
     python studies/carrier_study.py
 
-Runs policies over suites with both inverter models, pairs them scenario by scenario, adds the
-ripple that a switching inverter has between samples, and writes ``results/studies/carrier.json``.
+Runs policies on the sliding-mode observer over suites with both inverter models, pairs them
+scenario by scenario, adds the ripple that a switching inverter has between samples, and writes
+``results/studies/carrier.json``.
 """
 
 import argparse
@@ -48,7 +49,7 @@ def compare(motor: Motor, name: str, size: int, seed: int, policy: str) -> dict[
     scenarios = suite(name, motor, seed, size)
     rule = make_policy(policy, motor)
     scores = [
-        score(rule, scenarios, SimFactory(motor, DriveDesign(carrier=carrier)))
+        score(rule, scenarios, SimFactory(motor, DriveDesign(estimator="smo", carrier=carrier)))
         for carrier in (False, True)
     ]
     mean, switched = scores

@@ -38,6 +38,8 @@ from sensorless.policies.registry import make_policy
 from sensorless.versions import versions
 
 RULE = "eq25"
+PAPERS = DriveDesign(estimator="smo")
+"""The drive with the paper's observers, whose gains these are."""
 SEED = 1
 SIGMA = 0.15
 POPULATION = 12
@@ -80,7 +82,7 @@ def cost(values: Values, motor: Motor, seed: int, sizes: dict[str, int]) -> dict
     """
     gains = dict(values)
     machine = dataclasses.replace(motor, i_max=gains.pop("i_max"))
-    factory = SimFactory(machine, dataclasses.replace(DriveDesign(), **gains))  # type: ignore[arg-type]
+    factory = SimFactory(machine, dataclasses.replace(PAPERS, **gains))  # type: ignore[arg-type]
     policy = make_policy(RULE, machine)
     found: dict[str, float] = {}
     for name, size in sizes.items():
@@ -183,7 +185,7 @@ def main() -> None:
                   flush=True)  # fmt: skip
     best = record["best"]["gains"]
     base, draw = record["judged"][0]["cost"], int(combine(SEED, 0)[0]) >> 1
-    design = dataclasses.asdict(DriveDesign())
+    design = dataclasses.asdict(PAPERS)
     shipped = {n: motor.i_max if n == "i_max" else float(design[n]) for n in GAINS}
     trials = {f"start with {n} of the best": {**START, n: best[n]} for n in GAINS}
     record["compared"] = {}

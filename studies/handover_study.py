@@ -40,8 +40,8 @@ RULE_OF_THE_PAPER = "eq25"
 POLICIES = {
     "corrected": (
         RULE_OF_THE_PAPER, "hysteresis", "linear-tuned", "logistic-tuned", "gated-tuned",
-        "ramp-tuned", "flux_observer-tuned", "logistic-flux-tuned", "reference", "reference-smo",
-        "hfi", "oracle", "sensored",
+        "ramp-tuned", "flux_observer-tuned", "logistic-flux-tuned", "reference-flux",
+        "reference-smo", "hfi", "oracle", "sensored",
     ),
     "published": (RULE_OF_THE_PAPER, "hysteresis", "hfi", "sensored"),
 }  # fmt: skip

@@ -66,7 +66,10 @@ def study(
 ) -> dict[str, Any]:
     """One machine under all policies."""
     motor = Motor.load(name)
-    factory, rows = SimFactory(motor, DriveDesign()), SuiteRows(SUITE, motor, seed, size)
+    factory, rows = (
+        SimFactory(motor, DriveDesign(estimator="smo")),
+        SuiteRows(SUITE, motor, seed, size),
+    )
     scores = {w: score(make_policy(w, motor), rows, factory) for w in (*against, *policies)}
     return {
         "policies": {

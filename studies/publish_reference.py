@@ -1,6 +1,6 @@
-"""Publish what ``make reference`` made: the best tables, tuned rules, and one page of results.
+"""Publish what ``make reference`` made: the best table, tuned rules, and one page of results.
 
-    python studies/publish_reference.py build/reference results/reference
+    python studies/publish_reference.py build/reference results/reference --suite stress-1
 
 The page has one table a suite; every training run is one row of ``runs.csv``. The HTML report with
 its pictures, the results files and the other runs stay where they were made.
@@ -10,6 +10,7 @@ import argparse
 import csv
 import json
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -77,19 +78,17 @@ def runs(folder: Path) -> str:
     return "\n".join(lines) + "\n"
 
 
-def publish(made: Path, shipped: Path) -> None:
+def publish(made: Path, shipped: Path, suites: Sequence[str]) -> None:
     """Replace what the package ships by what was made."""
     results = [
         json.loads((made / "report" / f"results-{suite}.json").read_text(encoding="utf-8"))
-        for suite in ("stress-1", "handoff")
+        for suite in suites
     ]
     ensure_writable(shipped / "tuned")
     for path in (made / "tuned").glob("*.json"):
         shutil.copy(path, shipped / "tuned")
-    for folder in ("", "sliding-mode"):
-        ensure_writable(shipped / folder)
-        for name in BEST:
-            shutil.copy(made / folder / name, shipped / folder)
+    for name in BEST:
+        shutil.copy(made / name, shipped)
     write_atomic(shipped / "runs.csv", runs(made))
     write_atomic(shipped / "results.md", page(results))
 
@@ -99,8 +98,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("made", type=Path, help="folder that make reference worked in")
     parser.add_argument("shipped", type=Path, help="folder that the package ships")
+    parser.add_argument(
+        "--suite", action="append", required=True, help="suite on the page; repeat for several"
+    )
     words = parser.parse_args()
-    publish(words.made, words.shipped)
+    publish(words.made, words.shipped, words.suite)
     print(f"published {words.made} in {words.shipped}")
 
 

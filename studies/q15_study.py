@@ -29,7 +29,7 @@ from sensorless.policy import Signals, TablePolicy
 from sensorless.table.image import lookup
 from sensorless.versions import versions
 
-POLICIES = ("reference", "logistic-tuned")
+POLICIES = ("reference", "reference-flux", "logistic-tuned")
 LIMIT = 0.01
 """Largest change of a metric that is accepted."""
 MOST_BYTES = 4096
@@ -41,8 +41,9 @@ OVER = {
     "dip_excess_pct_s": "dip_pct_s",
 }
 """What is about zero, being left over beside the twin, and what its change is put over instead."""
-SHARES = ("overshoot_clean_above", "not_held", "swing_pct")
-"""Shares near zero, of scenarios or of rated speed: their change is what it is, in points."""
+SHARES = {"overshoot_clean_above": 1.0, "not_held": 1.0, "swing_pct": 100.0, "away_s": 1.0}
+"""What is near zero, made by few scenarios that pass a threshold, and what its change is put over:
+1 for shares of scenarios, 100 for percent of rated speed, 1 for seconds off it."""
 
 
 class Q15Policy(TablePolicy):
@@ -81,7 +82,7 @@ def changes(exact: Scores, rounded: Scores, seed: int) -> dict[str, dict[str, An
     base = {name: x for name, x in pair["there"].items() if math.isfinite(x)}
     out = {}
     for name, x in base.items():
-        over = 1.0 if name in SHARES else abs(base[OVER.get(name, name)]) or 1.0
+        over = SHARES.get(name) or abs(base[OVER.get(name, name)]) or 1.0
         interval = [end / over for end in pair[f"{name}_ci"]]
         out[name] = {"f32": x, "q15": x + pair[name], "change": pair[name] / over}
         out[name] |= {"change_ci": interval}

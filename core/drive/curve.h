@@ -19,7 +19,7 @@ typedef struct {
 
 /* inv_step: nodes per ampere [1/A]. Beyond the last node the last value holds. */
 CORE_INLINE curve_pos_t curve_locate(float i_q, float inv_step) {
-    float t = clamp_f(abs_f(i_q) * inv_step, 0.0f, (float)(CURVE_N - 1));
+    float t = min_f(abs_f(i_q) * inv_step, (float)(CURVE_N - 1)); /* NaN: the last */
     int j = (int)t;
     j = j < CURVE_N - 2 ? j : CURVE_N - 2;
     curve_pos_t pos = {j, t - (float)j};

@@ -35,11 +35,12 @@ CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t 
         x->hfi.pll.omega = x->emf.pll.omega;
     }
     rot_t r = rot_of(coupled ? x->emf.pll.theta : x->hfi.pll.theta);
-    hfi_demodulate(&p->hfi, &x->hfi, i_ab, coupled ? rot_turn(r, -cross) : r);
     if (coupled) {
+        hfi_demodulate(&p->hfi, &x->hfi, i_ab, rot_turn(r, -cross));
         drive_couple(p, x, i_ab, r, cross, pos);
         return r;
     }
+    hfi_demodulate(&p->hfi, &x->hfi, i_ab, r);
     estimate_t hfi = {wrap_pi(x->hfi.pll.theta + cross), x->hfi.pll.omega};
     estimate_t smo = {x->emf.pll.theta, x->emf.pll.omega};
     x->theta_hfi = hfi.theta;

@@ -77,8 +77,9 @@ def sensorless(
     """Run a permanent-magnet motor without a position sensor, and learn when to switch estimators.
 
     A drive without a sensor has two ways to find its rotor. At low speed it injects a
-    high-frequency voltage and reads the answer (HFI); at higher speed an observer, a sliding-mode
-    observer (SMO) by default, reads the motor's own voltage. A weight k_s blends the two: 1 is all
+    high-frequency voltage and reads the answer (HFI); at higher speed an observer, the
+    coupled one by default or the source paper's sliding-mode observer (SMO), reads the motor's
+    own voltage. A weight k_s blends the two: 1 is all
     HFI, 0 all observer. A schedule is the rule for k_s, and the hand-over between the two is where
     drives lose their rotor. This program simulates such a drive, trains schedules with PPO, judges
     them against the rules that drives ship, and exports them as C code.

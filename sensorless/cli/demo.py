@@ -28,16 +28,17 @@ def demo_command(
 ) -> None:
     """Train, judge, draw and export a schedule for the paper's motor in about three minutes.
 
-    The schedule starts as Eq. 25, the linear rule of the source paper, and learns with PPO. It is
-    judged against three rules and a drive with a position sensor on the suite stress-1, which draws
-    load, machine and sensor errors at random. Figures, results and C code land in one folder.
+    The schedule starts as Eq. 25, the linear rule of the source paper, and learns with PPO. The
+    suite stress-1, which draws load, machine and sensor errors at random, judges it beside Eq. 25 on the
+    paper's observers (sliding_mode), Eq. 25 on the drive that it was trained on (eq25), and a
+    drive with a position sensor. Figures, results and C code land in one folder.
 
     For example:
 
         sensorless demo --minutes 1 --out build/demo
     """
     from sensorless.agents.train.config import TrainConfig
-    from sensorless.cli.demo_steps import ESTIMATOR, SUITE, draw, fresh_folder, hand_over, judge
+    from sensorless.cli.demo_steps import SUITE, draw, fresh_folder, hand_over, judge
     from sensorless.cli.train import run_training
     from sensorless.design.drive import DriveDesign
 
@@ -45,7 +46,7 @@ def demo_command(
     fresh_folder(out)
     run = out / "ppo-table"
     errors.print(f"[bold]1/4[/] training a schedule for {minutes:g} min, starting from Eq. 25")
-    run_training(config, DriveDesign(estimator=ESTIMATOR), run, resume=False)
+    run_training(config, DriveDesign(), run, resume=False)
     errors.print(f"[bold]2/4[/] judging it on {size} scenarios of the suite {SUITE}")
     with policy_progress() as report:
         results = judge(out, f"./{run}" if not run.is_absolute() else str(run), size, seed, report)

@@ -20,9 +20,8 @@ from sensorless.policy import TablePolicy, design_for
 MARK = ".sensorless-demo"
 SUITE = "stress-1"
 """Suite that the demo judges on."""
-ESTIMATOR = "flux"
-"""Estimator that the demo trains on; the last of RULES is Eq. 25 on it."""
-RULES = ("eq25", "hysteresis", "flux_observer")
+RULES = ("sliding_mode", "eq25")
+"""Eq. 25 on the paper's observers, and on the drive that the schedule is trained on."""
 FIG9 = ("0:200,1:350,2:600", "0:0", 3.0)
 
 
@@ -59,21 +58,21 @@ def judge(folder: Path, run: str, size: int, seed: int, report: PolicyProgress) 
 
 
 def draw(folder: Path, run: str, results: Results) -> list[Path]:
-    """Figures: Fig. 9, the schedules, and the hand-over where Eq. 25 fared worst."""
+    """Figures: Fig. 9, the schedules, and the hand-over where the paper's drive fared worst."""
     motor, design = Motor.load("paper"), DriveDesign()
-    eq25, learned = make_policy("eq25", motor), make_policy(run, motor)
+    paper, learned = make_policy("sliding_mode", motor), make_policy(run, motor)
     paths = [folder / name for name in ("fig9.png", "schedules.png", "hand-over.png")]
     speed, load, duration = FIG9
     plan = plan_from(speed, load, None, duration, motor, 0)
-    run_9 = trace(eq25, plan, motor, design)
-    save(waveforms({"Fig. 9 under Eq. 25, no load": run_9}), paths[0])
-    assert isinstance(eq25, TablePolicy) and isinstance(learned, TablePolicy)
-    save(schedule_maps(learned.name, learned.table, eq25.table, motor), paths[1])
-    word = results.policies[eq25.name]["worst"][0]["scenario"]
+    run_9 = trace(paper, plan, motor, design)
+    save(waveforms({"Fig. 9 under Eq. 25 on the paper's observers, no load": run_9}), paths[0])
+    assert isinstance(paper, TablePolicy) and isinstance(learned, TablePolicy)
+    save(schedule_maps(learned.name, learned.table, paper.table, motor), paths[1])
+    word = results.policies[paper.name]["worst"][0]["scenario"]
     case = scenario_from(word, motor)
     traces = {
         f"{word} under {policy.name}": trace(policy, case, motor, design)
-        for policy in (eq25, learned)
+        for policy in (paper, learned)
     }
     save(waveforms(traces), paths[2])
     return paths

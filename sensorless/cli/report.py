@@ -57,8 +57,8 @@ def report_command(
         typer.Option(
             "--policy",
             metavar="POLICY",
-            help="Compare with this policy; repeat the option for several. Default: eq25, every "
-            "shipped tuned rule, oracle and sensored.",
+            help="Compare with this policy; repeat the option for several. Default: "
+            "sliding_mode, eq25, every shipped tuned rule, oracle and sensored.",
         ),
     ] = None,
     motor: MotorOption = "paper",

@@ -111,8 +111,9 @@ def simulate_command(
     """Run one drive and look at it, or run the machine alone under given voltages.
 
     Prints how the drive followed its speed reference, how far its angle was off, and whether it
-    kept lock. Without options it runs Fig. 9 of the source paper under Eq. 25: 200, 350 and
-    600 r/min without load, which crosses from injection to the observer.
+    kept lock. Without options it runs the speeds of Fig. 9 of the source paper under its
+    Eq. 25: 200, 350 and 600 r/min without load, which crosses from injection to the observer.
+    `--policy sliding_mode` puts that rule on the paper's observers.
 
     For example:
 

@@ -91,7 +91,7 @@ class DriveDesign:
         "false: as it is (Eq. 15)",
     )
     estimator: str = word(
-        "smo",
+        "coupled",
         "what estimates beside the injection, and how both become one",
         {
             "smo": "sliding-mode observer, angles weighed",

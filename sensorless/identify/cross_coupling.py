@@ -147,7 +147,7 @@ def identify_cross_coupling(motor: Motor, design: DriveDesign) -> CrossCoupling:
     UserError
         The drive holds too few loads of the sweep.
     """
-    design = dataclasses.replace(design, cross="none", speed_hz=SPEED_HZ)
+    design = dataclasses.replace(design, estimator="smo", cross="none", speed_hz=SPEED_HZ)
     raw = _sweep(motor, design, np.zeros(CURVE_N))
     i_q, angle = raw.i[:, 1], raw.err_hfi
     tau = torque(motor, raw.i)

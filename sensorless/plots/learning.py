@@ -20,7 +20,11 @@ from sensorless.policies.registry import make_policy
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-RULES = {"smo": "linear-tuned", "flux": "flux_observer-tuned"}
+RULES = {
+    "smo": "linear-tuned",
+    "flux": "flux_observer-tuned",
+    "coupled": "linear-coupled-tuned",
+}
 """Tuned ramp that a trained schedule has to beat, by the estimator of its drive."""
 CURVES = (
     ("objective", "objective [%]"),

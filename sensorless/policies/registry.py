@@ -26,7 +26,7 @@ from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
 from sensorless.policies.tuned import Tuned
-from sensorless.policy import Policy, TablePolicy, trained_estimator
+from sensorless.policy import UNRECORDED, Policy, TablePolicy, trained_estimator
 from sensorless.table.ks_table import KsTable
 
 RULES: dict[str, Rule] = {
@@ -43,6 +43,7 @@ RULES: dict[str, Rule] = {
         emf_threshold.RULE,
         physics_threshold.RULE,
         fusion.RULE,
+        on_estimator.SLIDING_MODE,
         on_estimator.ERROR_BLEND,
         on_estimator.FLUX_OBSERVER,
         fuzzy.RULE,
@@ -65,7 +66,7 @@ def known() -> dict[str, str]:
     """Names that ``make_policy`` understands, and what each policy is."""
     return {
         **{rule.usage: rule.doc for rule in RULES.values()},
-        **shipped.docs(),
+        **shipped.docs({rule.name: rule.estimator for rule in RULES.values()}),
         TUNED: "rule that sensorless tune wrote; FILE.json alone also works",
         RUN: "policy of a training run; give the path of its folder",
     }
@@ -166,7 +167,7 @@ def table_named(spec: str, motor: Motor) -> KsTable:
 def load_tuned(path: Path, motor: Motor) -> Policy:
     """Policy of a tuned rule, named after its file. Its parameters scale with the machine.
 
-    It runs on the estimator that it was tuned on, if the file names one.
+    It runs on the estimator that it was tuned on.
 
     Raises
     ------
@@ -187,5 +188,5 @@ def load_tuned(path: Path, motor: Motor) -> Policy:
         )
     policy = rule.build(path.stem, tuned.parameters, motor)
     if policy.estimator is None:
-        policy.estimator = trained_estimator(tuned.provenance)
+        policy.estimator = trained_estimator(tuned.provenance) or UNRECORDED
     return policy

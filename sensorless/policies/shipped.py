@@ -1,14 +1,14 @@
 """Policies that come with the package: the learned schedules, and the tuned rules."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
-from sensorless.design.drive import DriveDesign
 from sensorless.policies.tuned import Tuned
-from sensorless.policy import trained_estimator
+from sensorless.policy import UNRECORDED, trained_estimator
 
 FOLDER = Path(__file__).absolute().parents[1] / "reference"
 """``results/reference`` of the repository."""
-RUNS = {"reference": "", "reference-smo": "sliding-mode"}
+RUNS = {"reference": "", "reference-flux": "flux", "reference-smo": "sliding-mode"}
 """Learned schedules by name, and their folders within ``FOLDER``."""
 SUFFIX = "-tuned"
 
@@ -29,8 +29,13 @@ def tuned_names() -> list[str]:
     return sorted(path.stem for path in (FOLDER / "tuned").glob(f"*{SUFFIX}.json"))
 
 
-def docs() -> dict[str, str]:
+def docs(own: Mapping[str, str | None]) -> dict[str, str]:
     """One line about each policy, by name.
+
+    Parameters
+    ----------
+    own : mapping
+        By name of a rule, the estimator that it brings along, or None.
 
     Raises
     ------
@@ -41,9 +46,10 @@ def docs() -> dict[str, str]:
     for name in tuned_names():
         tuned = Tuned.load(tuned_file(name))
         budget = float(tuned.provenance.get("budget_s", "nan"))
-        own = trained_estimator(tuned.provenance)
-        lines[name] = f"{tuned.rule} with parameters found by CMA-ES in {budget:g} s simulated" + (
-            f", estimator={own}" if own not in (None, DriveDesign.estimator) else ""
+        runs_on = own.get(tuned.rule) or trained_estimator(tuned.provenance) or UNRECORDED
+        lines[name] = (
+            f"{tuned.rule} with parameters found by CMA-ES in {budget:g} s simulated, "
+            f"estimator={runs_on}"
         )
     for name, where in RUNS.items():
         if reference_run(name) is not None:

@@ -39,8 +39,8 @@ class Report:
         Policy that the report is about, as in ``sensorless.policies.registry.known``.
     motor, design
     others : sequence of str, optional
-        Policies to compare with, waveforms with the first of them; by default Eq. 25, every shipped
-        tuned rule, and the bounds.
+        Policies to compare with, waveforms with the first of them; by default Eq. 25 on the paper's
+        observers and on the design's, every shipped tuned rule, and the bounds.
     options : sequence of str
         Words of the command line for this motor and design.
     progress : optional
@@ -65,8 +65,8 @@ class Report:
         require_matplotlib()
         self.run, self.motor, self.design = run, motor, design
         self.options, self.progress = options, progress
-        wanted = others or ("eq25", *shipped.tuned_names(), "oracle", "sensored")
-        self.others = [word for word in wanted if word != run] or ["eq25"]
+        wanted = others or ("sliding_mode", "eq25", *shipped.tuned_names(), "oracle", "sensored")
+        self.others = [word for word in wanted if word != run] or ["sliding_mode"]
         self.policy = make_policy(run, motor)
         self.reference = make_policy(self.others[0], motor)
 
@@ -151,7 +151,7 @@ class Report:
         )
 
     def _envelope(self, grid: int, seed: int) -> Figure:
-        policies = list(dict.fromkeys(("hfi", "smo", "eq25", self.run, "sensored")))
+        policies = list(dict.fromkeys(("hfi", "smo", "sliding_mode", "eq25", self.run, "sensored")))
         results = self._evaluate("envelope", seed, grid * grid, policies)
         words = [word for name in policies for word in ("--policy", name)]
         words += ["--suite", "envelope", "--size", str(grid * grid), "--seed", str(seed)]

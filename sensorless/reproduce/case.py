@@ -35,7 +35,7 @@ PUBLISHED = DriveDesign(
 filter in the cross term, i_d = 0. The paper gives no bandwidths; these were chosen."""
 
 CORRECTED = DriveDesign(estimator="smo")
-"""The default drive of this project."""
+"""The same two observers with the corrections of this project."""
 
 NOT_SWITCHABLE = (
     "The sign of the demodulation, which Eq. 7 lacks in print: without it there is no lock, and "

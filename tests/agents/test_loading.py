@@ -43,16 +43,16 @@ def write(folder: Path, table_says: str | None, config_says: str | None) -> Path
 @pytest.mark.parametrize(
     ("table_says", "config_says", "found"),
     [
-        (None, None, None),
+        (None, None, "smo"),
         ("flux", None, "flux"),
         (None, "flux", "flux"),
         ("errors", "flux", "errors"),
     ],
 )
 def test_the_folder_tells(
-    table_says: str | None, config_says: str | None, found: str | None, tmp_path: Path
+    table_says: str | None, config_says: str | None, found: str, tmp_path: Path
 ) -> None:
-    """The table first; the configuration beside it where an older table does not."""
+    """The table first, then the configuration; what names none is older than the choice."""
     assert load_run(write(tmp_path / "run", table_says, config_says), MOTOR).estimator == found
 
 
@@ -70,7 +70,7 @@ def test_an_estimator_that_does_not_exist_is_named(tmp_path: Path) -> None:
         rollout(policy, suite("stress-1", MOTOR, 3, 2), SimFactory(MOTOR, DriveDesign()))
 
 
-@pytest.mark.parametrize("design", [DriveDesign(), FLUX], ids=["smo", "flux"])
+@pytest.mark.parametrize("design", [DriveDesign(), FLUX], ids=["default", "flux"])
 def test_the_design_of_the_evaluation_does_not_matter(design: DriveDesign, tmp_path: Path) -> None:
     """Rollout and trace, under either design: what Eq. 25 does on the estimator of the run."""
     policy, eq25 = (
@@ -90,7 +90,7 @@ def test_results_say_what_each_policy_ran_on(tmp_path: Path) -> None:
     results = evaluate(
         MOTOR, DriveDesign(), "paper", 0, 1, make_policies(["eq25", str(run)], MOTOR)
     )
-    assert [p["estimator"] for p in results.policies.values()] == ["smo", "flux"]
+    assert [p["estimator"] for p in results.policies.values()] == ["coupled", "flux"]
 
 
 @pytest.mark.usefixtures("brief")

@@ -27,7 +27,8 @@ PAPER = Motor.load("paper")
 
 
 @pytest.mark.parametrize(
-    ("name", "estimator"), [("error_blend", "errors"), ("flux_observer", "flux")]
+    ("name", "estimator"),
+    [("sliding_mode", "smo"), ("error_blend", "errors"), ("flux_observer", "flux")],
 )
 def test_it_is_eq25_on_that_design(name: str, estimator: str) -> None:
     """The same to the bit, and not the same as Eq. 25 on the design's own estimator."""

@@ -22,6 +22,7 @@ def test_a_simulated_log_is_replayed(tmp_path: Path) -> None:
     """Another machine on another rule, with picture and CSV."""
     log, out, plot = (tmp_path / name for name in ("log.csv", "out.csv", "plot.png"))
     common = ("--motor", "ipmsm_2200w", "--policy", "hysteresis", "--set", "carrier=true")
+    common += ("--set", "estimator=smo")
     run("simulate", *common, "--speed", "0:300", "--duration", "0.1", "--log", str(log))
     said = run("replay", str(log), *common, "--out", str(out), "--plot", str(plot))
     assert all(name in said for name in ("HFI", "SMO", "blend", "EKF", "ipmsm_2200w"))
@@ -31,8 +32,9 @@ def test_a_simulated_log_is_replayed(tmp_path: Path) -> None:
 
 
 def test_the_observer_is_called_what_it_is(tmp_path: Path) -> None:
-    said = run("replay", SAMPLE, "--set", "estimator=flux")
-    assert "flux observer" in said and "SMO" not in said
+    for words, name in (((), "coupled observer"), (("--set", "estimator=flux"), "flux observer")):
+        said = run("replay", SAMPLE, *words)
+        assert name in said and "SMO" not in said
 
 
 def test_mistakes(tmp_path: Path) -> None:

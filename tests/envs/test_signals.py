@@ -52,16 +52,18 @@ def test_signals_of_living_drives_stay_inside_the_bounds() -> None:
     """Erratic weights on the hardest scenarios; clipping is for drives that are breaking up."""
     motor, n = Motor.load("paper"), 48
     seeds = combine(np.arange(n, dtype=np.uint64), 11)
-    sims = SimFactory(motor, DriveDesign()).build(stress_1_scenarios(motor, seeds), twin=False)
     rng = np.random.default_rng(0)
     signals = np.zeros((n, N_SIGNALS), dtype=np.float32)
     low, high = np.full(N_SIGNALS, np.inf), np.full(N_SIGNALS, -np.inf)
-    for _ in range(400):
-        sim_run(sims, 25, rng.integers(0, 2, n).astype(np.float32), signals)
-        alive = signals[sims["lost"] == 0]
-        if len(alive) == 0:
-            break
-        low, high = np.fmin(low, alive.min(axis=0)), np.fmax(high, alive.max(axis=0))
+    for estimator in ("smo", "coupled"):
+        factory = SimFactory(motor, DriveDesign(estimator=estimator))
+        sims = factory.build(stress_1_scenarios(motor, seeds), twin=False)
+        for _ in range(400):
+            sim_run(sims, 25, rng.integers(0, 2, n).astype(np.float32), signals)
+            alive = signals[sims["lost"] == 0]
+            if len(alive) == 0:
+                break
+            low, high = np.fmin(low, alive.min(axis=0)), np.fmax(high, alive.max(axis=0))
     assert np.all(low >= LOW) and np.all(high <= HIGH)
     assert np.all(high - low > 0.02 * (HIGH - LOW)), "a component that never moves, or far too wide"
 

@@ -83,7 +83,7 @@ def test_the_policies_are_told_apart(data: dict[str, Any]) -> None:
     assert eq25["torque_dev_rms"] > 0.001
     assert eq25["angle_err_rms_deg"] > 0.2
     assert [p["bound"] for p in (eq25, smo, sensored)] == [False, False, True]
-    assert [p["estimator"] for p in (eq25, smo, sensored)] == ["smo", "smo", None]
+    assert [p["estimator"] for p in (eq25, smo, sensored)] == ["coupled", "smo", None]
 
 
 def test_places_add_up_to_the_whole(data: dict[str, Any]) -> None:

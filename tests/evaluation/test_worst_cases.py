@@ -17,7 +17,8 @@ from sensorless.evaluation.trace import lost_cause, trace
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies, make_policy
 
-MOTOR, DESIGN = Motor.load("paper"), DriveDesign()
+MOTOR, DESIGN = Motor.load("paper"), DriveDesign(estimator="smo")
+"""A drive that loses some scenarios."""
 
 
 def entry(name: str, seed: int, size: int, policy: str) -> dict[str, Any]:
@@ -79,6 +80,7 @@ def test_simulate_replays_and_draws(tmp_path: Path) -> None:
     picture = tmp_path / "case.png"
     case = entry("stress-1", 7, 33, "hfi")["worst"][0]
     words = ["simulate", "--scenario", case["scenario"], "--policy", "hfi", "--plot", str(picture)]
+    words += ["--set", "estimator=smo"]
     done = CliRunner().invoke(app, words)
     assert done.exit_code == 0, done.output
     assert f"lost ({case['lost_cause']})" in done.stdout

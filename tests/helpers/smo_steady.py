@@ -22,6 +22,7 @@ STATE = struct_dtype("smo_state_t")
 ESTIMATE = struct_dtype("emf_estimate_t")
 
 EXACT = DriveDesign(
+    estimator="smo",
     smo_pll_hz=20.0,
     smo_cross_hz=math.inf,
     smo_emf_hz=math.inf,

@@ -30,7 +30,7 @@ CURVE = {
 @pytest.fixture
 def run(tmp_path: Path) -> Path:
     """A run folder that validates on few scenarios."""
-    config = json.loads((shipped.FOLDER / "config.json").read_text(encoding="utf-8"))
+    config = json.loads((shipped.FOLDER / "flux" / "config.json").read_text(encoding="utf-8"))
     config["train"]["validate_size"] = 16
     (tmp_path / "config.json").write_text(json.dumps(config))
     return tmp_path

@@ -47,10 +47,12 @@ def test_the_reference_run_by_its_name(folder: Path) -> None:
 
 def test_both_are_on_the_list(folder: Path) -> None:
     lines = known()
-    assert lines["linear-tuned"].endswith("in 600 s simulated")
+    assert lines["linear-tuned"].endswith("in 600 s simulated, estimator=smo"), "names none"
     provenance = {"budget_s": 600.0, "design": {"estimator": "flux"}}
     Tuned("linear", {"lo": 0.1, "hi": 0.5}, provenance).save(folder / "tuned/flux-tuned.json")
     assert known()["flux-tuned"].endswith("in 600 s simulated, estimator=flux")
+    Tuned("error_blend", {"lo": 0.1, "hi": 0.5}, provenance).save(folder / "tuned/own-tuned.json")
+    assert known()["own-tuned"].endswith("estimator=errors"), "the rule brings its own"
     assert "PPO" in lines["reference"]
     assert all(len(doc) < 90 for doc in lines.values())
 
@@ -81,3 +83,24 @@ def test_the_package_ships_the_folder_of_the_repository() -> None:
     for name in shipped.tuned_names():
         assert Tuned.load(shipped.tuned_file(name)).rule in RULES
         assert make_policy(name, PAPER).name == name
+
+
+@pytest.mark.parametrize(
+    ("name", "estimator"),
+    [
+        ("reference", "coupled"),
+        ("reference-flux", "flux"),
+        ("reference-smo", "smo"),
+        ("logistic-coupled-tuned", "coupled"),
+        ("logistic-flux-tuned", "flux"),
+        ("logistic-tuned", "smo"),
+        ("linear-tuned", "smo"),
+    ],
+)
+def test_what_is_shipped_runs_on_the_estimator_it_was_made_on(name: str, estimator: str) -> None:
+    assert make_policy(name, PAPER).estimator == estimator
+
+
+def test_what_names_no_estimator_runs_on_the_sliding_mode_observer(folder: Path) -> None:
+    assert make_policy("linear-tuned", PAPER).estimator == "smo"
+    assert make_policy("reference", PAPER).estimator == "smo"

@@ -37,9 +37,9 @@ def test_a_file_is_a_policy_of_its_name(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("rule", ["linear", "hysteresis", "gated", "logistic"])
 def test_it_runs_on_the_estimator_it_was_tuned_on(rule: str, tmp_path: Path) -> None:
-    """With or without a table; a file that does not tell takes the design's."""
+    """With or without a table; a file that does not tell is from before there was a choice."""
     path = tmp_path / "a.json"
-    for design, estimator in (({"estimator": "flux"}, "flux"), ({}, None), (3, None)):
+    for design, estimator in (({"estimator": "flux"}, "flux"), ({}, "smo"), (3, "smo")):
         Tuned(rule, RULES[rule].defaults(), {"design": design}).save(path)
         assert make_policy(str(path), PAPER).estimator == estimator
 

@@ -18,7 +18,7 @@ from sensorless.replay.log import write_log
 from sensorless.replay.replay import SAMPLE, Replay, load, replay
 
 MOTOR = Motor.load("paper")
-DESIGN = DriveDesign(carrier=True)
+DESIGN = DriveDesign(estimator="smo", carrier=True)
 
 
 def wrapped(x: Floats) -> Floats:

@@ -120,7 +120,7 @@ def test_the_page_says_what_the_evaluation_says(run: Path, page: Page) -> None:
         MOTOR, design, "stress-1", 7, SIZE, make_policies([str(run), *OTHERS], MOTOR)
     )
     rows = {row[0]: row for row in page.rows if len(row) == 1 + len(RATE_COLUMNS) + len(COLUMNS)}
-    names = ["mine & yours", "eq25", "flux_observer (flux)", "sensored (bound)"]
+    names = ["mine & yours (smo)", "eq25", "flux_observer (flux)", "sensored (bound)"]
     assert set(rows) >= set(names)
     table = page.rows[: len(results.policies) + 1]
     assert [row[0] for row in table] == ["policy", *names]

@@ -23,7 +23,7 @@ def test_each_estimator_holds_its_range(
     """Rated torque both ways: injection from standstill to 20 % speed, the observer from there."""
     speed, torque = np.meshgrid(shares, [-1.0, 1.0])
     rpm, tau = motor.n_rated_rpm * speed.ravel(), motor.tau_rated * torque.ravel()
-    run = steady(motor, DriveDesign(), rpm, tau, k_s, settle=2.0)
+    run = steady(motor, DriveDesign(estimator="smo"), rpm, tau, k_s, settle=2.0)
     assert run.held.all()
 
 
@@ -47,6 +47,6 @@ def test_eq25_survives_the_hand_over_suite(motor: Motor, seed: int) -> None:
     run = rollout(
         make_policy("eq25", motor),
         suite("handoff", motor, seed, 52),
-        SimFactory(motor, DriveDesign()),
+        SimFactory(motor, DriveDesign(estimator="smo")),
     )
     assert np.flatnonzero(run.lost).tolist() == []

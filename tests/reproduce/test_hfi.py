@@ -18,7 +18,7 @@ from sensorless.identify.cross_coupling import (
 from sensorless.machine.magnetics import cross_angle
 from sensorless.machine.motor import Motor
 
-AT_ZERO = DriveDesign(mtpa=False, cross="none")
+AT_ZERO = DriveDesign(estimator="smo", mtpa=False, cross="none")
 RPM = [150.0, 150.0, -150.0, -150.0]
 TAU = [6.0, -6.0, 6.0, -6.0]
 

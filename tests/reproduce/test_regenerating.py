@@ -11,7 +11,13 @@ from sensorless.evaluation.steady import make_ideal, steady
 from sensorless.machine.motor import Motor, Saturation
 
 PUBLISHED = DriveDesign(
-    L_q_table=False, L_q_bias=1.0, mtpa=False, cross="none", speed_hz=1.0, smo_cross_hz=math.inf
+    estimator="smo",
+    L_q_table=False,
+    L_q_bias=1.0,
+    mtpa=False,
+    cross="none",
+    speed_hz=1.0,
+    smo_cross_hz=math.inf,
 )
 
 

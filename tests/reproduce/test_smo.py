@@ -17,7 +17,9 @@ from sensorless.observers.smo_design import deadbeat_gain
 from sensorless.policies.registry import make_policy
 from sensorless.units import RPM_TO_RAD_S
 
-FIXED = DriveDesign(L_q_table=False, L_q_bias=1.0, mtpa=False, cross="none", speed_hz=1.0)
+FIXED = DriveDesign(
+    estimator="smo", L_q_table=False, L_q_bias=1.0, mtpa=False, cross="none", speed_hz=1.0
+)
 
 SPEEDS = (300.0, 350.0, 600.0, 1000.0)
 LOADS = (-5.0, -2.0, 0.0, 3.0, 6.0)
@@ -73,7 +75,9 @@ def test_warm_start(motor: Motor, seed: int) -> None:
     s.tau[:], s.tau_rate[:] = -5.0, 50.0
     worst = []
     for floor in (40.0, 0.0):
-        t = trace(make_policy("hfi", motor), s, motor, DriveDesign(smo_floor_rpm=floor))
+        t = trace(
+            make_policy("hfi", motor), s, motor, DriveDesign(estimator="smo", smo_floor_rpm=floor)
+        )
         assert lost_cause(t) is None
         start = int(np.argmax(t["omega_m"] > 60.0 * RPM_TO_RAD_S))
         worst.append(np.max(np.abs(t["theta_e_err_smo"][start : start + 500])))
@@ -83,16 +87,20 @@ def test_warm_start(motor: Motor, seed: int) -> None:
 
 def test_bounds(motor: Motor) -> None:
     """The estimated speed stops at its bound, the EMF at k; both are settings."""
-    base = control_record(motor, DriveDesign())
+    base = control_record(motor, DriveDesign(estimator="smo"))
     assert base["smo"]["k"] == pytest.approx(2.5 * motor.omega_rated * motor.psi_f)
-    tight = DriveDesign(speed_bound=0.5, smo_k=400.0 / (motor.omega_rated * motor.psi_f))
+    tight = DriveDesign(
+        estimator="smo", speed_bound=0.5, smo_k=400.0 / (motor.omega_rated * motor.psi_f)
+    )
     record = control_record(motor, tight)
     assert record["smo"]["k"] == pytest.approx(400.0)
     assert record["smo"]["k"] * record["smo"]["half_a"] == pytest.approx(deadbeat_gain(motor))
     assert {float(record[name]["pll"]["omega_max"]) for name in ("hfi", "smo", "flux")} == {
         np.float32(0.5 * motor.omega_rated)
     }
-    free = control_record(motor, DriveDesign(speed_bound=np.inf))["smo"]["pll"]["omega_max"]
+    free = control_record(motor, DriveDesign(estimator="smo", speed_bound=np.inf))["smo"]["pll"][
+        "omega_max"
+    ]
     assert 1e30 < free < np.inf
     s = Scenarios.nominal(motor, np.zeros(1, np.uint64), 0.5)
     s.omega_0[:] = s.omega[:] = 1000.0 * RPM_TO_RAD_S

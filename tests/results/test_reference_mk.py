@@ -49,7 +49,6 @@ def make(folder: Path, *, stop: bool = False) -> tuple[int, list[str]]:
         "SHIPPED": folder / "shipped",
         "WORK": folder / "work",
         "RULES": "linear gated",
-        "FLUX_RULES": "logistic",
         "SEEDS": "1 2 3",
     }
     done = subprocess.run(
@@ -67,22 +66,18 @@ def test_all_of_it_once(folder: Path) -> None:
     status, calls = make(folder)
     assert status == 0
     tuned = {" ".join(call.split()[1:]) for call in calls if call.startswith("tune")}
-    flux = f"logistic --budget 50000 --set estimator=flux --out {folder}/out/tuned"
-    rules = {
-        f"{r} --budget 50000 --out {folder}/out/tuned/{r}-tuned.json" for r in ("linear", "gated")
-    }
-    assert tuned == {*rules, f"{flux}/logistic-flux-tuned.json"}
-    trained = [call.split("--seed ")[1] for call in calls if call.startswith("train")]
-    assert len(trained) == 9
-    for seed in "123":
-        fresh, refined, smo = sorted(call for call in trained if call.startswith(seed))
-        assert fresh.endswith("--set estimator=flux")
-        assert "--set estimator=flux --start logistic-flux-tuned.json --axes start" in refined
-        assert "--start linear-tuned.json --axes speed:16," in smo
-    publish = f"studies/publish_reference.py {folder}/out {folder}/shipped"
+    where = f"--budget 50000 --set estimator=coupled --out {folder}/out/tuned"
+    assert tuned == {f"{r} {where}/{r}-coupled-tuned.json" for r in ("linear", "gated")}
+    trained = sorted(call for call in calls if call.startswith("train"))
+    length = "--steps 10000000 --set estimator=coupled"
+    assert trained == [f"train --name run --seed {seed} {length}" for seed in "123"]
+    suites = "--suite stress-1 --suite handoff --suite stress"
+    publish = f"studies/publish_reference.py {folder}/out {folder}/shipped {suites}"
     assert calls.pop() == publish
     assert calls[-1].startswith(f"report {folder}/out --size 2000")
-    for policy in ("eq25", f"{folder}/out/tuned/gated-tuned.json", f"{folder}/out/seed-2"):
+    assert suites in calls[-1]
+    tuned_rule = f"{folder}/out/tuned/gated-coupled-tuned.json"
+    for policy in ("sliding_mode", "eq25", "logistic-tuned", tuned_rule, f"{folder}/out/seed-2"):
         assert f"--policy {policy} " in calls[-1]
     assert (folder / "out" / "table.json").read_text() == "3\n", "the best in validation"
     assert make(folder) == (0, [publish]), "what is there is kept"
@@ -96,12 +91,11 @@ def test_an_interrupted_training_starts_again_and_the_rest_stays(folder: Path) -
     (folder / "out" / "seed-2" / "table.json").unlink()
     status, calls = make(folder)
     assert [call.split()[0] for call in calls[:-1]] == ["train", "report"]
-    assert "--seed 2 " in calls[0] and "logistic-flux-tuned.json" in calls[0]
+    assert "--seed 2 " in calls[0]
 
 
 def test_its_rules_are_rules() -> None:
-    text = MAKEFILE.read_text().replace("\\\n", " ")
-    lines = [x for x in text.splitlines() if x.startswith(("RULES", "FLUX_RULES"))]
-    names = [name for line in lines for name in line.split("?=")[1].split()]
-    assert len(lines) == 2 and len(names) > 15
+    (line,) = [x for x in MAKEFILE.read_text().splitlines() if x.startswith("RULES")]
+    names = line.split("?=")[1].split()
+    assert len(names) >= 5
     assert all(RULES[name].parameters for name in names)

@@ -26,7 +26,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
         results.write(folder / "report" / f"results-{suite}.json", scenarios=False)
     (folder / "tuned").mkdir()
     (folder / "tuned" / "linear-tuned.json").write_text("rule")
-    for run in ("", "sliding-mode", "seed-1", "seed-2", "sliding-mode/seed-1"):
+    for run in ("", "seed-1", "seed-2"):
         (folder / run).mkdir(exist_ok=True)
         for name in ("table.json", "config.json"):
             (folder / run / name).write_text(run)
@@ -37,7 +37,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_tables_rules_and_one_page_are_published(made: Path, tmp_path: Path) -> None:
-    STUDY.publish(made, tmp_path / "shipped")
+    STUDY.publish(made, tmp_path / "shipped", ["stress-1", "handoff"])
     found = {str(p.relative_to(tmp_path / "shipped")) for p in (tmp_path / "shipped").rglob("*.*")}
     best = {"table.json", "config.json", "progress.csv"}
     assert found == {
@@ -45,10 +45,9 @@ def test_tables_rules_and_one_page_are_published(made: Path, tmp_path: Path) -> 
         "runs.csv",
         "tuned/linear-tuned.json",
         *best,
-        *(f"sliding-mode/{name}" for name in best),
     }
     lines = (tmp_path / "shipped" / "runs.csv").read_text().splitlines()
-    assert [line.split(",")[0] for line in lines[1:]] == ["seed-1", "seed-2", "sliding-mode/seed-1"]
+    assert [line.split(",")[0] for line in lines[1:]] == ["seed-1", "seed-2"]
     assert all(line.split(",")[1:4] == ["2", "2", "0.4"] for line in lines[1:])
 
 

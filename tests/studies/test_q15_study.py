@@ -18,7 +18,7 @@ def q15() -> ModuleType:
     return script("studies/q15_study.py")
 
 
-@pytest.mark.parametrize("word", ["reference", "logistic-tuned"])
+@pytest.mark.parametrize("word", ["reference", "reference-flux", "logistic-tuned"])
 def test_metrics_change_by_less_than_one_percent(q15: ModuleType, word: str) -> None:
     found = q15.study(word, MOTOR, "stress-1", 1, 256)
     assert found["lost_otherwise"] == 0

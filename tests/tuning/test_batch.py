@@ -16,13 +16,15 @@ from sensorless.policies.registry import make_policy
 from sensorless.tuning.batch import SideBySide, costs
 
 MOTOR = Motor.load("paper")
-FACTORY = SimFactory(MOTOR, DriveDesign())
+FACTORY = SimFactory(MOTOR, DriveDesign(estimator="smo"))
 SCENARIOS = suite("stress-1", MOTOR, 4, 3, "tune")
 SCENARIOS.duration[:] = 0.1
 
 
-def test_side_by_side_is_the_same_as_one_by_one() -> None:
-    specs = ["eq25", "gated", "smo", "oracle"]
+@pytest.mark.parametrize(
+    "specs", [["eq25", "gated", "constant:0"], ["sliding_mode", "smo", "oracle"]]
+)
+def test_side_by_side_is_the_same_as_one_by_one(specs: list[str]) -> None:
     rows = np.tile(np.arange(3), len(specs))
     together = rollout(SideBySide([make_policy(s, MOTOR) for s in specs]), SCENARIOS[rows], FACTORY)
     for i, spec in enumerate(specs):

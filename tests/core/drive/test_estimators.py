@@ -41,7 +41,9 @@ def test_published_injection_is_the_same_in_both_loops(motor: Motor, state_bytes
     ends = {}
     for scheme in ("rotating", "stationary"):
         for plain in (False, True):
-            sims = SimFactory(motor, DriveDesign(hfi_scheme=scheme)).build(scenarios)
+            sims = SimFactory(motor, DriveDesign(estimator="smo", hfi_scheme=scheme)).build(
+                scenarios
+            )
             obs = np.zeros((18, SIGNAL_N), dtype=np.float32)
             sim_run(sims, 500, np.ones(18, np.float32), obs, plain=plain)
             ends[scheme, plain] = state_bytes(sims["drive"])
@@ -98,7 +100,9 @@ def test_weighted_errors_meet_between_the_two(motor: Motor) -> None:
 
     Near lock that is the mean of both angles by weight times slope: the injection's is 1 - L_d/L_q.
     """
-    base = DriveDesign(cross="none", mtpa=False, L_q_table=False, L_q_bias=1.0, speed_hz=1.0)
+    base = DriveDesign(
+        estimator="smo", cross="none", mtpa=False, L_q_table=False, L_q_bias=1.0, speed_hz=1.0
+    )
     at = dict(rpm=[350.0], tau=[4.0], change=make_ideal)
     own = [float(steady(motor, base, k_s=k, **at).err[0]) for k in (0.0, 1.0)]  # type: ignore[arg-type]
     one_loop = replace(base, estimator="errors")
@@ -124,7 +128,7 @@ def test_the_printed_blend_jumps_at_the_seam(c: Call, motor: Motor) -> None:
 
 def test_the_printed_blend_shows_in_the_band(motor: Motor) -> None:
     """At half weight and 4 N m its angle error reaches a large part of half a turn now and then."""
-    base = DriveDesign(cross="none", mtpa=False, L_q_table=False, L_q_bias=1.0)
+    base = DriveDesign(estimator="smo", cross="none", mtpa=False, L_q_table=False, L_q_bias=1.0)
     rough = [
         float(np.rad2deg(steady(motor, d, [350.0], [4.0], 0.5, change=make_ideal).err_std[0]))
         for d in (base, replace(base, estimator="unwrapped"))
@@ -134,7 +138,9 @@ def test_the_printed_blend_shows_in_the_band(motor: Motor) -> None:
 
 def test_unnormalised_and_uncompensated_injection_still_lock(motor: Motor) -> None:
     """All that is published about injection together, at 150 r/min without load."""
-    design = DriveDesign(hfi_scheme="stationary", hfi_delay_cure=False, hfi_normalised=False)
+    design = DriveDesign(
+        estimator="smo", hfi_scheme="stationary", hfi_delay_cure=False, hfi_normalised=False
+    )
     run = steady(motor, design, [150.0, 350.0], [0.0, 0.0], 1.0, change=make_ideal)
     assert run.held.all()
     step = np.rad2deg(motor.n_p * run.omega_m * motor.T_s)

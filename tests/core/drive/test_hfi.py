@@ -22,7 +22,9 @@ Angle = Callable[[DriveDesign, float, float, float], float]
 
 STATE = struct_dtype("hfi_state_t")
 L_D, L_Q = 0.063, 0.286
-DESIGN = DriveDesign(hfi_pll_hz=20.0, speed_hz=2.0, speed_weight=0.0, i_q_slew=150.0)
+DESIGN = DriveDesign(
+    estimator="smo", hfi_pll_hz=20.0, speed_hz=2.0, speed_weight=0.0, i_q_slew=150.0
+)
 
 
 class Bench:

@@ -26,7 +26,7 @@ def gap(motor: Motor, rpm: Floats, tau: float, k_s: float) -> Floats:
     s.omega_0 = rpm * RPM_TO_RAD_S
     s.omega[:] = s.omega_0[:, None]
     s.tau[:], s.tau_rate[:] = tau, 20.0
-    sims = SimFactory(motor, DriveDesign()).build(s)
+    sims = SimFactory(motor, DriveDesign(estimator="smo")).build(s)
     weight, obs = np.full(n, k_s, np.float32), np.zeros((n, SIGNAL_N), np.float32)
     sim_run(sims, round(0.8 / motor.T_s), weight, obs)
     worst = np.zeros(n)
@@ -57,7 +57,7 @@ def test_nothing_steps_when_injection_returns(motor: Motor) -> None:
     s = Scenarios.nominal(motor, np.arange(1, dtype=np.uint64), 2.0)
     s.omega_0[:] = s.omega[:] = 500.0 * RPM_TO_RAD_S
     s.tau[:], s.tau_rate[:] = 6.0, 20.0
-    sims = SimFactory(motor, DriveDesign()).build(s)
+    sims = SimFactory(motor, DriveDesign(estimator="smo")).build(s)
     obs = np.zeros((1, SIGNAL_N), np.float32)
     sim_run(sims, round(0.8 / motor.T_s), np.zeros(1, np.float32), obs)
     was = sims["drive"]["x"]["est"]["theta"].copy()

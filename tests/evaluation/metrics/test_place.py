@@ -22,7 +22,7 @@ from sensorless.policies.registry import make_policy
 
 MOTOR = Motor.load("paper")
 RATED = MOTOR.omega_rated / MOTOR.n_p
-FACTORY = SimFactory(MOTOR, DriveDesign())
+FACTORY = SimFactory(MOTOR, DriveDesign(estimator="smo"))
 
 
 def told(speed: list[float], torque: list[float], live: int, **fields: float) -> Rollout:

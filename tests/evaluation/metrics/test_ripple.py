@@ -176,8 +176,9 @@ def test_a_drive_that_never_came_there_has_no_ripple_of_the_window() -> None:
 
 def test_the_window_tells_a_hard_switch_from_a_blend_and_a_drive_from_its_twin() -> None:
     scenarios = suite("handoff", MOTOR, 3, 30)
+    factory = SimFactory(MOTOR, DriveDesign(estimator="smo"))
     found = {
-        name: rollout(make_policy(name, MOTOR), scenarios, SimFactory(MOTOR, DriveDesign()))
+        name: rollout(make_policy(name, MOTOR), scenarios, factory)
         for name in ("sensored", "eq25", "hysteresis")
     }
     for metric in (torque_ripple_window, torque_p2p_window):
