@@ -1,5 +1,6 @@
 """Settings that hold for all tests, and the machine, table and tools that several folders share."""
 
+import gc
 import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # two threads of torch on a busy machine are slower
@@ -73,3 +74,9 @@ def without_selftest(monkeypatch: pytest.MonkeyPatch) -> None:
 def selftest_without_optimisation(monkeypatch: pytest.MonkeyPatch) -> None:
     """Self tests of other exports compile in half the time; ``identity`` compares the levels."""
     monkeypatch.setattr(selftest, "FLAGS", (*selftest.FLAGS, "-O0"))
+
+
+def pytest_collection_finish() -> None:
+    """What the imports left is not searched for garbage again."""
+    gc.collect()
+    gc.freeze()

@@ -163,6 +163,6 @@ def test_other_shapes_pass_too(
     tmp_path: Path, n_axes: int, motor: Motor, design: DriveDesign
 ) -> None:
     names = ("speed", "torque_current", "emf", "voltage")[:n_axes]
-    axes = tuple(Axis(name, 0.0, 0.4, 3 + j) for j, name in enumerate(names))
+    axes = tuple(Axis(name, 0.0, 0.4, 2 + j) for j, name in enumerate(names))
     values = np.random.default_rng(6).random(tuple(a.n for a in axes), dtype=np.float32)
     assert export(KsTable(axes, values), motor, design, tmp_path / "out").self_test.ran
