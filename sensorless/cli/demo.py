@@ -29,9 +29,9 @@ def demo_command(
     """Train, judge, draw and export a schedule for the paper's motor in about three minutes.
 
     The schedule starts as Eq. 25, the linear rule of the source paper, and learns with PPO. The
-    suite stress-1, which draws load, machine and sensor errors at random, judges it beside Eq. 25 on the
-    paper's observers (sliding_mode), Eq. 25 on the drive that it was trained on (eq25), and a
-    drive with a position sensor. Figures, results and C code land in one folder.
+    suite stress-1, which draws load, machine and sensor errors at random, judges it beside Eq. 25
+    on the paper's observers (sliding_mode), Eq. 25 on the drive that it was trained on (eq25), and
+    a drive with a position sensor. Figures, results and C code land in one folder.
 
     For example:
 
