@@ -22,7 +22,7 @@ SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, val
 
 
 @pytest.mark.usefixtures("target", "brief", "without_selftest")
-@pytest.mark.parametrize("estimator", ["flux", "coupled"])
+@pytest.mark.parametrize("estimator", ["smo", "flux"])
 def test_a_trained_table_runs_on_the_target(estimator: str, tmp_path: Path) -> None:
     """With the estimator it was trained on: no ``--set`` here; the default one is in test_pil."""
     run, out = tmp_path / "run", tmp_path / "pil.json"
