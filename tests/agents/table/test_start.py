@@ -81,7 +81,7 @@ def test_another_grid_samples_the_start_at_its_nodes() -> None:
         ("speed", "eq25", "NODES"),
         ("speed:0:1:two", "eq25", "NODES"),
         ("speed:0:1:16", "hysteresis", "no table"),
-        ("speed:0:1:16", "nobody", "no rule"),
+        ("speed:0:1:16", "nobody", "is not a rule"),
     ],
 )
 def test_bad_words_are_refused(axes: str, start: str, words: str) -> None:

@@ -118,7 +118,7 @@ def test_unload_slips_where_it_does_on_the_switching_inverter(motor: Motor) -> N
     for detailed, carrier in ((True, True), (True, False), (False, False)):
         s.detailed[:] = detailed
         factory = SimFactory(motor, DriveDesign(carrier=carrier))
-        peaks.append(angle_err_max_deg(rollout(make_policy("reference", motor), s, factory)))
+        peaks.append(angle_err_max_deg(rollout(make_policy("reference-flux", motor), s, factory)))
     near, far = (float(np.corrcoef(peaks[0], x)[0, 1]) for x in peaks[1:])
     assert near > 0.9 > far, (near, far)
 
