@@ -21,8 +21,8 @@ def run(*words: str) -> str:
 def test_a_simulated_log_is_replayed(tmp_path: Path) -> None:
     """Another machine on another rule, with picture and CSV."""
     log, out, plot = (tmp_path / name for name in ("log.csv", "out.csv", "plot.png"))
-    common = ("--motor", "ipmsm_2200w", "--policy", "hysteresis", "--set", "carrier=true")
-    common += ("--set", "estimator=smo")
+    common = ["--motor", "ipmsm_2200w", "--policy", "hysteresis", "--set", "carrier=true"]
+    common += ["--set", "estimator=smo"]
     run("simulate", *common, "--speed", "0:300", "--duration", "0.1", "--log", str(log))
     said = run("replay", str(log), *common, "--out", str(out), "--plot", str(plot))
     assert all(name in said for name in ("HFI", "SMO", "blend", "EKF", "ipmsm_2200w"))
