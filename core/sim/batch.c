@@ -13,10 +13,9 @@ static int lane_fits(const sim_t *s, const sim_t *first) {
     int constant = s->sensored == 0 && s->plant.n_sub == 1 && s->plant.bridge == 0;
     int alike = s->with_twin == first->with_twin && s->plant.detail == first->plant.detail &&
                 s->control.estimator == first->control.estimator;
-    int scalar_only = s->control.hfi.scheme == HFI_STATIONARY ||
-                      s->control.smo.switching != SMO_SIGMOID ||
-                      s->drive.x.start.phase != START_DONE || s->inv_stick > 0.0f ||
-                      s->sensor.carrier != 0;
+    int scalar_only =
+        s->control.hfi.scheme == HFI_STATIONARY || s->control.smo.switching != SMO_SIGMOID ||
+        s->drive.x.start.phase != START_DONE || s->inv_stick > 0.0f || s->sensor.carrier != 0;
     return constant && alike && !scalar_only;
 }
 

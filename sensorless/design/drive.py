@@ -282,13 +282,7 @@ def sensor_record(motor: Motor, noise_rms: float = 0.005) -> Array:
 
 
 def fill(record: Array, values: dict[str, Any]) -> None:
-    """Write nested values into a structured record; an unknown name raises.
-
-    Raises
-    ------
-    UserError
-        A whole number does not fit into 32 bits.
-    """
+    """Write nested values; raises on an unknown name, UserError if a number exceeds 32 bits."""
     for name, value in values.items():
         if isinstance(value, dict):
             fill(record[name], value)
