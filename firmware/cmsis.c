@@ -5,7 +5,7 @@
 #include "../core/signals.h"
 
 #define ROUNDING 1e-6f
-enum { PER_NODE = 4, FAR = 2, BEYOND = 2 * PER_NODE }; /* places per node; far and close outside */
+enum { PER_NODE = 4, FAR = 2, BEYOND = 2 * PER_NODE }; /* points per node; far and close outside */
 
 typedef struct {
     uint16_t numRows;
@@ -13,7 +13,7 @@ typedef struct {
     const float *pData;
 } instance_t;
 
-/* What arm_bilinear_interp_f32 is documented to do, its zeros outside included. */
+/* arm_bilinear_interp_f32 as documented, including its zeros outside the table. */
 static float bilinear(const instance_t *s, float x, float y) {
     if (!(x > -1.0f && y > -1.0f && x < 32768.0f && y < 32768.0f)) {
         return 0.0f;
@@ -30,7 +30,7 @@ static float bilinear(const instance_t *s, float x, float y) {
     return f[0] + (f[1] - f[0]) * dx + (g[0] - f[0]) * dy + (f[0] - f[1] - g[0] + g[1]) * dx * dy;
 }
 
-/* The j-th of places(a) signals on an axis: far outside, close outside, through the table. */
+/* The j-th of places(a) signals on an axis: far outside, close outside, and across the table. */
 static float place(const ks_axis_t *a, int32_t j, int32_t n) {
     if (j < FAR || j >= n - FAR) {
         float far = j == 0 || j == n - 1 ? 3e38f : 1e6f;

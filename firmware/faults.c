@@ -10,7 +10,7 @@ static const uint32_t bad_words[BAD_N] = {
     0x7F800000UL, 0xFF800000UL, 0x7F7FFFFFUL, 0xFF7FFFFFUL, /* infinite, largest */
     0x00000001UL, 0x807FFFFFUL, 0x80000000UL, 0x00800000UL, /* denormal, -0, least normal */
 };
-enum { FIRST_HARMLESS = 7 }; /* from here on valid numbers */
+enum { FIRST_HARMLESS = 7 }; /* the words from here on are valid numbers */
 
 static float bad_float(uint32_t j) {
     union {
@@ -21,7 +21,7 @@ static float bad_float(uint32_t j) {
     return y.f;
 }
 
-/* Flips every bit of an object of n characters that the check reads. */
+/* Flips every bit of an object of n characters in turn; returns how many flips the check missed. */
 static uint32_t flips(unsigned char *object, uint32_t n, const ks_table_t *t, const void *values,
                       uint32_t motor_hash) {
     uint32_t missed = 0;
@@ -108,7 +108,7 @@ uint32_t faults_refusals(const ks_schedule_params_t *p, const signal_params_t *s
     return bad + refused(&q, signal, KS_BAD_MAGIC);
 }
 
-/* One signal at a time is bad, straight at the lookup, and through the schedule as speed. */
+/* One signal at a time is bad: directly in the lookup, and as speed through the schedule. */
 uint32_t faults_signals(const ks_schedule_params_t *p, const signal_params_t *signal) {
     uint32_t bad = 0;
     ks_schedule_state_t x;
@@ -134,7 +134,7 @@ uint32_t faults_signals(const ks_schedule_params_t *p, const signal_params_t *si
     return bad;
 }
 
-/* The outputs of a period are numbers and in range. */
+/* 0 if the outputs of a period are finite and in range. */
 static uint32_t harmed(const drive_state_t *x, ab_t u) {
     return finite_f(u.a) && finite_f(u.b) && abs_f(x->est.theta) <= 3.1416f &&
                    finite_f(x->est.omega) && x->k_s >= 0.0f && x->k_s <= 1.0f

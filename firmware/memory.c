@@ -1,4 +1,5 @@
-/* memcpy and memset for struct copies that the compiler turns into calls; no C library is linked. */
+/* memcpy and memset for struct copies that the compiler turns into calls; no C library is
+ * linked. */
 #include <stddef.h>
 
 void *memcpy(void *to, const void *from, size_t n);

@@ -1,4 +1,4 @@
-/* Processor in the loop: the exported control core does what the host asks for, word by word. */
+/* Processor in the loop: runs the exported control core as the host requests. */
 #include "faults.h"
 #include "params.h"
 #include "pil_stages.h"
@@ -23,7 +23,7 @@ static union {
     pil_stages_t stages[PIL_DRIVES];
 } answer;
 
-/* Called like ks_table_eval: a load and a return. */
+/* Has the call of ks_table_eval, but only loads and returns. */
 static __attribute__((noinline)) float nothing(const ks_table_t *t, const void *values,
                                                const float *y) {
     (void)t;
@@ -125,7 +125,7 @@ static uint32_t item_size(uint32_t operation) {
     }
 }
 
-/* Does item j; returns the bytes of its answer. */
+/* Serves item j; returns the bytes of its answer. */
 static uint32_t serve(uint32_t operation, uint32_t j) {
     switch (operation) {
     case PIL_START:

@@ -1,4 +1,4 @@
-/* Every part as a function of its own, so that the compiler cannot merge them. */
+/* Every part is a separate function, so that the compiler cannot merge them. */
 #include "pil_stages.h"
 
 #include "params.h"

@@ -1,6 +1,6 @@
-/* Words that travel between host and target; every number is 32 bits wide, low byte first.
+/* Messages between host and target; every number is 32 bits wide, low byte first.
  *
- * Both sides read this file: the target's compiler, and core/binding.py for the host.
+ * Both sides use this file: the target's compiler, and core/binding.py for the host.
  */
 #ifndef SENSORLESS_PIL_WIRE_H
 #define SENSORLESS_PIL_WIRE_H
@@ -10,14 +10,14 @@
 #include "drive.h"
 #include "ks_schedule.h"
 
-enum { PIL_DRIVES = 64 }; /* drives at a time */
+enum { PIL_DRIVES = 64 }; /* most drives per request */
 
-/* What the host asks for: one pil_request_t, then `n` items. */
+/* Operations of a request, which is one pil_request_t and then `n` items. */
 enum {
     PIL_EXIT = 0,
     PIL_INFO,   /* no item -> pil_info_t */
     PIL_TESTS,  /* no item -> pil_tests_t */
-    PIL_START,  /* n of pil_start_t -> n of pil_step_t: all drives anew */
+    PIL_START,  /* n of pil_start_t -> n of pil_step_t: drives start again */
     PIL_STEP,   /* n of drive_in_t -> n of pil_step_t: schedule, drive_step; k_s_ref is not read */
     PIL_RAW,    /* n of drive_in_t -> n of pil_step_t: drive_step alone, with k_s_ref */
     PIL_LOOKUP, /* n of pil_lookup_in_t -> n of pil_lookup_t */
@@ -33,12 +33,12 @@ typedef struct {
     uint32_t drive_state; /* sizes in bytes */
     uint32_t schedule_state;
     uint32_t drive_params;
-    uint32_t ticks_0;    /* of nothing */
-    uint32_t ticks_call; /* of a call like that of a lookup, with two instructions in it */
-    uint32_t ticks_1000; /* of a thousand instructions and a call */
+    uint32_t ticks_0;    /* of no code at all */
+    uint32_t ticks_call; /* of a call like that of a lookup, with two instructions inside */
+    uint32_t ticks_1000; /* of a thousand instructions and their call */
 } pil_info_t;
 
-/* Each the number of what went wrong. */
+/* Numbers of cases that went wrong. */
 typedef struct {
     uint32_t lookups_f32;
     uint32_t lookups_q15;

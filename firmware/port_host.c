@@ -1,4 +1,4 @@
-/* The same program on the host: standard input and output, nothing counted. */
+/* The port for a host: standard input and output, and no counter. */
 #include "port.h"
 
 #include <stdio.h>

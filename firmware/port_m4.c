@@ -1,4 +1,4 @@
-/* Semihosting and SysTick of a Cortex-M4F under QEMU. */
+/* The port for a Cortex-M4F under QEMU: semihosting and SysTick. */
 #include "port.h"
 
 enum { SYS_OPEN = 1, SYS_WRITE = 5, SYS_READ = 6, SYS_EXIT_EXTENDED = 0x20 };
@@ -32,7 +32,7 @@ int port_open(void) {
     return from_host != 0xFFFFFFFFUL && to_host != 0xFFFFFFFFUL;
 }
 
-/* Both calls return the number of bytes that are left to do. */
+/* Both operations return the number of bytes not transferred. */
 static int transfer(uint32_t operation, uint32_t file, uint32_t address, uint32_t n) {
     uint32_t bytes = 4 * n;
     while (bytes > 0) {

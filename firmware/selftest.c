@@ -1,7 +1,7 @@
 /* Self test of an exported schedule on a host: status 0 and one line if every check passes.
  *
- * Does this folder, compiled here, give the words that were noted where it was exported; is a damaged
- * table noticed and replaced by the built-in rule; does a bad input stay without harm?
+ * It checks that this folder, compiled here, gives the same words as where it was exported; that a
+ * damaged table is noticed and replaced by the built-in rule; and that bad inputs do no harm.
  */
 #include <float.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
-/* Reset of the Cortex-M4F: FPU on, memory set up, main, end. No C library behind it. */
+/* Reset of the Cortex-M4F: FPU on, memory set up, main, end; without a C library. */
 #include <stdint.h>
 
 #include "port.h"
 
-/* From the linker script: places, and how many words they have. */
+/* From the linker script: addresses, and their numbers of words. */
 extern uint32_t data_load[], data_start[], bss_start[], stack_top[];
 extern const uint32_t data_words, bss_words;
 
@@ -34,7 +34,7 @@ __attribute__((used, noreturn)) void reset_c(void) {
     port_exit(main());
 }
 
-/* Any exception: no interrupt is in use, so it is a fault. */
+/* Any exception is a fault, because no interrupt is in use. */
 __attribute__((noreturn)) void trap(void) { port_exit(99); }
 
 __attribute__((section(".vectors"), used)) static const void *const vectors[16] = {

@@ -4,11 +4,11 @@
  *
  * Eq. 26 of doi 10.12177/emca.2025.011 with the wrap it lacks: the mean of 359 and 1 degree is 0.
  *
- * There are other ways to one estimate, chosen by drive_params_t.estimator. ESTIMATE_ERRORS weighs
- * the error signals, not the angles: one loop runs on k_s err_hfi + (1 - k_s) err_smo (after Piippo
- * and Luomi, adaptive observer combined with HF signal injection, IEMDC 2005). A PLL is linear in
- * its error, so stepping two from the same state and blending them is that loop. ESTIMATE_COUPLED
- * has one state for both, see coupled_observer.h.
+ * drive_params_t.estimator chooses this or another way to one estimate. ESTIMATE_ERRORS weights the
+ * error signals, not the angles: one loop runs on k_s err_hfi + (1 - k_s) err_smo (after Piippo and
+ * Luomi, adaptive observer combined with HF signal injection, IEMDC 2005). A PLL is linear in its
+ * error, so stepping two from the same state and blending the results is the same loop.
+ * ESTIMATE_COUPLED has one state for both sources, see coupled_observer.h.
  */
 #ifndef SENSORLESS_BLEND_H
 #define SENSORLESS_BLEND_H
@@ -16,10 +16,10 @@
 #include "frames.h"
 
 enum {
-    ESTIMATE_SMO = 0,       /* the weighted angle above, sliding-mode observer */
+    ESTIMATE_SMO = 0,       /* the weighted angle above, with the sliding-mode observer */
     ESTIMATE_UNWRAPPED = 1, /* Eq. 26 as printed, for comparison */
     ESTIMATE_ERRORS = 2,    /* weighted error signals in one loop */
-    ESTIMATE_FLUX = 3,      /* the weighted angle, flux observer instead of sliding mode */
+    ESTIMATE_FLUX = 3,      /* the weighted angle above, with the flux observer */
     ESTIMATE_COUPLED = 4    /* one observer that injection corrects with the weight */
 };
 
@@ -28,8 +28,8 @@ typedef struct {
     float omega; /* electrical speed [rad/s] */
 } estimate_t;
 
-/* k_s moved towards target by at most step; a target outside [0, 1] is clipped, NaN counts as 1
- * (injection needs no speed, so it is the safe side). */
+/* k_s moved towards target by at most step. A target outside [0, 1] is clipped; NaN counts as 1,
+ * because injection needs no speed and so is the safe choice. */
 CORE_INLINE float ks_slew(float k_s, float target, float step) {
     float t = target <= 1.0f ? target : 1.0f;
     t = t >= 0.0f ? t : 0.0f;
@@ -44,7 +44,7 @@ CORE_INLINE estimate_t ks_blend(estimate_t hfi, estimate_t smo, float k_s) {
     return y;
 }
 
-/* Without the wrap: wrong by k_s turns while only one of the angles has passed +-pi. */
+/* Without the wrap: wrong by k_s turns while only one of the two angles has passed +-pi. */
 CORE_INLINE estimate_t ks_blend_unwrapped(estimate_t hfi, estimate_t smo, float k_s) {
     estimate_t y = {
         wrap_pi((1.0f - k_s) * smo.theta + k_s * hfi.theta),

@@ -1,12 +1,12 @@
-/* What differs from compiler to compiler. */
+/* Everything that depends on the compiler. */
 #ifndef SENSORLESS_COMPILER_H
 #define SENSORLESS_COMPILER_H
 
-/* Compilers other than gcc and clang: define CORE_SQRTF to their square root of a float. */
+/* With compilers other than gcc and clang, define CORE_SQRTF as their square root of a float. */
 #if defined(__GNUC__)
 #define CORE_INLINE static inline __attribute__((always_inline))
 #define CORE_APART static __attribute__((noinline))
-#define CORE_COLD __attribute__((cold)) /* runs seldom: small rather than fast */
+#define CORE_COLD __attribute__((cold)) /* runs rarely: small rather than fast */
 #define CORE_LIKELY(x) __builtin_expect(x, 1)
 #define CORE_SQRTF __builtin_sqrtf
 #else

@@ -2,12 +2,12 @@
  *
  * Speed: PI with weighted reference (weight 0 is an IP controller) and back-calculated anti-windup;
  * its output is the torque current i_q, limited in slope and magnitude, and not increased while the
- * current control is out of voltage. The d current follows the curve of maximum torque per ampere,
+ * current control lacks voltage. The d current follows the curve of maximum torque per ampere,
  * lowered by a voltage-driven field-weakening integrator.
  * Current: two-degree-of-freedom internal-model control (doi 10.1109/28.663477) on the mean of two
- * samples, which carries no injected current; voltage limited to the circle u_dc / sqrt(3) less the
- * reserve for injection. Voltage is turned by theta + 1.5 omega T_s: one period of computation and
- * the middle of the hold.
+ * samples, which contains no injected current; the voltage is limited to the circle u_dc / sqrt(3)
+ * minus the reserve for injection. Voltage is turned by theta + 1.5 omega T_s: one period of
+ * computation, and half a period to the middle of the hold.
  */
 #ifndef SENSORLESS_CONTROL_H
 #define SENSORLESS_CONTROL_H
@@ -21,7 +21,7 @@ typedef struct {
     float k_p_speed;      /* [A s/rad], electrical speed */
     float k_i_speed;      /* [A/rad] */
     float weight_ref;     /* share of the reference in the proportional part, 0 ... 1 */
-    float i_q_step;       /* largest change of i_q_ref a period [A] */
+    float i_q_step;       /* largest change of i_q_ref per period [A] */
     float i_max;          /* current limit, peak [A] */
     float k_t_d;          /* reference gain, alpha_c L_d [V/A] */
     float k_t_q;          /* alpha_c L_q [V/A] */
@@ -33,12 +33,12 @@ typedef struct {
     float L_q;            /* decoupling [H] */
     float psi_f;          /* decoupling [Vs] */
     float k_fw;           /* field-weakening gain times T_s [A/V] */
-    float fw_margin;      /* share of the voltage limit the fundamental may use */
+    float fw_margin;      /* share of the voltage limit that the fundamental may use */
     float i_d_min;        /* most negative d current [A] */
-    float u_dt;           /* dead-time voltage a leg to compensate [V], 0 = off */
+    float u_dt;           /* dead-time voltage of a leg to compensate [V], 0 = off */
     float inv_i_dt;       /* slope of its transition through zero current [1/A] */
     curve_t i_d_mtpa;     /* d current of maximum torque per ampere over |i_q| [A] */
-    float curve_inv_step; /* common abscissa of all curves [1/A] */
+    float curve_inv_step; /* nodes per ampere of all curves [1/A] */
 } control_params_t;
 
 typedef struct {
@@ -48,7 +48,7 @@ typedef struct {
     dq_t u_int;   /* integrators of the current control [V] */
     float i_int;  /* integrator of the speed control [A] */
     float i_d_fw; /* field-weakening part of i_d_ref, at most 0 [A] */
-    float u_abs;  /* magnitude of the voltage wanted before the limit [V] */
+    float u_abs;  /* magnitude of the voltage before the limit [V] */
     float u_max;  /* voltage limit of the last period [V] */
 } control_state_t;
 
@@ -68,7 +68,8 @@ CORE_INLINE float speed_control(const control_params_t *p, control_state_t *x, f
     return i_q;
 }
 
-/* Takes in sample k [A] in the frame r of the estimate at k; x->i: its mean with the one before. */
+/* Takes in sample k [A] in the frame r of the estimate at k; x->i becomes the mean with sample
+ * k-1. */
 CORE_INLINE void control_sample(control_state_t *x, rot_t r, ab_t i_ab) {
     dq_t i_k = ab_to_dq(i_ab, r);
     dq_t i = {0.5f * (i_k.d + x->i_1.d), 0.5f * (i_k.q + x->i_1.q)};
@@ -76,7 +77,7 @@ CORE_INLINE void control_sample(control_state_t *x, rot_t r, ab_t i_ab) {
     x->i = i;
 }
 
-/* Current control alone, at the torque current i_q_ref [A]; otherwise as control_step. */
+/* Current control alone, for the torque current i_q_ref [A]; otherwise as control_step. */
 CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, estimate_t est,
                                  rot_t r, ab_t i_ab, float u_dc, float i_q_ref, float reserve,
                                  float T_s) {
@@ -103,8 +104,9 @@ CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, 
     return dq_to_ab(u_lim, rot_turn(r, 1.5f * T_s * est.omega));
 }
 
-/* One period: fundamental voltage to become active at k+1, stator frame [V]. est: angle and speed
- * to work with, r: direction of that angle; i_ab: sample k [A]; u_dc [V]; reserve: voltage kept free for injection [V]. */
+/* One period: fundamental voltage that becomes active at k+1, stator frame [V]. est: angle and
+ * speed to use, r: direction of that angle; i_ab: sample k [A]; u_dc [V]; reserve: voltage left for
+ * injection [V]. */
 CORE_INLINE ab_t control_step(const control_params_t *p, control_state_t *x, estimate_t est,
                               rot_t r, ab_t i_ab, float u_dc, float omega_ref, float reserve,
                               float T_s) {
@@ -112,8 +114,8 @@ CORE_INLINE ab_t control_step(const control_params_t *p, control_state_t *x, est
     return current_control(p, x, est, r, i_ab, u_dc, i_q_ref, reserve, T_s);
 }
 
-/* The speed controller as it is at speed omega without load: its integrator carries the
- * proportional part, no torque is asked for. */
+/* Sets the speed controller to its state at speed omega without load: the integrator cancels the
+ * proportional part, and no torque is requested. */
 CORE_INLINE void control_ready(const control_params_t *p, control_state_t *x, float omega) {
     x->i_ref.q = 0.0f;
     x->i_int = p->k_p_speed * (1.0f - p->weight_ref) * omega;

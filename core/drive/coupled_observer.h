@@ -1,16 +1,16 @@
 /* Rotor angle from flux and injection together: one angle, one speed, one flux.
  *
- * The voltage model carries the fast part. In the estimated rotor frame the flux that the measured
- * current stands for, less the integrated one, is the error
- *   e = (its own error) - j delta psi_a,   delta = theta_e - theta_e_hat,
+ * The voltage model gives the fast part. In the estimated rotor frame, the flux that follows from
+ * the measured current minus the integrated flux is the error
+ *   e = (error of the integrated flux) - j delta psi_a,   delta = theta_e - theta_e_hat,
  *   psi_a = psi_d - L_qq i_d + j (psi_q - L_d i_q),   L_qq = d psi_q / d i_q.
- * Its part across the auxiliary flux psi_a, eps, drives angle, speed and load (a load torque is a
- * third state beside the torque that currents and flux make); its part along psi_a corrects the
- * flux through a sigmoid with a boundary layer: sliding mode far from the model, linear near it.
+ * Its part across the auxiliary flux psi_a, eps, drives angle, speed and load (the load torque is a
+ * third state, besides the torque of current and flux). Its part along psi_a corrects the flux
+ * through a sigmoid with a boundary layer: sliding mode far from the model, linear near it.
  *
- * Injection carries the slow part with weight k_s: its error e_h turns angle and flux by the same
- * amount, so eps and the speed never see its noise; a slow state turns the flux on for what the
- * voltages are always wrong by. Derivation, poles and gains: docs/coupled-observer.md.
+ * Injection gives the slow part with weight k_s. Its error e_h turns angle and flux by the same
+ * amount, so its noise never reaches eps and the speed; a slow state keeps turning the flux to make
+ * up for constant errors of the voltages. Derivation, poles and gains: docs/coupled-observer.md.
  */
 #ifndef SENSORLESS_COUPLED_OBSERVER_H
 #define SENSORLESS_COUPLED_OBSERVER_H
@@ -23,8 +23,8 @@
 typedef struct {
     float R_s;         /* stator resistance of the model [ohm] */
     float L_d;         /* [H] */
-    curve_t psi_d;     /* d flux at no d current over |i_q| [Vs] */
-    float psi_sq_min;  /* least square of the auxiliary flux to divide by [(Vs)^2] */
+    curve_t psi_d;     /* d flux without d current over |i_q| [Vs] */
+    float psi_sq_min;  /* least square of the auxiliary flux that errors are divided by [(Vs)^2] */
     float gain_0;      /* correction of the flux at standstill [1/s] times T_s */
     float gain_w;      /* its rise with speed, times T_s [s] */
     float layer;       /* boundary layer of the correction, over the auxiliary flux */
@@ -35,17 +35,17 @@ typedef struct {
     float k_tau;       /* share of the flux-current product that accelerates [rad/(s^2 Vs A)] */
     float load_max;    /* bound on the load [rad/s^2] */
     float alpha_rise;  /* low-pass on eps for the bandwidth's rise [rad/s] times T_s */
-    float eps_rise;    /* |eps| from which on the bandwidth rises [rad] */
-    float rise;        /* its rise with |eps| beyond [1/rad] */
-    float rise_max;    /* most that it rises by, over 1 */
+    float eps_rise;    /* |eps| above which the bandwidth rises [rad] */
+    float rise;        /* its rise with |eps| above that [1/rad] */
+    float rise_max;    /* its largest rise, as a share of the bandwidth */
     float inv_slope;   /* 1 / slope of the injection's error signal [rad] */
     float k_h;         /* from injection to angle and flux [1/s] times T_s */
     float k_b;         /* from injection to drift [1/s^2] times T_s */
     float drift_max;   /* bound on the drift [rad/s] */
-    float u_dt;        /* dead-time voltage a leg that the drive compensates [V] */
+    float u_dt;        /* dead-time voltage of a leg that the drive compensates [V] */
     float inv_i_comp;  /* slope of its transition through zero current [1/A] */
-    float inv_i_true;  /* the same of the inverter's own [1/A] */
-    float omega_floor; /* below this speed the flux is not trusted alone, electrical [rad/s] */
+    float inv_i_true;  /* slope of the inverter's own dead-time voltage [1/A] */
+    float omega_floor; /* below this speed the flux needs injection, electrical [rad/s] */
     float omega_max;   /* bound on the speed estimate, electrical [rad/s] */
 } coupled_params_t;
 
@@ -53,18 +53,18 @@ typedef struct {
     ab_t psi;      /* estimated stator flux [Vs] */
     ab_t i_1;      /* sample k-1 [A] */
     float load;    /* acceleration by load and friction [rad/s^2] */
-    float drift;   /* turn of the flux for what the voltages are always wrong by [rad/s] */
+    float drift;   /* turn of the flux that offsets constant voltage errors [rad/s] */
     float eps_f;   /* low-passed error across the auxiliary flux [rad] */
     float err_hfi; /* angle error by injection, truth minus estimate near lock [rad] */
 } coupled_state_t;
 
-/* Weight below which injection no longer carries the flux where its own floor ends [1]. */
+/* Weight at or below which injection does not lead the flux below omega_floor [1]. */
 #define COUPLED_LED 0.01f
 
-/* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] without dead-time
- * compensation [V]; L_q, L_qq: apparent and incremental [H]; psi_0: psi_d of the curve [Vs]; k_s:
- * weight of injection; err: its error signal. y: angle and speed for k+1, r = rot_of(its angle at
- * k). */
+/* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] without
+ * dead-time compensation [V]; L_q, L_qq: apparent and incremental inductance [H]; psi_0: d flux
+ * from the curve psi_d [Vs]; k_s: weight of injection; err: its error signal. y: angle and speed,
+ * advanced to k+1; r = rot_of(the angle of y at k). */
 CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
                                  rot_t r, ab_t i_ab, ab_t u_ab, float L_q, float L_qq, float psi_0,
                                  float k_s, float err, float T_s) {

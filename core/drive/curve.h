@@ -1,4 +1,4 @@
-/* A quantity over the magnitude of the torque current: even spacing, linear between nodes. */
+/* A quantity over the magnitude of the torque current: evenly spaced nodes, linear between them. */
 #ifndef SENSORLESS_CURVE_H
 #define SENSORLESS_CURVE_H
 
@@ -11,13 +11,13 @@ typedef struct {
     float y[CURVE_N]; /* value at |i_q| = j / inv_step */
 } curve_t;
 
-/* Where |i_q| lies on the common abscissa of all curves. */
+/* Position of |i_q| among the nodes, common to all curves. */
 typedef struct {
     int j;   /* left node, 0 ... CURVE_N - 2 */
     float f; /* fraction between node j and j + 1 */
 } curve_pos_t;
 
-/* inv_step: nodes per ampere [1/A]. Beyond the last node the last value holds. */
+/* inv_step: nodes per ampere [1/A]. Beyond the last node, the last value applies. */
 CORE_INLINE curve_pos_t curve_locate(float i_q, float inv_step) {
     float t = min_f(abs_f(i_q) * inv_step, (float)(CURVE_N - 1)); /* NaN: the last */
     int j = (int)t;
@@ -32,7 +32,7 @@ CORE_INLINE float curve_at(const curve_t *c, curve_pos_t pos) {
     return y0 + pos.f * (y1 - y0);
 }
 
-/* d(|i_q| y) / d|i_q|: of an apparent inductance the incremental one. */
+/* d(|i_q| y) / d|i_q|: turns an apparent inductance into the incremental one. */
 CORE_INLINE float curve_incremental(const curve_t *c, curve_pos_t pos) {
     float y0 = pick_f(c->y, pos.j, CURVE_N - 1);
     float y1 = pick_f(c->y + 1, pos.j, CURVE_N - 1);

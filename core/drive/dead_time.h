@@ -1,21 +1,21 @@
-/* The voltage that dead time takes, or that compensates it. */
+/* The voltage lost by dead time, or the voltage that compensates it. */
 #ifndef SENSORLESS_DEAD_TIME_H
 #define SENSORLESS_DEAD_TIME_H
 
 #include "frames.h"
 
-/* Share of the full dead-time voltage at a leg's current [A], -1 ... 1; inv_i: slope of its
+/* Share of the full dead-time voltage at current i of a leg [A], -1 ... 1; inv_i: slope of the
  * transition through zero current [1/A]. */
 CORE_INLINE float dead_time_share(float i, float inv_i) { return clamp_f(i * inv_i, -1.0f, 1.0f); }
 
-/* Stator frame, without what is common to all legs. */
+/* Leg voltages u a, u b, u c in the stator frame; the part common to all legs drops out. */
 CORE_INLINE ab_t dead_time_to_ab(float u, float a, float b, float c) {
     ab_t y = {u * 0.333333333f * (2.0f * a - b - c), u * INV_SQRT3_F * (b - c)};
     return y;
 }
 
-/* Dead-time voltage of three legs for the current i_ab, to be added to the command [V]; u_dt: of a
- * leg [V]. */
+/* Dead-time voltage of three legs at the current i_ab, to be added to the command [V]; u_dt: that
+ * of one leg [V]. */
 CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
     float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
     float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
@@ -23,7 +23,7 @@ CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
                            dead_time_share(i_c, inv_i));
 }
 
-/* What a compensation of slope inv_i puts beyond what legs of slope inv_i_true take [V]. */
+/* Voltage that a compensation with slope inv_i adds beyond the loss with slope inv_i_true [V]. */
 CORE_INLINE ab_t dead_time_excess(float u_dt, float inv_i, float inv_i_true, ab_t i_ab) {
     float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
     float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;

@@ -1,12 +1,12 @@
-/* The per-period step as a linkable function, and the state to start from. */
+/* The step of one period as a linkable function, and the initial state. */
 #include "drive.h"
 
 ab_t drive_step(const drive_params_t *p, drive_state_t *x, const drive_in_t *in) {
     return drive_step_inline(p, x, in);
 }
 
-/* Zeros are written one by one: of a whole struct the compiler would make a call of memset, which
- * not every target has. */
+/* Zeros are written one by one: for a whole struct the compiler would call memset, which not every
+ * target has. */
 static void hfi_clear(hfi_state_t *x) {
     x->i_1.d = 0.0f;
     x->i_1.q = 0.0f;

@@ -1,7 +1,7 @@
 /* One PWM period of the sensorless drive: guard, observe, actuate.
  *
- * Call drive_step once a period with the sample of instant k; the voltage it returns is to be
- * applied over [k+1, k+2].
+ * Call drive_step once per period with the sample of instant k, and apply the voltage that it
+ * returns over [k+1, k+2].
  */
 #ifndef SENSORLESS_DRIVE_H
 #define SENSORLESS_DRIVE_H
@@ -28,10 +28,11 @@ CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
     return u;
 }
 
-/* The same as one function of its own, for firmware. */
+/* The same as a linkable function, for firmware. */
 ab_t drive_step(const drive_params_t *p, drive_state_t *x, const drive_in_t *in);
 
-/* State at rest: no currents, estimators at theta [rad] and omega [rad/s], weight k_s. */
+/* Initial state: no currents, estimators at theta [rad] and omega [rad/s], electrical, weight
+ * k_s. */
 void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float omega, float k_s);
 
 #endif

@@ -4,9 +4,9 @@
 
 #include "drive_types.h"
 
-/* Injection of sign s and dead-time compensation on top of the voltage u [V]; r_i: direction of the
- * frame that the controlled current is in. Returns what to apply
- * over [k+1, k+2] and moves the voltage queue on. */
+/* Adds injection of sign s and dead-time compensation to the voltage u [V]; r_i: direction of the
+ * frame of the controlled current. Returns the voltage to apply over [k+1, k+2] and advances the
+ * voltage queue. */
 CORE_INLINE ab_t drive_output(const drive_params_t *p, drive_state_t *x, ab_t u, rot_t r_i,
                               float s) {
     rot_t r = hfi_direction(&p->hfi, &x->hfi, p->T_s);
@@ -19,8 +19,8 @@ CORE_INLINE ab_t drive_output(const drive_params_t *p, drive_state_t *x, ab_t u,
     return out;
 }
 
-/* Control on any estimate (the sensored reference drive passes the true angle) of direction r,
- * injection sign s. */
+/* Control on any estimate (the sensored twin passes the true angle); r: direction of its angle, s:
+ * sign of the injection. */
 CORE_INLINE ab_t drive_actuate(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
                                ab_t i_ab, estimate_t est, rot_t r, float s) {
     float reserve = s * s * p->hfi.u_inj;
@@ -29,8 +29,8 @@ CORE_INLINE ab_t drive_actuate(const drive_params_t *p, drive_state_t *x, const 
     return drive_output(p, x, u, r, s);
 }
 
-/* No torque on any estimate: the current held at zero (or where field weakening wants it), the speed
- * controller kept ready. */
+/* The same without torque: holds the current at zero (or where field weakening puts it) and keeps
+ * the speed controller ready. */
 CORE_INLINE ab_t drive_hold(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
                             ab_t i_ab, estimate_t est) {
     rot_t r = rot_of(est.theta);

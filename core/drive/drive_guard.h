@@ -1,14 +1,14 @@
-/* Inputs of a period made safe. */
+/* Makes the inputs of a period safe. */
 #ifndef SENSORLESS_DRIVE_GUARD_H
 #define SENSORLESS_DRIVE_GUARD_H
 
 #include "drive_types.h"
 
-#define LIMIT_CURRENT 1.0e4f /* [A] plausible magnitude of a sample */
+#define LIMIT_CURRENT 1.0e4f /* largest plausible magnitude of a sample [A] */
 #define LIMIT_VOLTAGE 1.0e5f /* [V] */
 #define LIMIT_SPEED 1.0e5f   /* [rad/s] electrical */
 
-/* A bad value is replaced and its fault bit set. */
+/* Replaces bad values and sets their fault bits. */
 CORE_INLINE drive_in_t drive_guard(drive_state_t *x, const drive_in_t *in) {
     drive_in_t y;
     y.i_a = sane_f(in->i_a, LIMIT_CURRENT);

@@ -1,12 +1,12 @@
-/* A sample taken in: both observers, their blend, and what a schedule sees of them. */
+/* What a drive does with a sample: both estimators, their blend, and the signals of a schedule. */
 #ifndef SENSORLESS_DRIVE_OBSERVE_H
 #define SENSORLESS_DRIVE_OBSERVE_H
 
 #include "drive_types.h"
 
-/* One observer on both sources, after injection was demodulated. r: direction of its angle; cross: from
- * the injection's axis to the angle [rad]. What injection and flux say each is the angle and the
- * error that they see. */
+/* The coupled observer, after the injection was demodulated. r: direction of its angle; cross: from
+ * the injection's axis to the angle [rad]. theta_hfi and theta_smo become the observer's angle plus
+ * the error that injection or flux sees. */
 CORE_INLINE void drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_ab, rot_t r,
                               float cross, curve_pos_t pos) {
     x->est.theta = x->emf.pll.theta;
@@ -20,8 +20,8 @@ CORE_INLINE void drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_
     x->hfi.pll.omega = x->emf.pll.omega;
 }
 
-/* Both observers and their blend; x->est is the result for instant k, its direction is
- * returned. */
+/* Both estimators and their blend; x->est becomes the estimate for instant k. Returns its
+ * direction. */
 CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
                                 float k_s_ref) {
     curve_pos_t pos = curve_locate(x->control.i.q, p->control.curve_inv_step);
@@ -66,7 +66,7 @@ CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t 
     return rot_of(x->est.theta);
 }
 
-/* Low-passes what a schedule may see. */
+/* Low-pass filters the signals of a schedule. */
 CORE_INLINE void drive_signals(const signal_params_t *p, drive_state_t *x, float omega_ref) {
     signal_state_t *y = &x->signal;
     float a = p->alpha;

@@ -1,10 +1,10 @@
-/* One period of each phase, and what follows it. */
+/* One period of each phase of the start sequence, and the next phase. */
 #include "drive_start.h"
 
 #include "drive_actuate.h"
 #include "drive_observe.h"
 
-/* Stages that are called from several places, once in the memory of a target. */
+/* Stages that several places call, kept once in the memory of a target. */
 CORE_APART rot_t unit(float theta) { return rot_of(theta); }
 
 CORE_APART void see_emf(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float omega) {
@@ -14,7 +14,7 @@ CORE_APART void see_emf(const drive_params_t *p, drive_state_t *x, ab_t i_ab, fl
 
 void drive_find_rotor(drive_state_t *x) { start_begin(&x->start); }
 
-/* Hands over to control at the estimate for k+1, both estimators on it. */
+/* Hands over to control; both estimators continue from the estimate for k+1. */
 CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimate_t next,
                               ab_t i_ab) {
     x->hfi.pll.theta = next.theta;
@@ -22,26 +22,26 @@ CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimat
     x->emf.pll.theta = next.theta;
     x->emf.pll.omega = next.omega;
     x->smo.omega_f = next.omega;
-    x->emf.valid = 0.0f; /* an observer that integrates begins anew */
+    x->emf.valid = 0.0f; /* an observer that integrates starts again */
     x->control.i_1 = ab_to_dq(i_ab, unit(x->est.theta));
     control_ready(&p->control, &x->control, next.omega);
     start_enter(&x->start, START_DONE);
 }
 
-/* The angle that all parts of the drive read. */
+/* Sets the angle that all parts of the drive read. */
 CORE_COLD static void show_angle(drive_state_t *x, estimate_t est) {
     x->est = est;
     x->theta_hfi = est.theta;
     x->theta_smo = est.theta;
 }
 
-/* The speed as the schedule is to see it, at once. */
+/* Sets the speed that the schedule sees, without its low-pass. */
 CORE_COLD static void show_speed(drive_state_t *x, float omega) {
     x->signal.omega = omega;
     x->signal.omega_2 = omega;
 }
 
-/* A spinning shaft: angle and speed from the EMF e = omega psi (-sin theta, cos theta). */
+/* The shaft spins: angle and speed from the EMF e = omega psi (-sin theta, cos theta). */
 CORE_COLD static void enter_fly(const drive_params_t *p, drive_state_t *x) {
     const start_state_t *s = &x->start;
     float omega = s->omega;
@@ -56,7 +56,7 @@ CORE_COLD static void enter_fly(const drive_params_t *p, drive_state_t *x) {
     start_enter(&x->start, START_FLY);
 }
 
-/* The sliding-mode observer alone, the injection estimator on its angle. */
+/* One period of FLY: the sliding-mode observer alone; the injection estimator follows its angle. */
 CORE_COLD static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
                           ab_t i_ab) {
     estimate_t own = {x->emf.pll.theta, x->emf.pll.omega};
@@ -73,7 +73,7 @@ CORE_COLD static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive
     return u;
 }
 
-/* Is the shaft spinning? */
+/* Decides at the end of CATCH whether the shaft spins. */
 CORE_COLD static void watch_emf(const drive_params_t *p, drive_state_t *x) {
     start_state_t *s = &x->start;
     if (s->n == p->start.n_catch_mark) {
@@ -90,8 +90,8 @@ CORE_COLD static void watch_emf(const drive_params_t *p, drive_state_t *x) {
     }
 }
 
-/* The axis is known but for its sense. The first speed is that of the EMF's turn, which is noise at
- * rest: the EMF's magnitude bounds it. */
+/* The axis is known except for its sense. The initial speed is that at which the EMF turns; at rest
+ * that is noise, so the EMF's magnitude bounds it. */
 CORE_COLD static void enter_lock(const drive_params_t *p, drive_state_t *x) {
     float bound = norm_ab(x->start.e_f) / p->control.psi_f;
     x->hfi.pll.theta = start_axis(&x->start, x->est.theta);
@@ -100,21 +100,21 @@ CORE_COLD static void enter_lock(const drive_params_t *p, drive_state_t *x) {
     start_enter(&x->start, START_LOCK);
 }
 
-/* Signed speed from the EMF on the estimated q axis: much quieter than that of a quick loop. */
+/* Signed speed from the EMF on the estimated q axis, which has much less noise than a fast loop. */
 CORE_COLD static float emf_speed(const drive_params_t *p, const drive_state_t *x) {
     rot_t r = unit(x->hfi.pll.theta);
     float omega = (r.c * x->start.e_f.b - r.s * x->start.e_f.a) / p->control.psi_f;
     return clamp_f(omega, -p->hfi.pll.omega_max, p->hfi.pll.omega_max);
 }
 
-/* Without injection the angle runs on at the last speed. The EMF's sense is that of the pole, so as
- * yet only its magnitude counts. */
+/* Without injection, the angle continues at the last speed. The sign of the EMF depends on the
+ * pole, which is not known yet, so only its magnitude is used. */
 CORE_COLD static void enter_pole(const drive_params_t *p, drive_state_t *x) {
     x->hfi.pll.omega = sign_f(x->hfi.pll.omega) * abs_f(emf_speed(p, x));
     start_enter(&x->start, START_POLE);
 }
 
-/* After a pair of pulses: sure of the pole, or once more. */
+/* After a pair of pulses: decides on the pole, or tries another pair. */
 CORE_COLD static void judge_pole(const drive_params_t *p, drive_state_t *x) {
     start_state_t *s = &x->start;
     int sure = abs_f(s->i_pole) >= p->start.i_pole_sure;
@@ -130,7 +130,7 @@ CORE_COLD static void judge_pole(const drive_params_t *p, drive_state_t *x) {
     }
 }
 
-/* Voltage of a pulse along the estimated axis; the EMF turns with it. */
+/* Voltage of a pulse along the estimated axis, on top of the EMF. */
 CORE_COLD static ab_t pulse(const drive_params_t *p, drive_state_t *x, float way) {
     rot_t r = unit(x->est.theta + 1.5f * p->T_s * x->est.omega);
     ab_t u = {
@@ -140,7 +140,7 @@ CORE_COLD static ab_t pulse(const drive_params_t *p, drive_state_t *x, float way
     return u;
 }
 
-/* Injection of sign s on top of u, limited to what the link gives; compensates dead time. */
+/* Adds injection of sign s to u, limits the sum to the DC link and compensates dead time. */
 CORE_COLD static ab_t output(const drive_params_t *p, drive_state_t *x, ab_t u, rot_t axis, float s,
                              ab_t i_ab, float u_dc) {
     ab_t v = {u.a + s * p->hfi.u_inj * axis.c, u.b + s * p->hfi.u_inj * axis.s};
@@ -154,7 +154,7 @@ CORE_COLD static ab_t output(const drive_params_t *p, drive_state_t *x, ab_t u, 
     return out;
 }
 
-/* One period of a shaft at rest or turning slowly: samples into the phase's sums, then the voltage. */
+/* One period at rest or low speed: adds the sample to the phase's sums; returns the voltage. */
 CORE_COLD static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t i_ab, float u_dc) {
     const start_params_t *q = &p->start;
     start_state_t *s = &x->start;
@@ -162,7 +162,7 @@ CORE_COLD static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t 
     int scan = s->phase == START_SCAN;
     int tracks = s->phase == START_LOCK || s->phase == START_SETTLE;
     see_emf(p, x, i_ab, 0.0f);
-    if (pole) { /* what the observer sees then is not the EMF: the last one turns on */
+    if (pole) { /* pulses hide the EMF from the observer: the last EMF keeps turning */
         rot_t e = {s->e_f.a, s->e_f.b};
         e = rot_turn(e, p->T_s * x->est.omega);
         s->e_f.a = e.c;
@@ -188,7 +188,7 @@ CORE_COLD static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t 
     return output(p, x, u, axis, sign, i_ab, u_dc);
 }
 
-/* What follows when a phase has had its periods. */
+/* Enters the next phase when the present one has had its periods. */
 CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     const start_params_t *q = &p->start;
     start_state_t *s = &x->start;

@@ -4,11 +4,11 @@
 
 #include "drive_types.h"
 
-/* Makes the drive find its rotor before it controls: call it after drive_init if angle or speed are
- * not known. The angle given to drive_init only says which pole to try first. */
+/* Makes the drive find its rotor before it takes control. Call it after drive_init if angle or
+ * speed is unknown; the angle passed to drive_init then only says which pole to assume first. */
 void drive_find_rotor(drive_state_t *x);
 
-/* One period of the start sequence, of a drive in such a phase. */
+/* One period of a drive in its start sequence. */
 ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab);
 
 #endif

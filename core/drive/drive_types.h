@@ -1,7 +1,7 @@
-/* What a drive is made of: its numbers, its memory, its inputs, its faults.
+/* What a drive consists of: parameters, state, inputs and faults.
  *
- * All memory is in drive_state_t, all numbers are in drive_params_t; there are no globals and no
- * allocation.
+ * The state is all in drive_state_t and the parameters are all in drive_params_t; there are no
+ * globals and no allocation.
  */
 #ifndef SENSORLESS_DRIVE_TYPES_H
 #define SENSORLESS_DRIVE_TYPES_H
@@ -21,12 +21,12 @@ enum {
     FAULT_CURRENT = 1, /* a current sample was not finite or beyond any plausible value */
     FAULT_U_DC = 2,    /* the DC-link voltage was not finite, negative or implausible */
     FAULT_COMMAND = 4, /* speed reference or k_s command not finite or out of range */
-    FAULT_POLE = 8     /* the start sequence was not sure of the polarity */
+    FAULT_POLE = 8     /* the start sequence was not sure of the north pole */
 };
 
 typedef struct {
     float T_s;      /* PWM period [s] */
-    float k_s_step; /* largest change of k_s a period */
+    float k_s_step; /* largest change of k_s per period */
     int estimator;  /* ESTIMATE_* of blend.h */
     hfi_params_t hfi;
     smo_params_t smo;
@@ -35,13 +35,13 @@ typedef struct {
     control_params_t control;
     signal_params_t signal;
     curve_t L_q;         /* apparent q inductance of the observer over |i_q| [H] */
-    curve_t theta_cross; /* half the cross-coupling angle at positive i_q over |i_q| [rad] */
+    curve_t theta_cross; /* half the cross-coupling angle over |i_q|, for positive i_q [rad] */
     start_params_t start;
 } drive_params_t;
 
 typedef struct {
     hfi_state_t hfi;
-    emf_estimate_t emf; /* of the sliding-mode observer, or of another one in its place */
+    emf_estimate_t emf; /* of the observer in use: sliding-mode, flux or coupled */
     smo_state_t smo;
     flux_state_t flux;
     coupled_state_t coupled;
@@ -52,7 +52,7 @@ typedef struct {
     ab_t u_1;        /* voltage that acts over [k, k+1], stator frame [V] */
     ab_t u_2;        /* voltage that acted over [k-1, k] [V] */
     float theta_hfi; /* compensated angle of the injection estimator at k [rad] */
-    float theta_smo; /* angle of the sliding-mode estimator at k [rad] */
+    float theta_smo; /* angle of the observer in use at k [rad] */
     float k_s;       /* weight in force */
     int fault;       /* FAULT_* bits, kept until the caller clears them */
 } drive_state_t;

@@ -1,9 +1,9 @@
 /* Rotor angle from the stator flux: an alternative to the sliding-mode observer.
  *
- * Stator frame: d psi_hat / dt = u - R_s i + v. In the estimated rotor frame the flux that the
- * measured current stands for, [psi_f + L_d i_d, L_q i_q], less psi_hat is the error
- *   eps ~ (its own error) - j delta psi_a,   psi_a = psi_f + (L_d - L_q) i_d + j (L_q - L_d) i_q,
- * delta = theta_e - theta_e_hat: its part across the auxiliary flux psi_a drives the PLL, its part
+ * Stator frame: d psi_hat / dt = u - R_s i + v. In the estimated rotor frame, the flux that follows
+ * from the measured current, [psi_f + L_d i_d, L_q i_q], minus psi_hat is the error
+ *   eps ~ (error of psi_hat) - j delta psi_a,  psi_a = psi_f + (L_d - L_q) i_d + j (L_q - L_d) i_q,
+ * delta = theta_e - theta_e_hat. Its part across the auxiliary flux psi_a drives the PLL. Its part
  * along psi_a corrects psi_hat with a bandwidth that rises with speed from a bound at standstill
  * (doi 10.1109/TIA.2018.2858753). Integration over [k-1, k] is exact for a held voltage.
  */
@@ -20,11 +20,11 @@ typedef struct {
     float psi_f;       /* magnet flux [Vs] */
     float gain_0;      /* correction of the flux at standstill [1/s] times T_s */
     float gain_w;      /* its rise with speed, times T_s [s] */
-    float omega_floor; /* below this speed the flux is not trusted, electrical [rad/s] */
+    float omega_floor; /* below this speed the flux is not used, electrical [rad/s] */
 } flux_params_t;
 
 typedef struct {
-    ab_t psi; /* estimated stator flux [Vs]; 0: none yet, taken from the current */
+    ab_t psi; /* estimated stator flux [Vs]; 0: none yet, so it starts from the current */
 } flux_state_t;
 
 /* One period; arguments as for smo_observe of sliding_mode.h. */

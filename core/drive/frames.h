@@ -37,20 +37,20 @@ CORE_INLINE float max_f(float x, float y) { return x > y ? x : y; }
 CORE_INLINE float abs_f(float x) { return x < 0.0f ? -x : x; }
 CORE_INLINE float sign_f(float x) { return x < 0.0f ? -1.0f : 1.0f; }
 
-/* x limited to [lo, hi]; NaN gives lo, so a NaN never passes. */
+/* x limited to [lo, hi]; NaN gives lo, so that a NaN never passes. */
 CORE_INLINE float clamp_f(float x, float lo, float hi) {
     float y = x > lo ? x : lo;
     return y < hi ? y : hi;
 }
 
-/* x where |x| <= limit, else 0 (also for NaN and infinities): guards every measured input. */
+/* x where |x| <= limit, else 0 (also for NaN and infinity): guards every measured input. */
 CORE_INLINE float sane_f(float x, float limit) { return abs_f(x) <= limit ? x : 0.0f; }
 
-/* Square root: the one library function used; correctly rounded on every IEEE-754 machine, and a
+/* Square root: the only library function in use; correctly rounded on every IEEE-754 machine, and a
  * single instruction (no call, no errno) with -fno-math-errno. */
 CORE_INLINE float sqrt_f(float x) { return CORE_SQRTF(x); }
 
-/* Angle in (-3 pi, 3 pi) to [-pi, pi]: a sum or difference of two wrapped angles. */
+/* Wraps an angle in (-3 pi, 3 pi), such as a sum of two wrapped angles, to [-pi, pi]. */
 CORE_INLINE float wrap_pi(float x) {
     float up = x > PI_F ? TWO_PI_F : 0.0f;
     float down = x < -PI_F ? TWO_PI_F : 0.0f;

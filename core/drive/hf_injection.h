@@ -1,17 +1,18 @@
 /* Rotor angle from square-wave voltage injection on the estimated d axis.
  *
- * A voltage of +-u_inj, its sign changing every period, rides on the d axis of this estimator's own
- * frame. The current answers with (u_inj T_s / 2) L^-1; its q part in that frame is
- *   (u_inj T_s / 2)(1/L_d - 1/L_q) sin(e) cos(e),  e = theta_e - theta_e_hat_hfi,
- * divided by the magnitude of the answer it has slope 1 - L_d/L_q at e = 0 (doi
+ * A voltage of +-u_inj, whose sign changes every period, is added on the d axis of this estimator's
+ * own frame. The current responds with (u_inj T_s / 2) L^-1; its q part in that frame is
+ *   (u_inj T_s / 2)(1/L_d - 1/L_q) sin(e) cos(e),  e = theta_e - theta_e_hat_hfi.
+ * Divided by the magnitude of the response, it has slope 1 - L_d/L_q at e = 0 (doi
  * 10.12177/emca.2025.011, Eqs. 3-7, with incremental inductances and the sign restored).
  *
- * Demodulation: with HFI_ROTATING each sample is turned into the frame with the angle it was taken at, and the second
- * difference x = s (i(k) - 2 i(k-1) + i(k-2)) / 4 removes everything but the alternating part; s is
- * the sign of the voltage that was applied over [k-1, k]. With one period of computation delay that
- * voltage was computed at k-2: signs wait in a queue, parity of k is never used.
+ * Demodulation: with HFI_ROTATING, each sample is turned into the frame at the angle of its
+ * instant, and the second difference x = s (i(k) - 2 i(k-1) + i(k-2)) / 4 removes everything except
+ * the alternating part; s is the sign of the voltage that was applied over [k-1, k]. With one
+ * period of computation delay, that voltage was computed at k-2: signs wait in a queue, and the
+ * parity of k is never used.
  *
- * Magnetic cross-coupling turns the lock point by theta_cross (half of the angle of Eq. 16), a
+ * Magnetic cross-coupling turns the lock point by theta_cross (half the angle of Eq. 16), a
  * function of the torque current; the caller adds it to the angle.
  */
 #ifndef SENSORLESS_HF_INJECTION_H
@@ -31,14 +32,14 @@ enum {
 typedef struct {
     pll_params_t pll;
     float u_inj;   /* amplitude of the injected voltage [V] */
-    float i_floor; /* least magnitude the error is divided by [A] */
-    float n_hold;  /* periods the injection stays on after it was last asked for */
-    float lead;    /* turn of the voltage beyond the angle at k+1 [periods]: 0.5, or -1 (no cure) */
+    float i_floor; /* least magnitude that the error is divided by [A] */
+    float n_hold;  /* periods that injection stays on after the last request */
+    float lead;    /* turn of the voltage beyond the angle at k+1 [periods]: 0.5; -1: no cure */
     int scheme;    /* HFI_* */
 } hfi_params_t;
 
 typedef struct {
-    pll_state_t pll; /* magnetic (uncompensated) lock angle */
+    pll_state_t pll; /* lock angle, without compensation of cross-coupling */
     dq_t i_1;        /* sample k-1 in the frame of the scheme [A] */
     dq_t i_2;        /* sample k-2 [A] */
     float sign_1;    /* sign of the injection applied over [k, k+1]: +-1, or 0 when off */
@@ -50,7 +51,7 @@ typedef struct {
     float valid;     /* 1 when the last error came from a full alternating window */
 } hfi_state_t;
 
-/* Demodulates one sample. i_ab: measured current at k [A]; r: direction of the estimator's axis at
+/* Demodulates one sample. i_ab: measured current at k [A]; r: direction of the injected axis at
  * k. */
 CORE_INLINE void hfi_demodulate(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, rot_t r) {
     dq_t i = ab_to_dq(i_ab, r);
@@ -71,8 +72,8 @@ CORE_INLINE void hfi_demodulate(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab
     x->i_1 = i;
 }
 
-/* Advances the PLL. theta_idle, omega_idle: what to follow while there is no injection to measure,
- * already referred to this estimator's uncompensated frame and to instant k [rad, rad/s]. */
+/* Advances the PLL. theta_idle, omega_idle: angle and speed to follow while there is no injection
+ * to measure, in this estimator's uncompensated frame at instant k [rad, rad/s]. */
 CORE_INLINE void hfi_follow(const hfi_params_t *p, hfi_state_t *x, float theta_idle,
                             float omega_idle, float T_s) {
     int valid = x->valid > 0.0f;
@@ -81,7 +82,7 @@ CORE_INLINE void hfi_follow(const hfi_params_t *p, hfi_state_t *x, float theta_i
     pll_step(&p->pll, &x->pll, x->err, T_s);
 }
 
-/* Both. i_ab: measured current at k [A]. */
+/* Demodulates one sample and advances the PLL. i_ab: measured current at k [A]. */
 CORE_INLINE void hfi_observe(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, float theta_idle,
                              float omega_idle, float T_s) {
     hfi_demodulate(p, x, i_ab, rot_of(x->pll.theta));
@@ -93,8 +94,8 @@ CORE_INLINE rot_t hfi_direction(const hfi_params_t *p, const hfi_state_t *x, flo
     return rot_of(x->pll.theta + p->lead * T_s * x->pll.omega);
 }
 
-/* Sign of the injection to apply over [k+1, k+2], and the queue moved on. wanted: != 0 keeps the
- * injection alive; it runs on for n_hold periods after the last request. */
+/* Advances the queue and returns the sign of the injection to apply over [k+1, k+2]. wanted: != 0
+ * keeps injection on; it stops n_hold periods after the last request. */
 CORE_INLINE float hfi_inject(const hfi_params_t *p, hfi_state_t *x, int wanted) {
     x->hold = wanted ? p->n_hold : max_f(x->hold - 1.0f, 0.0f);
     float next = x->sign_1 > 0.0f ? -1.0f : 1.0f;

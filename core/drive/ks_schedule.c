@@ -1,4 +1,4 @@
-/* Table or built-in rule. */
+/* Decides by the table or by the built-in rule. */
 #include "ks_schedule.h"
 
 int ks_schedule_init(const ks_schedule_params_t *p, ks_schedule_state_t *x) {
@@ -11,7 +11,7 @@ int ks_schedule_init(const ks_schedule_params_t *p, ks_schedule_state_t *x) {
 }
 
 /* Fills those of y[SIGNAL_N] that the table reads. Returns whether all of them are finite: x - x is
- * 0 for those, and NaN for others. */
+ * 0 if x is finite and NaN if not. */
 static int read_axes(const ks_table_t *t, const signal_params_t *p, const signal_state_t *x,
                      float *y) {
     float dir = signals_direction(x);

@@ -1,8 +1,8 @@
-/* The weight k_s decided safely: from the table, or from the built-in rule if the table is refused.
+/* A safe decision on the weight k_s: by the table, or by the built-in rule if the table is refused.
  *
- * ks_schedule_init checks the table once; ks_schedule_step is called every PWM period before
- * drive_step and decides every `periods` of them. A refused table, or a signal that is not finite,
- * sets a fault bit that stays until the caller clears it; the weight is defined in every case.
+ * ks_schedule_init checks the table once. Call ks_schedule_step every PWM period before drive_step;
+ * it decides every `periods` periods. A refused table, or a signal that is not finite, sets a fault
+ * bit that stays until the caller clears it; the weight is defined in every case.
  */
 #ifndef SENSORLESS_KS_SCHEDULE_H
 #define SENSORLESS_KS_SCHEDULE_H
@@ -12,19 +12,19 @@
 
 enum {
     KS_FAULT_TABLE = 1, /* the table was refused: the built-in rule decides */
-    KS_FAULT_INPUT = 2  /* a signal was not finite: the table's fallback, or 1, was taken */
+    KS_FAULT_INPUT = 2  /* a signal was not finite: the table's fallback, or 1, was used */
 };
 
 /* Built-in rule on the speed signal (doi 10.12177/emca.2025.011, Eq. 25, on the magnitude). */
 typedef struct {
-    float x_min; /* |omega_e_hat| / omega_rated up to which k_s = 1 */
-    float x_max; /* from this one on k_s = 0; a line between */
+    float x_min; /* k_s = 1 up to this |omega_e_hat| / omega_rated */
+    float x_max; /* k_s = 0 from this one on; linear between the two */
 } ks_rule_t;
 
 typedef struct {
     const ks_table_t *table; /* header, or 0 for none */
     const void *values;      /* its node values */
-    uint32_t motor_hash;     /* machine the table has to be made for; 0 accepts any */
+    uint32_t motor_hash;     /* machine that the table must be made for; 0 accepts any */
     ks_rule_t rule;
     int32_t periods; /* PWM periods from one decision to the next */
 } ks_schedule_params_t;
@@ -32,7 +32,7 @@ typedef struct {
 typedef struct {
     float k_s_ref; /* last decision */
     int32_t wait;  /* periods until the next one */
-    int check;     /* KS_OK or what ks_table_check refused the table for */
+    int check;     /* KS_OK, or why ks_table_check refused the table */
     int fault;     /* KS_FAULT_* bits, kept until the caller clears them */
 } ks_schedule_state_t;
 
@@ -45,7 +45,7 @@ CORE_INLINE float ks_rule(const ks_rule_t *p, float speed) {
 /* Checks the table. Returns KS_OK or KS_BAD_*; the schedule works in either case. */
 int ks_schedule_init(const ks_schedule_params_t *p, ks_schedule_state_t *x);
 
-/* Weight to hand to drive_step in this period. signal_params, signals: those of the drive. */
+/* Weight to pass to drive_step in this period. signal_params, signals: those of the drive. */
 float ks_schedule_step(const ks_schedule_params_t *p, ks_schedule_state_t *x,
                        const signal_params_t *signal_params, const signal_state_t *signals);
 

@@ -1,4 +1,4 @@
-/* Golden vectors: what the control core gave where the table was exported, to be given here too.
+/* Golden vectors: results of the control core where the table was exported, which must recur here.
  *
  * All numbers are float32 words, so that equality is equality of bits. The functions return the
  * number of vectors with a mismatch and store the index of the first (n if there is none).
@@ -15,7 +15,7 @@ typedef struct {
     uint32_t k_s;
 } ks_vector_t;
 
-/* One PWM period: what drive_step is given, what it returns, and its estimate. */
+/* One PWM period: inputs and result of drive_step, and its estimate. */
 typedef struct {
     uint32_t i_a, i_b, u_dc, omega_ref, k_s_ref;
     uint32_t u_a, u_b, theta, omega;
@@ -28,12 +28,12 @@ typedef struct {
     float k_s;
 } drive_start_t;
 
-/* Lookup alone; small enough to be run at every start of the target. */
+/* The lookup alone; fast enough to run at every start of the target. */
 uint32_t ks_table_selftest(const ks_table_t *t, const void *values, const ks_vector_t *v,
                            uint32_t n, uint32_t *first);
 
-/* The whole control core over consecutive periods: schedule and drive_step. k_s_ref of the vectors
- * goes to drive_step, and the schedule has to come to the same. */
+/* The whole control core over consecutive periods: schedule and drive_step. drive_step gets k_s_ref
+ * of the vectors, and the schedule must decide the same. */
 uint32_t drive_selftest(const drive_params_t *p, const ks_schedule_params_t *schedule,
                         const drive_start_t *start, const drive_vector_t *v, uint32_t n,
                         uint32_t *first);

@@ -128,9 +128,9 @@ int ks_table_check(const ks_table_t *t, const void *values, uint32_t motor_hash)
 }
 
 /* Left node *j and fraction *f of a signal v at position pos (in nodes) of an axis, clipped at both
- * ends; *f is NaN if v is not finite. Bits of positive floats are in the order of the floats, and those of infinity, NaN and
- * negative ones are above them as unsigned numbers: one comparison finds what is inside, one more
- * what is beyond the last node. */
+ * ends; *f is NaN if v is not finite. As unsigned numbers, the bits of positive floats have the
+ * order of the floats, and those of infinity, NaN and negative floats are larger: one comparison
+ * finds positions inside, one more those beyond the last node. */
 CORE_INLINE void place(const ks_axis_t *x, float v, float pos, uint32_t *j, float *f) {
     if (bits_of(pos) < bits_of(x->top)) {
         int32_t left = (int32_t)pos;
@@ -148,21 +148,21 @@ CORE_INLINE void place(const ks_axis_t *x, float v, float pos, uint32_t *j, floa
     }
 }
 
-/* Node values from the j-th on. */
+/* Pointer to the j-th node value. */
 CORE_INLINE const void *ahead(const void *v, uint32_t j, int q15) {
     return q15 ? (const void *)((const int16_t *)v + j) : (const void *)((const float *)v + j);
 }
 
-/* Value of a node; of 16-bit ones 32767 times it. */
+/* Value of a node, times 32767 if values have 16 bits. */
 CORE_INLINE float node(const void *v, uint32_t j, int q15) {
     return q15 ? (float)((const int16_t *)v)[j] : ((const float *)v)[j];
 }
 
 CORE_INLINE float mix(float x, float y, float f) { return x + f * (y - x); }
 
-/* Interpolation over the last 1, 2, 3 and 4 axes from the first node of v on; f: fraction on each
- * axis, step: nodes from one to the next. Nodes and fractions in [0, 1] keep every mix in [0, 1],
- * also as rounded. */
+/* Interpolation over the last 1, 2, 3 and 4 axes, from the first node of v on; f: fraction on each
+ * axis, step: nodes from one node of an axis to the next. With nodes and fractions in [0, 1], every
+ * mix is in [0, 1], even after rounding. */
 CORE_INLINE float mix_1(const void *v, const float *f, int q15) {
     return mix(node(v, 0, q15), node(v, 1, q15), f[0]);
 }
@@ -181,14 +181,14 @@ CORE_INLINE float mix_4(const void *v, const float *f, const uint32_t *step, int
                f[0]);
 }
 
-/* The weight from interpolated nodes; the fallback instead of NaN, which only a signal that is not
- * finite leads to. */
+/* The weight from interpolated nodes, or the fallback for NaN, which only a signal that is not
+ * finite causes. */
 CORE_INLINE float weight(const ks_table_t *t, float x, int q15) {
     float k_s = q15 ? x * (1.0f / 32767.0f) : x;
     return CORE_LIKELY(x == x) ? k_s : t->fallback;
 }
 
-/* First where every signal lies, then the nodes: in this order fewer registers are alive. */
+/* First all positions, then the nodes: this order needs fewer registers at a time. */
 #define POSITION(a)                                                                                \
     float y##a = y[t->axis[a].signal];                                                             \
     float pos##a = (y##a - t->axis[a].x0) * t->axis[a].inv_step;
@@ -243,7 +243,7 @@ CORE_INLINE float eval_4(const ks_table_t *t, const void *v, const float *y, int
     return weight(t, mix_4(ahead(v, at, q15), f, step, q15), q15);
 }
 
-/* Each a function of its own, so that none pays for the registers of another. */
+/* Separate functions, so that none has to save the registers that another needs. */
 #define APART(name, eval, q15)                                                                     \
     CORE_APART float name(const ks_table_t *t, const void *v, const float *y) {                    \
         return eval(t, v, y, q15);                                                                 \

@@ -1,11 +1,10 @@
 /* The schedule as a table: k_s over up to four signals, multilinear, clipped at the edges.
  *
  * Axes are evenly spaced, so a lookup needs no division and no search. A table is a header
- * (ks_table_t) and an array of node values; ks_table_check has to accept both before either is used.
- * The header has a CRC of its own and is checked first: sizes are trusted only after that, so that a
- * damaged table never leads to a read beyond its values. What happens instead of a refused table is
- * in ks_schedule.h.
- * No 8-bit types: some targets do not have them. Every CRC runs over 16-bit words.
+ * (ks_table_t) and an array of node values; ks_table_check must accept both before either is used.
+ * The header has its own CRC and is checked first: sizes are used only after that, so that a
+ * damaged table never leads to a read beyond its values. ks_schedule.h says what replaces a refused
+ * table. There are no 8-bit types, which some targets do not have; CRCs run over 16-bit words.
  */
 #ifndef SENSORLESS_KS_TABLE_H
 #define SENSORLESS_KS_TABLE_H
@@ -27,7 +26,7 @@ enum {
 #define KS_VALUES_F32 0x46333220UL /* "F32 ": float, 0 ... 1 */
 #define KS_VALUES_Q15 0x51313520UL /* "Q15 ": int16, 0 ... 0x7FFF; 0x7FFF is exactly 1 */
 
-/* What ks_table_check found. */
+/* Results of ks_table_check. */
 enum {
     KS_OK = 0,
     KS_BAD_MAGIC,  /* not a table */
@@ -39,21 +38,21 @@ enum {
 };
 
 typedef struct {
-    uint32_t signal; /* SIGNAL_* this axis reads */
+    uint32_t signal; /* SIGNAL_* that this axis reads */
     uint32_t n;      /* nodes, at least 2 */
     float x0;        /* signal value of the first node */
     float inv_step;  /* nodes per unit of the signal */
     float top;       /* n - 1 */
 } ks_axis_t;
 
-/* Header of a table; the node values are an array of their own, last axis fastest. */
+/* Header of a table; node values are in a separate array, last axis fastest. */
 typedef struct {
     uint32_t magic;                /* KS_TABLE_MAGIC */
     uint32_t format;               /* KS_TABLE_FORMAT */
     uint32_t value_format;         /* KS_VALUES_* */
     uint32_t n_axes;               /* axes in use */
     uint32_t n_nodes;              /* product of the axes' n */
-    uint32_t kind;                 /* n_axes, plus KS_KIND_Q15 for Q15: one word that tells all */
+    uint32_t kind;                 /* n_axes, plus KS_KIND_Q15 for Q15: selects the lookup */
     ks_axis_t axis[KS_TABLE_AXES]; /* unused axes are all zero */
     float slew_per_s;              /* largest change of k_s per second [1/s] */
     float fallback;                /* k_s for a signal that is not finite */
@@ -63,21 +62,21 @@ typedef struct {
     uint32_t crc_header;           /* over all words above */
 } ks_table_t;
 
-/* Neither NaN nor infinite. */
+/* Whether x is neither NaN nor infinite. */
 CORE_INLINE int finite_f(float x) { return abs_f(x) <= 3.40282347e38f; }
 
 /* CRC-32 (polynomial 0x04C11DB7 reflected, as in Ethernet and zlib) continued over one 16-bit word,
- * low byte first. Start with 0xFFFFFFFF, invert the end result. */
+ * low byte first. Start with 0xFFFFFFFF and invert the final result. */
 uint32_t ks_crc32_word(uint32_t crc, uint32_t word);
 
-/* The CRC that belongs into t->crc_header; of every 32-bit word the low half goes first. */
+/* The CRC that belongs in t->crc_header; the low half of every 32-bit word comes first. */
 uint32_t ks_header_crc(const ks_table_t *t);
 
-/* The CRC that belongs into t->crc_values. */
+/* The CRC that belongs in t->crc_values. */
 uint32_t ks_values_crc(const ks_table_t *t, const void *values);
 
-/* Magic, formats, header CRC, axes, value CRC, ranges, and the motor's hash (0 accepts any motor).
- * Returns KS_OK or the first KS_BAD_*. values: float or int16, as t->value_format says. */
+/* Checks magic, formats, header CRC, axes, value CRC, ranges and the motor's hash (0 accepts any
+ * motor). Returns KS_OK or the first KS_BAD_*. values: float or int16, as t->value_format says. */
 int ks_table_check(const ks_table_t *t, const void *values, uint32_t motor_hash);
 
 /* k_s at the signals y[SIGNAL_N]; the table must have passed ks_table_check. */

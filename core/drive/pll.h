@@ -16,7 +16,7 @@ typedef struct {
 } pll_params_t;
 
 typedef struct {
-    float theta; /* prediction for the coming sampling instant [rad] */
+    float theta; /* prediction for the next sampling instant [rad] */
     float omega; /* electrical [rad/s] */
 } pll_state_t;
 

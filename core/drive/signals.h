@@ -1,8 +1,8 @@
-/* What a schedule may look at: quantities the firmware knows, filtered and scaled.
+/* What a schedule may use: quantities that the firmware knows, filtered and scaled.
  *
- * The same values feed the learned policy on the host and the table on the target. Order and
- * scaling are fixed by this enumeration; a direction sign (of the filtered speed) makes every
- * signed quantity read the same for both directions of rotation.
+ * The same values feed the learned policy on the host and the table on the target. This enumeration
+ * fixes their order and scaling. Signed quantities are multiplied by the sign of the filtered
+ * speed, so that they are the same for both directions of rotation.
  */
 #ifndef SENSORLESS_SIGNALS_H
 #define SENSORLESS_SIGNALS_H
@@ -20,7 +20,7 @@ enum {
     SIGNAL_SPEED_REF,      /* omega_ref in the direction of motion / omega_rated */
     SIGNAL_K_S,            /* the weight in force */
     SIGNAL_EMF,            /* |e| / rated no-load EMF */
-    SIGNAL_HF_AMPLITUDE,   /* magnitude of the injected current's answer / its no-load value */
+    SIGNAL_HF_AMPLITUDE,   /* magnitude of the injected current / its no-load value */
     SIGNAL_HFI_RESIDUAL,   /* RMS of the injection error signal / 0.5 */
     SIGNAL_SMO_RESIDUAL,   /* RMS of the EMF error signal / 0.5 */
     SIGNAL_VOLTAGE,        /* wanted voltage / voltage limit */
@@ -38,7 +38,7 @@ typedef struct {
 
 typedef struct {
     float omega;     /* filtered speed estimate, electrical [rad/s] */
-    float omega_2;   /* filtered once more; the difference gives the acceleration [rad/s] */
+    float omega_2;   /* filtered again; the difference gives the acceleration [rad/s] */
     float omega_ref; /* reference of this period [rad/s] */
     float i_q;       /* filtered torque current [A] */
     float disagree;  /* filtered wrap(theta_hfi - theta_smo) [rad] */
@@ -53,7 +53,7 @@ typedef struct {
 /* Direction of motion: 1 or -1. */
 CORE_INLINE float signals_direction(const signal_state_t *x) { return sign_f(x->omega); }
 
-/* One signal, SIGNAL_* in `which`; dir: signals_direction. */
+/* The signal SIGNAL_* in `which`; dir: signals_direction. */
 CORE_INLINE float signal_at(const signal_params_t *p, const signal_state_t *x, float dir,
                             uint32_t which) {
     switch (which) {

@@ -5,14 +5,14 @@
  * (doi 10.12177/emca.2025.011, Eqs. 17-22; f = sign, or the sigmoid tanh(a x / 2) of Eq. 24), one
  * forward-Euler step a period. In steady state x is not zero and z lags e;
  *   e = z + (R_s + j omega L_q) x
- * removes that lag exactly, whatever f. Forward Euler puts e half a period ahead of the sample.
+ * removes that lag exactly, whatever f is. Forward Euler puts e half a period ahead of the sample.
  *
- * The sigmoid is a boundary layer as wide as 2/a: inside, the observer is linear and does not slide.
- * The signum slides in the first order. Super-twisting slides in the second order, per axis:
+ * The sigmoid is a boundary layer as wide as 2/a: inside, the observer is linear and does not
+ * slide. The signum slides in the first order. Super-twisting slides in the second order, per axis:
  *   z = k_1 |x|^(1/2) sign(x) + v,   dv/dt = k_2 sign(x)
- * (doi 10.1080/0020717031000099029). It needs |de/dt| <= L_d C for k_1 = 1.5 L_d C^(1/2) and
- * k_2 = 1.1 L_d C; as e turns with the rotor and its magnitude is omega psi, L_d C = omega^2 psi. So
- * k_1 rises with the speed and k_2 with its square.
+ * (doi 10.1080/0020717031000099029). It needs |de/dt| <= L_d C for k_1 = 1.5 L_d C^(1/2) and k_2 =
+ * 1.1 L_d C; as e turns with the rotor and its magnitude is omega psi, L_d C = omega^2 psi. So k_1
+ * rises with the speed and k_2 with its square.
  */
 #ifndef SENSORLESS_SLIDING_MODE_H
 #define SENSORLESS_SLIDING_MODE_H
@@ -21,7 +21,7 @@
 #include "trig.h"
 #include "vector.h"
 
-/* What corrects the model's current. */
+/* The function f. */
 enum { SMO_SIGMOID = 0, SMO_SIGN = 1, SMO_SUPER_TWISTING = 2 };
 
 typedef struct {
@@ -30,15 +30,15 @@ typedef struct {
     float L_d;         /* [H] */
     float k;           /* bound on the estimated EMF [V] */
     float half_a;      /* half the sigmoid's slope [1/A]; gain at the origin g = k half_a [V/A] */
-    float i_reach;     /* largest current error the model keeps: beyond, it would run away [A] */
+    float i_reach;     /* bound on the model's current error, beyond which it would run away [A] */
     int switching;     /* SMO_* */
     float root;        /* super-twisting: k_1 over the speed [V s/A^(1/2)] */
     float climb;       /* super-twisting: T_s k_2 over the square of the speed [V s^2] */
-    float lag_cure;    /* 1: EMF from the exact steady-state relation, 0: z as it is */
+    float lag_cure;    /* 1: EMF from the exact steady-state relation, 0: EMF equal to z */
     float alpha_omega; /* low-pass on the speed inside the model [rad/s] times T_s, at most 1 */
     float alpha_e;     /* low-pass on the EMF [rad/s] times T_s, at most 1; 1 switches it off */
-    float e_floor;     /* least EMF magnitude the error is divided by [V] */
-    float omega_floor; /* below this speed the EMF is not trusted, electrical [rad/s] */
+    float e_floor;     /* least EMF magnitude that the error is divided by [V] */
+    float omega_floor; /* below this speed the EMF is not used, electrical [rad/s] */
 } smo_params_t;
 
 typedef struct {
@@ -48,8 +48,8 @@ typedef struct {
     float omega_f; /* filtered speed of the cross term, electrical [rad/s] */
 } smo_state_t;
 
-/* Correction voltage for a current error d [A] that is driven to zero, not kept in a layer around it.
- * omega: speed that the EMF turns with, electrical [rad/s]. */
+/* Correction voltage that drives the current error d [A] to zero instead of into a layer around it.
+ * omega: speed at which the EMF turns, electrical [rad/s]. */
 CORE_INLINE void smo_slide(const smo_params_t *p, smo_state_t *x, ab_t d, float omega) {
     ab_t s = {sign_f(d.a), sign_f(d.b)};
     if (p->switching == SMO_SIGN) {
@@ -66,9 +66,9 @@ CORE_INLINE void smo_slide(const smo_params_t *p, smo_state_t *x, ab_t d, float 
     x->z.b = root * sqrt_f(abs_f(d.b)) * s.b + x->v.b;
 }
 
-/* One period. y: the estimate, moved on; i_ab: measured current at k [A]; u_ab: voltage applied over
- * [k-1, k] [V]; L_q: [H]; omega: speed the drive runs on [rad/s], for direction and for the EMF
- * floor; theta_idle: angle to follow below the floor, at instant k [rad]. */
+/* One period. y: the estimate, advanced to k+1; i_ab: measured current at k [A]; u_ab: voltage
+ * applied over [k-1, k] [V]; L_q: [H]; omega: speed that the drive runs on [rad/s], for direction
+ * and for the EMF's floor; theta_idle: angle to follow below the floor, at instant k [rad]. */
 CORE_INLINE void smo_observe(const smo_params_t *p, smo_state_t *x, emf_estimate_t *y, ab_t i_ab,
                              ab_t u_ab, float L_q, float omega, float theta_idle, float T_s) {
     float w_l = x->omega_f * (p->L_d - L_q);

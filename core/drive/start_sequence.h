@@ -1,17 +1,17 @@
 /* Finding the rotor before control begins: shaft at rest or spinning, angle and polarity unknown.
  *
- *   CATCH   current held at zero; the EMF of the sliding-mode observer tells whether the shaft spins
+ *   CATCH   current held at zero; the sliding-mode observer's EMF shows whether the shaft spins
  *   FLY     it does: the EMF's direction gives angle and polarity, its rotation the signed speed;
  *           the observer's loop settles
- *   SCAN    it does not, or slowly: injection along alpha, then along beta. The answers are rows of
- *           the inverse inductance in the stator frame, whose anisotropic part points along twice
- *           the rotor angle: an axis without an unstable angle, and without machine parameters
+ *   SCAN    it does not, or slowly: injection along alpha, then along beta. The responses are rows
+ *           of the inverse inductance in the stator frame; their anisotropic part points along
+ *           twice the rotor angle. So the axis is found at every angle, without machine parameters
  *   LOCK    the injection estimator settles on that axis
  *   POLE    current pulses along the axis, forwards and backwards with equal volt-seconds: the iron
- *           saturates for one of them, which answers with more current (which one: the flux map)
+ *           saturates in one of them, which draws more current (the flux map says which)
  *   SETTLE  the injection estimator settles again, turned by half a turn if the pole was south
  *
- * No torque is commanded on the way: all currents lie on d or are held at zero.
+ * The sequence commands no torque: all currents are on the d axis or held at zero.
  */
 #ifndef SENSORLESS_START_SEQUENCE_H
 #define SENSORLESS_START_SEQUENCE_H
@@ -32,24 +32,24 @@ enum {
 };
 
 typedef struct {
-    hfi_params_t hfi; /* both estimators with quicker loops than in operation */
+    hfi_params_t hfi; /* both estimators, with faster loops than in normal operation */
     smo_params_t smo;
     float k_hold;         /* gain that holds the current at zero [V/A] */
-    float alpha_e;        /* low-pass on the EMF fed forward [rad/s] times T_s, at most 1 */
-    float e_lag;          /* its delay in periods */
-    float e_fly;          /* EMF from which on the shaft counts as spinning [V] */
-    float inv_t_turn;     /* 1 / time the EMF's rotation is measured over [1/s] */
+    float alpha_e;        /* low-pass on the EMF that is fed forward [rad/s] times T_s, at most 1 */
+    float e_lag;          /* delay of that low-pass [periods] */
+    float e_fly;          /* EMF above which the shaft counts as spinning [V] */
+    float inv_t_turn;     /* 1 / time over which the EMF's rotation is measured [1/s] */
     float u_pulse;        /* voltage of a polarity pulse [V] */
     float i_pole;         /* forward minus backward peak at the right polarity, signed [A] */
-    float i_pole_sure;    /* least magnitude of that difference to decide on [A] */
-    int32_t n_catch_mark; /* periods after which the EMF's rotation is measured */
+    float i_pole_sure;    /* least magnitude of that difference for a sure decision [A] */
+    int32_t n_catch_mark; /* period of CATCH from which the EMF's rotation is measured */
     int32_t n_catch;      /* periods of CATCH */
-    int32_t n_fly;        /* of FLY */
-    int32_t n_scan;       /* of each half of SCAN */
-    int32_t n_lock;       /* of LOCK and of SETTLE */
-    int32_t n_rest;       /* at zero current before a pulse */
-    int32_t n_pulse;      /* of a pulse, and as many to undo it; at least 2 */
-    int32_t n_tries;      /* pairs of pulses before deciding on what there is */
+    int32_t n_fly;        /* periods of FLY */
+    int32_t n_scan;       /* periods of each half of SCAN */
+    int32_t n_lock;       /* periods of LOCK and of SETTLE */
+    int32_t n_rest;       /* periods at zero current before a pulse */
+    int32_t n_pulse;      /* periods of a pulse, and as many to undo it; at least 2 */
+    int32_t n_tries;      /* most pairs of pulses; then even an unsure difference decides */
 } start_params_t;
 
 typedef struct {
@@ -61,13 +61,13 @@ typedef struct {
     ab_t e_1;      /* EMF of period k-1 [V] */
     ab_t e_f;      /* low-passed EMF [V] */
     ab_t e_mark;   /* the same at n_catch_mark [V] */
-    ab_t axis;     /* sum of the anisotropic answers: points along twice the rotor angle [A] */
-    float omega;   /* electrical speed from the EMF's turn [rad/s] */
+    ab_t axis;     /* sum of the anisotropic responses, along twice the rotor angle [A] */
+    float omega;   /* electrical speed at which the EMF turns [rad/s] */
     float i_0;     /* d current before a pulse [A] */
     float i_pole;  /* forward minus backward peaks so far [A] */
 } start_state_t;
 
-/* The sequence from its beginning, at rest. */
+/* Starts the sequence, with nothing measured yet. */
 CORE_INLINE void start_begin(start_state_t *x) {
     ab_t zero = {0.0f, 0.0f};
     x->phase = START_CATCH;
@@ -84,13 +84,13 @@ CORE_INLINE void start_begin(start_state_t *x) {
     x->i_pole = 0.0f;
 }
 
-/* Next phase. */
+/* Enters a phase. */
 CORE_INLINE void start_enter(start_state_t *x, int32_t phase) {
     x->phase = phase;
     x->n = 0;
 }
 
-/* Low-passes the EMF e [V]; the mean of two in a row carries no injection. */
+/* Low-pass filters the EMF e [V]; the mean of two in a row contains no injection. */
 CORE_INLINE void start_emf(const start_params_t *p, start_state_t *x, ab_t e) {
     x->e_f.a += p->alpha_e * (0.5f * (e.a + x->e_1.a) - x->e_f.a);
     x->e_f.b += p->alpha_e * (0.5f * (e.b + x->e_1.b) - x->e_f.b);
@@ -106,7 +106,7 @@ CORE_INLINE ab_t start_hold(const start_params_t *p, const start_state_t *x, ab_
     return u;
 }
 
-/* Signed electrical speed from the EMF's turn since the mark [rad/s]. */
+/* Signed electrical speed at which the EMF has turned since the mark [rad/s]. */
 CORE_INLINE float start_speed(const start_params_t *p, const start_state_t *x) {
     ab_t turn = {
         x->e_mark.a * x->e_f.a + x->e_mark.b * x->e_f.b,
@@ -115,8 +115,8 @@ CORE_INLINE float start_speed(const start_params_t *p, const start_state_t *x) {
     return angle_of(turn) * p->inv_t_turn;
 }
 
-/* Adds one sample of SCAN; sign: of the injection over [k-1, k]. The axis changes at n_scan; what a
- * sample tells was commanded two and three periods before. */
+/* Adds one sample of SCAN; sign: that of the injection over [k-1, k]. The axis changes at n_scan; a
+ * sample shows what was commanded two and three periods before. */
 CORE_INLINE void start_scan(const start_params_t *p, start_state_t *x, ab_t i_ab, float sign) {
     float a = 0.25f * sign * (i_ab.a - 2.0f * x->i_1.a + x->i_2.a);
     float b = 0.25f * sign * (i_ab.b - 2.0f * x->i_1.b + x->i_2.b);
@@ -126,14 +126,14 @@ CORE_INLINE void start_scan(const start_params_t *p, start_state_t *x, ab_t i_ab
     x->axis.b += along_a ? b : (along_b ? a : 0.0f);
 }
 
-/* Rotor axis found by SCAN [rad]; of its two directions the one nearer to theta. */
+/* Rotor axis found by SCAN [rad], in the one of its two directions that is nearer to theta. */
 CORE_INLINE float start_axis(const start_state_t *x, float theta) {
     float found = 0.5f * angle_of(x->axis);
     return abs_f(wrap_pi(found - theta)) > 0.5f * PI_F ? wrap_pi(found + PI_F) : found;
 }
 
-/* Direction of the pulse voltage wanted now: +1, -1, or 0 for the rest before it. A half of a pair is
- * n_rest, n_pulse one way, n_pulse back; the second half has the other sign. */
+/* Present direction of the pulse voltage: +1, -1, or 0 for the rest before a pulse. Each half of a
+ * pair is n_rest, n_pulse one way, n_pulse back; the second half has the opposite sign. */
 CORE_INLINE float start_pulse(const start_params_t *p, const start_state_t *x) {
     int32_t half = p->n_rest + 2 * p->n_pulse;
     int second = x->n >= half;
@@ -142,7 +142,8 @@ CORE_INLINE float start_pulse(const start_params_t *p, const start_state_t *x) {
     return j < 0 ? 0.0f : (j < p->n_pulse ? way : -way);
 }
 
-/* Reads the d current of POLE [A]: what a pulse moved it by. A command acts one period later. */
+/* Reads by how much a pulse of POLE moves the d current i_d [A]. A command acts one period
+ * later. */
 CORE_INLINE void start_peak(const start_params_t *p, start_state_t *x, float i_d) {
     int32_t half = p->n_rest + 2 * p->n_pulse;
     int32_t j = (x->n >= half ? x->n - half : x->n) - p->n_rest;

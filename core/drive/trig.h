@@ -1,7 +1,7 @@
 /* Sine, cosine and hyperbolic tangent in plain float32 arithmetic.
  *
- * Own polynomials instead of the C library's, because libraries differ in the last bit and this
- * code must give the same bits on the host and on the target.
+ * These polynomials replace the C library's functions, because libraries differ in the last bit and
+ * this code must give the same bits on the host and on the target.
  */
 #ifndef SENSORLESS_TRIG_H
 #define SENSORLESS_TRIG_H
@@ -31,8 +31,8 @@ CORE_INLINE rot_t rot_of(float x) {
     return y;
 }
 
-/* r turned by a small angle x [rad], |x| < 0.25: second use of one sine-cosine pair; third order,
- * error x^4/24. */
+/* r turned by a small angle x [rad], |x| < 0.25: reuses one sine-cosine pair; Taylor series to x^3
+ * and x^4, whose remainder is below |x|^5 / 120. */
 CORE_INLINE rot_t rot_turn(rot_t r, float x) {
     float x2 = x * x;
     float s = x - x * x2 * 0.166666667f;

@@ -1,12 +1,12 @@
-/* The rule for code that also runs as vector code.
+/* Rules for code that also runs as vector code.
  *
- * The simulation compiles a period once more with CORE_VECTOR, for many drives side by side, and
- * has to give the same bits (core/sim/block.h). Loops over drives become vector instructions only
- * if one path serves all of them:
+ * The simulation compiles a period a second time with CORE_VECTOR, for many drives side by side,
+ * and must give the same bits (core/sim/block.h). Loops over drives become vector instructions only
+ * if all drives take the same path:
  *   - a choice is a select (x ? a : b), not a jump;
- *   - an element of an array is taken by pick_f, not by an index;
- *   - what only some drives do stands under `if (SCALAR_ONLY(condition))`, which is never true in
- *     vector code. Then batch_fits of core/sim/batch.c has to keep drives with that condition out.
+ *   - an element of an array is read by pick_f, not by an index;
+ *   - code for only some drives is in `if (SCALAR_ONLY(condition))`, which is never true in vector
+ *     code; batch_fits of core/sim/batch.c must keep drives with that condition out.
  * Firmware does not define CORE_VECTOR: there, all of this is plain C.
  */
 #ifndef SENSORLESS_VECTOR_H

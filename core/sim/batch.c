@@ -7,7 +7,7 @@
 
 #ifdef SIMD_BLOCKS
 
-#define LANES_WORTH 4 /* drives that pay for a whole block */
+#define LANES_WORTH 4 /* fewest drives for which a block is faster */
 
 static int lane_fits(const sim_t *s, const sim_t *first) {
     int constant = s->sensored == 0 && s->plant.n_sub == 1 && s->plant.bridge == 0;

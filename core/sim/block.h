@@ -1,8 +1,9 @@
-/* A block of drives in step: sim_period.h over LANES drives at a time, written so that the compiler
- * turns the loop over drives into vector instructions.
+/* A block of drives in lock-step: sim_period.h over LANES drives at a time, written so that the
+ * compiler turns the loop over drives into vector instructions.
  *
- * Included once for every set of instructions, with BLOCK_RUN the name of the function it makes. Each
- * lane does the operations of the plain loop in the same order, so results are the same to the bit.
+ * Included once for every set of instructions, with BLOCK_RUN as the name of the function to
+ * define. Each lane does the operations of the plain loop in the same order, so results are the
+ * same to the bit.
  */
 #ifndef SENSORLESS_BLOCK_H
 #define SENSORLESS_BLOCK_H
@@ -19,7 +20,7 @@
 #define LOAD(type, path) s.path = AT(type, path)[l];
 #define KEEP(type, path) AT(type, path)[l] = s.path;
 
-/* One period of all lanes, also of those at their end: BLOCK_RUN has taken these out before. A
+/* One period of all lanes, even of those at their end, which BLOCK_RUN has stored before. A
  * constant estimator leaves no branch in the loop. */
 CORE_INLINE void block_period(block_t *restrict block, const float *restrict k_s_ref, int with_twin,
                               int estimator, int detail) {
@@ -70,7 +71,7 @@ static const period_t COUPLED_LOOPS[2][2] = {
     {block_coupled_alone_detail, block_coupled_twin_detail},
 };
 
-/* The loop for drives that are all like this one, see batch_fits. */
+/* The loop for drives that all agree with this one, see batch_fits. */
 static period_t block_loop(const sim_t *s) {
     int detail = s->plant.detail != 0;
     int twin = s->with_twin != 0;
@@ -81,7 +82,7 @@ static period_t block_loop(const sim_t *s) {
                                                  : SMO_LOOPS[detail][twin];
 }
 
-/* Drives that must not move any more: bit l for lane l. */
+/* Drives that are lost or at their end: bit l for lane l. */
 static uint32_t block_at_end(const block_t *block) {
     const int32_t *lost = AT(const int32_t, lost);
     const int32_t *k = AT(const int32_t, k);
@@ -102,8 +103,8 @@ static void block_take(const block_t *block, sim_t *sims, uint32_t bits, sim_t *
     block_store(block, to);
 }
 
-/* A drive at its end is stored at once and its lane runs on for nothing; so do the lanes beyond count,
- * which repeat the first drive. */
+/* A drive at its end is stored at once, and its lane runs on without effect; so do the lanes beyond
+ * count, which repeat the first drive. */
 void BLOCK_RUN(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
     block_t block;
     sim_t nowhere;

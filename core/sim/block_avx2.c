@@ -9,4 +9,4 @@
 #include "block.h"
 #endif
 
-typedef int not_empty; /* C wants a declaration in every file */
+typedef int not_empty; /* C requires a declaration in every file */

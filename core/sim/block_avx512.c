@@ -5,9 +5,9 @@
 
 #ifdef SIMD_BLOCKS
 #pragma GCC target("avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512")
-#pragma GCC optimize("schedule-insns", "sched-pressure") /* a tenth faster with its 32 registers */
+#pragma GCC optimize("schedule-insns", "sched-pressure") /* a tenth faster with the 32 registers */
 #define BLOCK_RUN block_avx512
 #include "block.h"
 #endif
 
-typedef int not_empty; /* C wants a declaration in every file */
+typedef int not_empty; /* C requires a declaration in every file */

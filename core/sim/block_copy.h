@@ -1,7 +1,8 @@
-/* Drives into a block and back: sim_t in units of 8 bytes, turned 4 by 4.
+/* Copies drives into a block and back: sim_t in units of 8 bytes, transposed 4 by 4.
  *
- * A block holds every number of LANES drives side by side: a field at byte offset o of sim_t starts at
- * byte LANES * o. A unit of sim_t is one double or a pair of 4-byte numbers; sim_fields.h says which.
+ * A block holds each number of LANES drives side by side: a field at byte offset o of sim_t starts
+ * at byte LANES * o. A unit of sim_t is one double or a pair of 4-byte numbers; sim_fields.h says
+ * which.
  */
 #ifndef SENSORLESS_BLOCK_COPY_H
 #define SENSORLESS_BLOCK_COPY_H
@@ -17,19 +18,19 @@
 #include "sim_fields.h"
 
 #define UNITS (sizeof(sim_t) / 8)
-#define UNIT_STATE (offsetof(sim_t, drive) / 8) /* parameters come before, what moves behind */
+#define UNIT_STATE (offsetof(sim_t, drive) / 8) /* parameters before it, the state after */
 
 typedef struct {
     double units[UNITS][LANES];
 } block_t;
 
-/* Four units; eight 4-byte numbers. They may overlay anything, at any multiple of 8 bytes. */
+/* Four units, and eight 4-byte numbers. They may alias anything, at any multiple of 8 bytes. */
 typedef long long four_t __attribute__((vector_size(32), may_alias, aligned(8)));
 typedef int eight_t __attribute__((vector_size(32), may_alias, aligned(8)));
 
 static const unsigned char unit_is_pair[UNITS] = SIM_UNIT_IS_PAIR;
 
-/* Rows to columns. */
+/* Transposes four rows of four. */
 CORE_INLINE void turn_4x4(four_t *x) {
     four_t a = __builtin_shuffle(x[0], x[1], (four_t){0, 4, 2, 6});
     four_t b = __builtin_shuffle(x[0], x[1], (four_t){1, 5, 3, 7});
@@ -41,8 +42,8 @@ CORE_INLINE void turn_4x4(four_t *x) {
     x[3] = __builtin_shuffle(b, d, (four_t){2, 3, 6, 7});
 }
 
-/* One unit of eight lanes: pairs, as they stand in sim_t, from and to half a row of the block, whose
- * first numbers of the pair are LANES numbers ahead of the second. */
+/* One unit of eight lanes, as pairs in the order of sim_t, to and from half a row of the block;
+ * there, the first numbers of all pairs come LANES numbers before the second ones. */
 CORE_INLINE void pairs_apart(const four_t *x, char *row) {
     eight_t a = (eight_t)x[0];
     eight_t b = (eight_t)x[1];
@@ -58,7 +59,7 @@ CORE_INLINE void pairs_together(const char *row, four_t *x) {
     x[1] = (four_t)__builtin_shuffle(a, b, (eight_t){4, 12, 5, 13, 6, 14, 7, 15});
 }
 
-/* Units u ... u + 3 of lanes l ... l + 7 into the block. */
+/* Copies units u ... u + 3 of lanes l ... l + 7 into the block. */
 CORE_INLINE void load_4x8(block_t *block, const sim_t *const *from, size_t u, int l) {
     four_t x[2][4];
     for (int h = 0; h < 2; h++) {
@@ -79,7 +80,7 @@ CORE_INLINE void load_4x8(block_t *block, const sim_t *const *from, size_t u, in
     }
 }
 
-/* And back. */
+/* Copies them back. */
 CORE_INLINE void store_4x8(const block_t *block, sim_t *const *to, size_t u, int l) {
     four_t x[2][4];
     for (size_t j = 0; j < 4; j++) {
@@ -102,7 +103,7 @@ CORE_INLINE void store_4x8(const block_t *block, sim_t *const *to, size_t u, int
     }
 }
 
-/* All of the drives; from[LANES]. The last four units may overlap those before. */
+/* Copies all of the drives from[LANES]. The last four units may overlap those before. */
 static void block_load(block_t *block, const sim_t *const *from) {
     for (size_t u = 0; u < UNITS; u += 4) {
         for (int l = 0; l < LANES; l += 8) {
@@ -111,7 +112,7 @@ static void block_load(block_t *block, const sim_t *const *from) {
     }
 }
 
-/* What moves; to[LANES]. */
+/* Copies the state to the drives to[LANES]. */
 static void block_store(const block_t *block, sim_t *const *to) {
     for (size_t u = UNIT_STATE; u < UNITS; u += 4) {
         for (int l = 0; l < LANES; l += 8) {

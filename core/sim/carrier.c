@@ -2,11 +2,11 @@
 #include "carrier.h"
 
 #define LEGS 3
-#define SHORTEST 1.0e-12 /* edges closer than this are one [s] */
-#define FLUX_STEP 1.0e-6 /* for the slope of the flux map [Vs] */
-#define NO_CURRENT 1e-9  /* [A] */
+#define SHORTEST 1.0e-12 /* edges closer than this count as one [s] */
+#define FLUX_STEP 1.0e-6 /* step for the slope of the flux map [Vs] */
+#define NO_CURRENT 1e-9  /* currents below this count as zero [A] */
 #define ROUNDS 4         /* trials of a piece in which a current reaches zero */
-#define SWEEPS 40        /* over the legs whose switches are off, each round */
+#define SWEEPS 40        /* passes over the legs whose switches are off, each round */
 
 typedef struct {
     double a;
@@ -29,7 +29,7 @@ typedef struct {
     double half, transistor, diode;
 } rails_t;
 
-/* Where the rows of carrier_run go; row is NULL when nobody looks. */
+/* Where the rows of carrier_run go; row is NULL if none are wanted. */
 typedef struct {
     double *row;
     double t;
@@ -110,8 +110,8 @@ static int pattern(const sensor_params_t *p, ab_t u, float u_dc, double period, 
     return pieces;
 }
 
-/* Whether the diodes of all legs that are off can carry the currents i at these leg voltages: each leg
- * at the rail its current takes it to, or without current. */
+/* Whether the diodes of all legs that are off can carry the currents i at these leg voltages: each
+ * leg is at the rail to which its current takes it, or without current. */
 static int diodes_carry(const piece_t *c, const double *v, double half, ab64_t i) {
     int ok = 1;
     for (int j = 0; j < LEGS; j++) {
@@ -123,16 +123,16 @@ static int diodes_carry(const piece_t *c, const double *v, double half, ab64_t i
     return ok;
 }
 
-/* Currents of the flux at x with its flux linkages moved [A]. */
+/* Currents at the state x with its flux linkages changed by d and q [A]. */
 static dq64_t current_at(const plant_params_t *m, const plant_state_t *x, double d, double q) {
     dq64_t psi = {x->psi_d + d, x->psi_q + q};
     return plant_response(m, psi, x->cos_e, x->sin_e, m->bridge, m->detail).i;
 }
 
-/* Voltages of the legs that are off, from a trial v that ends the piece with the currents i. A leg is at
- * the lower rail while its current ends positive, at the upper rail while it ends negative, or
- * between them if that ends it at zero: the stationary point of a convex quadratic form with bounds,
- * found leg by leg on the slope of the flux map at x. */
+/* Voltages of the legs that are off, from a trial v that ends the piece with the currents i. A leg
+ * is at the lower rail if its current ends positive, at the upper rail if it ends negative, and
+ * between them if that ends it at zero: the stationary point of a convex quadratic form with
+ * bounds, found leg by leg from the slope of the flux map at x. */
 static void diodes_settle(const plant_params_t *m, const plant_state_t *x, const piece_t *c,
                           double half, ab64_t i, double *v) {
     dq64_t at = current_at(m, x, 0.0, 0.0);
@@ -176,14 +176,15 @@ static void piece_advance(const plant_params_t *m, plant_state_t *x, const piece
                           const rails_t *rail, double tau_load, rows_t *rows) {
     double v[LEGS];
     ab64_t i = stator_current(x);
-    double half = rail->half + rail->diode; /* what a diode holds a leg to */
-    int any_off = 0;                        /* and their voltages not settled */
+    double half = rail->half + rail->diode; /* voltage at which a diode holds a leg */
+    int any_off = 0;                        /* whether leg voltages are not settled */
     for (int j = 0; j < LEGS; j++) {
         double i_leg = along(i, j);
         if (c->off[j] != 0) {
             v[j] = i_leg < 0.0 ? half : -half;
         } else {
-            double out = c->high[j] != 0 ? rail->transistor : rail->diode; /* drop of each way */
+            /* voltage drops of a current out of the leg, and into it */
+            double out = c->high[j] != 0 ? rail->transistor : rail->diode;
             double in = c->high[j] != 0 ? rail->diode : rail->transistor;
             v[j] = c->high[j] != 0 ? rail->half : -rail->half;
             v[j] += i_leg > 0.0 ? -out : (i_leg < 0.0 ? in : 0.0);
@@ -218,7 +219,7 @@ static void period_advance(const sensor_params_t *p, const plant_params_t *m, pl
     int n = pattern(p, u, u_dc, period, piece);
     rails_t rail = {0.5 * (double)u_dc, 0.0, 0.0};
     dq64_t psi_ab = plant_flux_ab(x);
-    if (m->detail != 0) { /* diodes carry the current of the flux, which knows no jump */
+    if (m->detail != 0) { /* diodes carry the current of the flux, which does not jump */
         rail.transistor = (double)p->u_on + 0.5 * (double)p->u_skew;
         rail.diode = (double)p->u_on - 0.5 * (double)p->u_skew;
         plant_output(m, x, m->bridge, 1);

@@ -1,14 +1,14 @@
-/* Averaged inverter that knows the currents at its edges.
+/* Averaged inverter that takes the currents at its switching edges into account.
  *
- * inverter_voltage takes the current at the sample for the whole period. Where a current is small, that
- * is wrong twice: injection and pulses move it through zero between the edges, and the dead time of
- * one edge can stop a current but not turn it. Here the pulses of carrier.h, symmetric about the
- * middle of the period, and the slope of the current give its value at both edges of each leg; the
- * dead-time voltage falls to zero linearly below the current that the dead time of a period can stop,
- * 2/3 gamma u_dc t_d, gamma the leg's own inverse inductance.
+ * inverter_voltage uses the current at the sample for the whole period. For a small current, that
+ * is wrong in two ways: injection and pulses move it through zero between the edges, and the dead
+ * time of one edge can stop a current but not reverse it. Here the pulses of carrier.h, symmetric
+ * about the middle of the period, and the slope of the current give its value at both edges of each
+ * leg; the dead-time voltage falls to zero linearly below the current that the dead time of a
+ * period can stop, 2/3 gamma u_dc t_d, gamma the leg's own inverse inductance.
  *
- * Leg j rises at t_j = T (1/2 - u_j / u_dc) / 2; until then each leg m above it has put T (u_m - u_j)/2
- * volt-seconds on its phase, and after the fall at T - t_j the same is left to come.
+ * Leg j rises at t_j = T (1/2 - u_j / u_dc) / 2. Until then, each leg m above it has put T (u_m -
+ * u_j)/2 volt-seconds on its phase; the same follows after the fall at T - t_j.
  */
 #ifndef SENSORLESS_EDGES_H
 #define SENSORLESS_EDGES_H
@@ -25,8 +25,8 @@ typedef struct {
     float T_s;  /* period [s] */
 } edges_t;
 
-/* Mean voltage of leg j in the direction (n_a, n_b) of its phase, with voltage u among the others u_1
- * and u_2, whose phases follow at 120 and 240 degrees. */
+/* Mean voltage of leg j in the direction (n_a, n_b) of its phase, with voltage u among the others
+ * u_1 and u_2, whose phases follow at 120 and 240 degrees. */
 CORE_INLINE float edges_leg(const edges_t *e, float u, float u_1, float u_2, float n_a, float n_b) {
     const plant_slope_t *g = &e->slope;
     float g_a = g->aa * n_a + g->ab * n_b;
@@ -55,7 +55,8 @@ CORE_INLINE float edges_leg(const edges_t *e, float u, float u_1, float u_2, flo
     return y - e->p->u_on * way - e->p->u_skew * y / max_f(e->u_dc, 1.0f);
 }
 
-/* Mean stator voltage of a period [V] under the command u [V], from the current i [A] at its start. */
+/* Mean stator voltage of a period [V] under the command u [V], from the current i [A] at its
+ * start. */
 CORE_INLINE ab_t edges_voltage(const sensor_params_t *p, plant_slope_t slope, ab_t u, float u_dc,
                                float T_s, ab_t i) {
     legs_t leg = inverter_legs(u);

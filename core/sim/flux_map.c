@@ -1,4 +1,4 @@
-/* The map at many points. */
+/* The flux map at many points. */
 #include "flux_map.h"
 
 void flux_map_currents(const flux_map_t *p, int32_t bridge, const double *psi, double *i,

@@ -37,7 +37,7 @@ typedef struct {
     double q;
 } dq64_t;
 
-/* x^n for n = 0 ... 7 without a jump. */
+/* x^n for n = 0 ... 7, without a branch. */
 CORE_INLINE double pow_n(double x, int32_t n) {
     double x2 = x * x;
     double y = (n & 1) != 0 ? x : 1.0;
@@ -46,8 +46,8 @@ CORE_INLINE double pow_n(double x, int32_t n) {
     return y;
 }
 
-/* Currents [A] at flux linkages psi [Vs]. bridge: whether any a_b is not zero (constant per call
- * site, so that machines without the term do not pay for it). */
+/* Currents [A] at flux linkages psi [Vs]. bridge: whether a_b is not zero; if it is constant at a
+ * call, machines without the term do not pay for it. */
 CORE_INLINE dq64_t flux_map_current(const flux_map_t *p, dq64_t psi, int bridge) {
     double ad = psi.d < 0.0 ? -psi.d : psi.d;
     double aq = psi.q < 0.0 ? -psi.q : psi.q;
@@ -68,7 +68,7 @@ CORE_INLINE dq64_t flux_map_current(const flux_map_t *p, dq64_t psi, int bridge)
     return i;
 }
 
-/* Currents [A] over n flux linkages (psi[2 j], psi[2 j + 1]) [Vs]. */
+/* Currents [A] at n flux linkages (psi[2 j], psi[2 j + 1]) [Vs]. */
 void flux_map_currents(const flux_map_t *p, int32_t bridge, const double *psi, double *i,
                        int32_t n);
 

@@ -1,10 +1,10 @@
-/* What a machine has beyond its fundamental, derived from one energy so that torque and voltage match.
+/* Harmonics of a machine, derived from one energy so that torque and voltage match.
  *
  * Flux linkages x = psi - m, m = (m_d cos 6 theta, m_q sin 6 theta): the magnet's fifth and seventh
  * harmonic are one sixth harmonic in the rotor frame. Field energy over 3/2:
  *   W(psi, theta) = W_0(x) + gamma/2 Re[(x_d - psi_0 + j x_q)^2 e^(-j 6 theta)]
  * with W_0 the energy of flux_map.h and psi_0 its flux of zero current, so that the second saliency
- * alone moves nothing without a current. Hence, with i_0 the currents of the flux map at x,
+ * alone has no effect without current. Hence, with i_0 the currents of the flux map at x,
  *   i = dW/dpsi = i_0 + gamma (x_d - psi_0 - j x_q) e^(j 6 theta)    in complex numbers d + j q
  *   tau = 3/2 n_p (psi_d i_q - psi_q i_d - dW/dtheta)
  */

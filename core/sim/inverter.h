@@ -13,22 +13,22 @@ typedef struct {
     float noise_rms;           /* [A] */
     float lsb;                 /* resolution of the converter [A], above range / 2^30 */
     float inv_lsb;             /* 1 / lsb [1/A] */
-    float range;               /* largest current the converter shows [A] */
+    float range;               /* largest current that the converter can show [A] */
     float u_on;                /* mean threshold voltage of transistor and diode [V] */
     float u_skew;              /* the transistor's minus the diode's [V] */
     float ripple;              /* amplitude of the DC link's ripple over its mean */
     uint32_t ripple_phase;     /* of the ripple at period 0; 2^32 is a turn */
-    uint32_t ripple_half_step; /* its advance in half a period */
+    uint32_t ripple_half_step; /* its advance per half period */
     int32_t carrier; /* 1: switching instants of a carrier, see carrier.h; 0: mean voltage */
     int32_t reserved;
 } sensor_params_t;
 
-/* Voltages of the three legs against the middle of the link [V]. */
+/* Voltages of the three legs against the midpoint of the link [V]. */
 typedef struct {
     float a, b, c;
 } legs_t;
 
-/* Legs for the stator voltage u [V], with the common-mode voltage that uses the link best. */
+/* Leg voltages for the stator voltage u [V], with the common-mode voltage that centres them. */
 CORE_INLINE legs_t inverter_legs(ab_t u) {
     float a = u.a;
     float b = -0.5f * u.a + HALF_SQRT3_F * u.b;
@@ -38,7 +38,7 @@ CORE_INLINE legs_t inverter_legs(ab_t u) {
     return y;
 }
 
-/* Ripple of the DC link over its mean, `half` half periods after the start. */
+/* Ripple of the DC link over its mean voltage, `half` half periods after the start. */
 CORE_INLINE float link_ripple(const sensor_params_t *p, int32_t half) {
     uint32_t phase = p->ripple_phase + (uint32_t)half * p->ripple_half_step;
     return p->ripple * rot_of((float)(int32_t)phase * (PI_F / 2147483648.0f)).c;
@@ -50,8 +50,8 @@ CORE_INLINE ab_t legs_voltage(legs_t leg) {
     return y;
 }
 
-/* Mean stator voltage of a period [V]: dead time against the direction of each phase current i_ab [A],
- * legs limited to the link. */
+/* Mean stator voltage of a period [V]: dead time against the direction of each phase current i_ab
+ * [A], legs limited to the link. */
 CORE_INLINE ab_t inverter_voltage(const sensor_params_t *p, ab_t u, float u_dc, ab_t i_ab) {
     legs_t leg = inverter_legs(u);
     float u_dt = u_dc * p->dead_time_share;
@@ -68,9 +68,9 @@ CORE_INLINE ab_t inverter_voltage(const sensor_params_t *p, ab_t u, float u_dc, 
     return y;
 }
 
-/* Rounded to the nearest step of the converter and limited to its range. Only a positive number is
- * made an integer: gcc may turn the way there and back into a truncation, which keeps a sign of zero
- * that an integer does not have. */
+/* Rounds to the nearest step of the converter and limits to its range. Only positive numbers become
+ * integers: gcc may replace the conversion to an integer and back by a truncation, which keeps the
+ * sign of zero that an integer does not have. */
 CORE_INLINE float sensor_quantise(const sensor_params_t *p, float i) {
     float n = clamp_f(i, -p->range, p->range) * p->inv_lsb;
     float steps = p->lsb * (float)(int32_t)(abs_f(n) + 0.5f);

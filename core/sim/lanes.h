@@ -1,4 +1,4 @@
-/* How many drives stand side by side in a block. */
+/* Number of drives side by side in a block. */
 #ifndef SENSORLESS_LANES_H
 #define SENSORLESS_LANES_H
 

@@ -4,12 +4,12 @@
  *   dpsi_d/dt = u_d - R_s i_d + omega_e psi_q      dpsi_q/dt = u_q - R_s i_q - omega_e psi_d
  *   J domega_m/dt = tau - B omega_m - tau_load     dtheta_e/dt = omega_e = n_p omega_m
  *   tau = 3/2 n_p (psi_d i_q - psi_q i_d)
- * With `detail` the flux linkages have harmonics.h, and an iron loss g_iron |e|^2 3/2, e the
- * time derivative of the flux linkage in the stator frame: its current g_iron e joins the one of the
- * flux map at the terminals, so that e = (u - R_s i) k_iron. What sensors see of it is its mean over
- * the period: an averaged voltage has no instant.
- * Classical fourth-order Runge-Kutta; the held voltage turns backwards in the rotor frame as the
- * rotor moves, which the stages see through a power series in the angle travelled.
+ * With `detail`, the machine has the harmonics of harmonics.h and an iron loss g_iron |e|^2 3/2,
+ * where e is the time derivative of the flux linkage in the stator frame. The current g_iron e adds
+ * to that of the flux map at the terminals, so that e = (u - R_s i) k_iron. Sensors see its mean
+ * over the period, because an averaged voltage has no instants. Integration is classical
+ * fourth-order Runge-Kutta. The held voltage turns backwards in the rotor frame as the rotor moves;
+ * the stages get it from a power series in the angle travelled.
  */
 #ifndef SENSORLESS_PLANT_H
 #define SENSORLESS_PLANT_H
@@ -27,7 +27,7 @@ typedef struct {
     double g_iron;  /* iron loss: conductance across the EMF [S] */
     double k_iron;  /* share of the voltage behind R_s that drives the flux: 1 / (1 + R_s g_iron) */
     int32_t n_sub;  /* sub-steps a period */
-    int32_t bridge; /* 1 when the flux map has its bridge term */
+    int32_t bridge; /* 1: the flux map has its bridge term */
     int32_t detail; /* 1: harmonics, iron loss, edges.h, link ripple; 0: all of them are off */
     int32_t reserved;
 } plant_params_t;
@@ -48,8 +48,8 @@ typedef struct {
 
 #define PI_D 3.14159265358979323846
 
-/* Cosine and sine of a small angle |x| < 0.5: Taylor series to x^11 and x^12, error below 1e-15 up to 0.35
- * and 2e-14 at 0.5. */
+/* Cosine and sine of a small angle |x| < 0.5: Taylor series to x^11 and x^12, error below 1e-15 up
+ * to 0.35 and 2e-14 at 0.5. */
 CORE_INLINE void small_angle(double x, double *c, double *s) {
     double z = x * x;
     double odd =
@@ -67,14 +67,14 @@ typedef struct {
     double psi_d, psi_q, omega_m, delta;
 } plant_rate_t;
 
-/* What holds over a period: voltage in the rotor frame of its start [V], that frame, load [N m]. */
+/* Constant over a period: voltage in the rotor frame of its start [V], that frame, load [N m]. */
 typedef struct {
     dq64_t u;
     dq64_t frame; /* cos and sin of theta_e */
     double tau_load;
 } plant_held_t;
 
-/* Currents of the flux and torque over 3/2 n_p where theta_e has the cosine c and the sine s. */
+/* Currents of the flux, and torque over 3/2 n_p, at the angle with cosine c and sine s. */
 CORE_INLINE response_t plant_response(const plant_params_t *p, dq64_t psi, double c, double s,
                                       int bridge, int detail) {
     if (detail) {
@@ -142,14 +142,15 @@ CORE_INLINE void plant_output(const plant_params_t *p, plant_state_t *x, int bri
     x->tau = 1.5 * p->n_p * r.tau;
 }
 
-/* How the stator current moves: di/dt = gamma u + drift, in the stator frame at the present instant. */
+/* Slope of the stator current: di/dt = gamma u + drift, in the stator frame at the present
+ * instant. */
 typedef struct {
     float aa, ab, bb; /* gamma, the inverse of the incremental inductance [1/H] */
     float drift_a;    /* [A/s] */
     float drift_b;
 } plant_slope_t;
 
-#define SLOPE_STEP 1.0e-6 /* of the flux linkages, for their slope [Vs] */
+#define SLOPE_STEP 1.0e-6 /* step of the flux linkages for the slope [Vs] */
 
 CORE_INLINE plant_slope_t plant_slope(const plant_params_t *p, const plant_state_t *x, int bridge,
                                       int detail) {
@@ -188,8 +189,8 @@ CORE_INLINE dq64_t plant_flux_ab(const plant_state_t *x) {
     return y;
 }
 
-/* Adds the current of the iron loss, its mean over the last `period` [s] in which the flux began at
- * psi_ab. */
+/* Adds the current of the iron loss: its mean over the last `period` [s], at whose start the flux
+ * was psi_ab. */
 CORE_INLINE void plant_add_iron(const plant_params_t *p, plant_state_t *x, dq64_t psi_ab,
                                 double period) {
     dq64_t now = plant_flux_ab(x);
@@ -200,9 +201,10 @@ CORE_INLINE void plant_add_iron(const plant_params_t *p, plant_state_t *x, dq64_
     x->i_q += x->cos_e * i_b - x->sin_e * i_a;
 }
 
-/* n_sub Runge-Kutta steps of length h [s] under the stator-frame voltage (u_a, u_b) [V] and a constant
- * load torque [N m]; a period is n_sub steps of p->h. n_sub, bridge, detail: p's own, passed so that
- * they can be constants. Leaves the currents of the flux alone, without the iron's. */
+/* n_sub Runge-Kutta steps of length h [s] under the stator-frame voltage (u_a, u_b) [V] and a
+ * constant load torque [N m]; a period is n_sub steps of p->h. n_sub, bridge, detail: p's own,
+ * passed so that they can be constants. Leaves the currents of the flux alone, without the
+ * iron's. */
 CORE_INLINE void plant_move(const plant_params_t *p, plant_state_t *x, double u_a, double u_b,
                             double tau_load, double h, int n_sub, int bridge, int detail) {
     plant_held_t held = {
@@ -211,7 +213,7 @@ CORE_INLINE void plant_move(const plant_params_t *p, plant_state_t *x, double u_
         tau_load,
     };
     plant_rate_t y = {x->psi_d, x->psi_q, x->omega_m, 0.0};
-    if (n_sub == 1) { /* the usual case, without a loop so that loops over drives vectorise */
+    if (n_sub == 1) { /* the usual case; without a loop, so that loops over drives vectorise */
         y = plant_substep(p, &held, y, h, bridge, detail);
     } else {
         for (int j = 0; j < n_sub; j++) {
@@ -235,7 +237,7 @@ CORE_INLINE void plant_move(const plant_params_t *p, plant_state_t *x, double u_
     plant_output(p, x, bridge, detail);
 }
 
-/* A whole period: plant_move, and what the iron draws. */
+/* A whole period: plant_move, and the current of the iron loss. */
 CORE_INLINE void plant_step(const plant_params_t *p, plant_state_t *x, double u_a, double u_b,
                             double tau_load, int n_sub, int bridge, int detail) {
     dq64_t psi_ab = plant_flux_ab(x);
@@ -257,11 +259,11 @@ enum {
     PLANT_N
 };
 
-/* The machine alone over n periods under u[3 j]: u_alpha, u_beta [V], tau_load [N m]; rows of PLANT_N
- * numbers at j = 0 ... n into out. */
+/* The machine alone over n periods under u[3 j]: u_alpha, u_beta [V], tau_load [N m]. Writes rows
+ * of PLANT_N numbers for j = 0 ... n to out. */
 void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, double *out, int32_t n);
 
-/* cos_e, sin_e, currents and torque from theta_e, flux and speed. */
+/* Sets cos_e, sin_e, currents and torque from theta_e, flux and speed. */
 void plant_start(const plant_params_t *p, plant_state_t *x);
 
 #endif

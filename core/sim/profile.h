@@ -1,4 +1,4 @@
-/* What is asked of the drive over time: speed reference, load torque, DC-link voltage. */
+/* What a drive meets over time: speed reference, load torque, DC-link voltage. */
 #ifndef SENSORLESS_PROFILE_H
 #define SENSORLESS_PROFILE_H
 
@@ -9,13 +9,13 @@
 
 enum {
     PROFILE_N = 8,     /* segments of a profile */
-    NEVER = 2147483647 /* start of a segment that is not reached */
+    NEVER = 2147483647 /* start of a segment that is never reached */
 };
 
-/* Segment j holds from period start[j] until start[j + 1]; each quantity runs to its target with its
- * own rate. */
+/* Segment j applies from period start[j] until start[j + 1]; each quantity moves to its target at
+ * its own rate. */
 typedef struct {
-    int32_t start[PROFILE_N];    /* first period; NEVER for a segment not reached */
+    int32_t start[PROFILE_N];    /* first period; NEVER for a segment that is not used */
     float omega_ref[PROFILE_N];  /* target, electrical [rad/s] */
     float omega_step[PROFILE_N]; /* largest change a period [rad/s] */
     float tau[PROFILE_N];        /* load torque, positive against positive speed [N m] */

@@ -1,4 +1,4 @@
-/* The observers over a recorded log. */
+/* Runs the estimators over a recorded log. */
 #include <stdint.h>
 
 #include "replay.h"
@@ -10,7 +10,7 @@ void replay_init(const drive_params_t *p, replay_t *x, float theta, float omega,
     x->u_2 = none;
 }
 
-/* Sign of the injection in the voltages of the last three periods, the last one u. */
+/* Sign of the injection, from the voltages of the last three periods; the last one is u. */
 static float injection_sign(const replay_t *x, dq_t u, float u_inj) {
     dq_t last = {u.d - x->u_1.d, u.q - x->u_1.q};
     dq_t before = {x->u_1.d - x->u_2.d, x->u_1.q - x->u_2.q};

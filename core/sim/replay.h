@@ -1,18 +1,18 @@
-/* Both observers and their blend over a recorded log: open loop, nothing is driven.
+/* Both estimators and their blend over a recorded log, in open loop: nothing is driven.
  *
- * The observers are the drive's own (drive_observe). What its control would leave for them comes from
- * the log: the voltage applied, and the sign of the injected part of it. Where the log does not hold
- * that sign, it is read from the voltage: in the frame of the injection estimator the injected part
- * swings by 2 u_inj from period to period; two swings in a row, to and fro, of at least 3/4 of that
- * each are an injection, and the d part of the last one has its sign. The frame moves too little in
- * two periods, and current control too slowly, for either to look like it.
+ * The estimators are the drive's own (drive_observe). What its control would pass to them comes
+ * from the log: the voltage applied, and the sign of its injected part. If the log does not have
+ * that sign, it is read from the voltage: in the frame of the injection estimator, the injected
+ * part changes by 2 u_inj from period to period. Two changes in a row in opposite directions, each
+ * of at least 3/4 of that, count as injection, and the d part of the last one has its sign. In two
+ * periods, neither the motion of the frame nor current control changes the voltage that much.
  */
 #ifndef SENSORLESS_REPLAY_H
 #define SENSORLESS_REPLAY_H
 
 #include "drive/drive.h"
 
-/* What is known at the sampling instant k. */
+/* What the log has for the sampling instant k. */
 typedef struct {
     float i_a; /* phase currents at k [A] */
     float i_b;
@@ -26,7 +26,7 @@ typedef struct {
 typedef struct {
     drive_state_t x;
     dq_t
-        u_1; /* voltages of the periods before, each in the injection frame of its own middle [V] */
+        u_1; /* voltages of the two periods before, each in the injection frame at its middle [V] */
     dq_t u_2;
 } replay_t;
 
@@ -39,16 +39,16 @@ enum {
     REPLAY_THETA_BLEND,
     REPLAY_OMEGA_BLEND,
     REPLAY_K_S,
-    REPLAY_VALID_HFI, /* 1: led by its own signal, 0: following the blend */
+    REPLAY_VALID_HFI, /* 1: driven by its own signal, 0: following the blend */
     REPLAY_VALID_SMO,
     REPLAY_N
 };
 
-/* Estimators at theta [rad] and omega [rad/s], electrical, with weight k_s. */
+/* Starts the estimators at theta [rad] and omega [rad/s], electrical, with weight k_s. */
 void replay_init(const drive_params_t *p, replay_t *x, float theta, float omega, float k_s);
 
-/* n rows of the log with the weight k_s_ref: REPLAY_N numbers a row into out, the signals after the last
- * row into obs[SIGNAL_N]. */
+/* Runs n rows of the log with the weight k_s_ref. Writes REPLAY_N numbers per row to out, and the
+ * signals after the last row to obs[SIGNAL_N]. */
 void replay_run(const drive_params_t *p, replay_t *x, const replay_in_t *in, int32_t n,
                 float k_s_ref, float *out, float *obs);
 

@@ -10,25 +10,25 @@
 #include "plant.h"
 #include "profile.h"
 
-/* Why a drive is not advanced any more; bits of sim_t.lost. */
+/* Why a drive does not advance any more; bits of sim_t.lost. */
 enum {
-    LOST_ANGLE = 1,     /* angle error beyond its limit for longer than allowed */
+    LOST_ANGLE = 1,     /* angle error beyond err_limit for more than err_periods */
     LOST_CURRENT = 2,   /* over-current trip */
-    LOST_NONFINITE = 4, /* a state left the numbers */
-    LOST_TWIN = 8       /* trips or runs away with the true angle as well: not feasible */
+    LOST_NONFINITE = 4, /* a state is not finite */
+    LOST_TWIN = 8       /* trips or runs away even with the true angle: not feasible */
 };
 
 typedef struct {
     drive_state_t x;
     int32_t reserved;
     plant_state_t y;
-    ab_t u; /* command waiting to act over the next period [V] */
+    ab_t u; /* command that acts over the next period [V] */
 } chain_t;
 
 /* Sums over the periods of one decision; divide by n. */
 typedef struct {
     float tau, tau_sq;           /* torque [N m] and its square */
-    float tau_lf_sq;             /* square of the two-sample mean: without the injection band */
+    float tau_lf_sq;             /* square of the two-sample mean, which has no injection */
     float tau_min, tau_max;      /* extremes [N m] */
     float tau_twin;              /* torque of the twin [N m] */
     float dev_sq, dev_lf_sq;     /* (torque - twin)^2, and of its two-sample mean */
@@ -39,16 +39,16 @@ typedef struct {
     float injecting;             /* periods with injection on */
     float i_sq, i_sq_twin;       /* squared current vector [A^2] */
     float n;                     /* periods summed */
-    float starting;              /* of them, periods of the start sequence: angle errors read 0 */
+    float starting;              /* of these, periods of the start sequence, as error 0 */
 } sums_t;
 
-/* Where a scenario begins. */
+/* Initial state of a scenario. */
 typedef struct {
     float omega_m;   /* shaft speed, mechanical [rad/s] */
     float theta_e;   /* electrical angle [rad] */
     float theta_err; /* truth minus the estimators' first angle [rad] */
-    float k_s;       /* first weight */
-    int32_t seek;    /* 1: speed and angle are not known, the drive runs its start sequence */
+    float k_s;       /* weight to start with */
+    int32_t seek;    /* 1: speed and angle are unknown; the drive runs its start sequence */
     int32_t reserved;
 } start_t;
 
@@ -59,7 +59,7 @@ typedef struct {
     plant_params_t plant;
     profile_t profile;
     chain_t drive; /* the drive under test */
-    chain_t twin;  /* the same controller fed by the true angle, injection off */
+    chain_t twin;  /* the same controller on the true angle, without injection */
     profile_state_t now;
     sums_t sums;
     float omega_scale;   /* electrical rad/s per mechanical rad/s: pole pairs */
@@ -68,13 +68,13 @@ typedef struct {
     float err_limit;     /* [rad] */
     float tau_1, dev_1;  /* torque and deviation of the last period [N m] */
     float inv_stick;     /* above 0: the load only resists, fully from 1 / inv_stick on [s/rad] */
-    int32_t err_periods; /* periods in a row the error may stay beyond its limit */
+    int32_t err_periods; /* periods in a row for which the error may exceed its limit */
     int32_t err_count;
     int32_t k;         /* period */
     int32_t k_end;     /* the scenario's length in periods */
-    int32_t sensored;  /* 1: the drive under test is itself fed by the true angle */
-    int32_t with_twin; /* 0: no twin, deviations read 0 */
-    int32_t lost;      /* LOST_* bits; a lost drive is not advanced any more */
+    int32_t sensored;  /* 1: the drive under test itself runs on the true angle */
+    int32_t with_twin; /* 0: no twin; deviations are 0 */
+    int32_t lost;      /* LOST_* bits; a lost drive does not advance any more */
     uint32_t seed;     /* of the measurement noise */
     int32_t reserved;
 } sim_t;

@@ -7,8 +7,8 @@
 #include "edges.h"
 #include "sim.h"
 
-/* Sampled currents and the present commands as the controller sees them. Drive and twin read the
- * same noise. */
+/* Sampled currents and present commands as the controller sees them. Drive and twin have the same
+ * noise. */
 CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_ref, int detail) {
     ab_t i_ab = {
         (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
@@ -27,12 +27,12 @@ CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_re
     return in;
 }
 
-/* The machine over [k, k+1] under the waiting command, whose pulses were made for the DC link measured
- * at k - 1; the new command waits in its place. */
+/* Advances the machine over [k, k+1] under the waiting command, whose pulses were computed for the
+ * DC link measured at k - 1; the new command takes its place. */
 CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_sub, int bridge,
                                int detail) {
     float tau = s->now.tau_load;
-    if (SCALAR_ONLY(s->inv_stick > 0.0f)) { /* the load only resists */
+    if (SCALAR_ONLY(s->inv_stick > 0.0f)) { /* the load only resists motion */
         tau = abs_f(tau) * clamp_f(s->inv_stick * (float)c->y.omega_m, -1.0f, 1.0f);
     }
     double tau_load = (double)tau;
@@ -64,8 +64,8 @@ CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_su
     c->u = u_next;
 }
 
-/* Control with the true angle and speed, no injection: the yardstick. While the drive is `starting`
- * its twin waits without torque, so that both begin to control in the same period. */
+/* Control on the true angle and speed, without injection, as a reference. While the drive is
+ * `starting`, its twin waits without torque, so that both take control in the same period. */
 CORE_INLINE ab_t sensored_step(const drive_params_t *p, chain_t *c, const drive_in_t *raw,
                                float omega_scale, int starting) {
     drive_in_t in = drive_guard(&c->x, raw);
@@ -115,16 +115,15 @@ CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, flo
     s->err_count = abs_f(err) > s->err_limit ? s->err_count + 1 : 0;
     float trip = s->i_trip * s->i_trip;
     int finite = i_sq <= 1.0e12f && abs_f(omega_m) <= 1.0e6f && abs_f(err) <= 4.0f;
-    float i_sq_true = sensored ? i_sq : i_sq_twin; /* of what the true angle controls */
+    float i_sq_true = sensored ? i_sq : i_sq_twin; /* of the machine that runs on the true angle */
     float omega_true = sensored ? omega_m : (s->with_twin != 0 ? omega_m_twin : 0.0f);
     int follows = i_sq_true <= trip && abs_f(omega_true) <= s->omega_limit;
     s->lost |= (s->err_count > s->err_periods ? LOST_ANGLE : 0) | (i_sq > trip ? LOST_CURRENT : 0) |
                (finite ? 0 : LOST_NONFINITE) | (follows ? 0 : LOST_TWIN);
 }
 
-/* One period. sensored, with_twin, n_sub, bridge, detail: as in sim_t, passed so that they can be
- * constants.
- * Returns what the drive's controller was given. */
+/* One period. sensored, with_twin, n_sub, bridge, detail: those of sim_t, passed so that they can
+ * be constants. Returns the inputs of the drive's controller. */
 CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int with_twin, int n_sub,
                                   int bridge, int detail) {
     profile_step(&s->profile, &s->now, s->k);

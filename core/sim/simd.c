@@ -1,4 +1,4 @@
-/* Asks the processor. */
+/* Asks the processor which vector instructions it has. */
 #include "simd.h"
 
 #ifdef SIMD_BLOCKS

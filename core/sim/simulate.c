@@ -5,7 +5,7 @@
 #include "sim_period.h"
 #include "workers.h"
 
-/* d flux of zero current [Vs]: secant iteration from two guesses around the magnet's flux. */
+/* d flux at zero current [Vs]: secant iteration from two guesses around the magnet's flux. */
 static double flux_at_rest(const plant_params_t *p) {
     dq64_t psi = {p->map.i_f / p->map.a_d0, 0.0};
     double i_1 = flux_map_current(&p->map, psi, p->bridge).d;
@@ -34,7 +34,7 @@ static void start_one(sim_t *s) {
     y.omega_m = (double)at->omega_m;
     y.theta_e = (double)at->theta_e;
     plant_start(&s->plant, &y);
-    if (s->plant.detail != 0) { /* without current there, too */
+    if (s->plant.detail != 0) { /* no current with harmonics either */
         dq64_t m = magnet_harmonic(&s->plant.harmonics, sixth_power(y.cos_e, y.sin_e));
         y.psi_d += m.d;
         y.psi_q += m.q;
@@ -90,7 +90,7 @@ typedef struct {
     float *obs;
 } run_t;
 
-/* LANES drives, or what is left of them. */
+/* Runs LANES drives, or those that are left. */
 static void run_piece(void *job, int32_t piece) {
     const run_t *run = job;
     sums_t none = {0};
@@ -111,7 +111,7 @@ static void run_piece(void *job, int32_t piece) {
     sim_signals(s, count, &run->obs[(long)first * SIGNAL_N]);
 }
 
-#define PERIODS_A_THREAD 5000 /* below, a thread takes longer to start than it saves */
+#define PERIODS_A_THREAD 5000 /* with fewer, a thread takes longer to start than it saves */
 
 void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
              const float *k_s_ref, float *obs) {
@@ -146,7 +146,7 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
     s->sums = none;
     for (; j < periods && s->lost == 0 && s->k < s->k_end; j++) {
         double *row = &out[(long)j * TRACE_N];
-        plant_state_t y = s->drive.y; /* the instant k: what the samples of this period see */
+        plant_state_t y = s->drive.y; /* state at the instant k, which this period samples */
         double t = (double)s->k * (double)s->control.T_s;
         row[TRACE_OMEGA_M] = y.omega_m;
         row[TRACE_OMEGA_M_TWIN] = s->twin.y.omega_m;

@@ -1,11 +1,11 @@
-/* Many drives over many PWM periods a call: start, run, look. */
+/* Many drives over many PWM periods per call: start, run, read. */
 #ifndef SENSORLESS_SIMULATE_H
 #define SENSORLESS_SIMULATE_H
 
 #include "sim.h"
 #include "simd.h"
 
-/* Signals of a trace row, one a period. */
+/* Columns of a trace, which has one row per period. */
 enum {
     TRACE_T = 0,       /* [s] */
     TRACE_OMEGA_M_REF, /* [rad/s] mechanical */
@@ -29,29 +29,29 @@ enum {
     TRACE_U_DC,         /* [V] */
     TRACE_HF_AMPLITUDE, /* [A] */
     TRACE_STARTING,     /* 1 while the start sequence runs */
-    TRACE_U_A_HAT,      /* TRACE_U_A and _B as the observers see them: without the drive's */
-    TRACE_U_B_HAT,      /* compensation of its dead time [V] */
+    TRACE_U_A_HAT,      /* TRACE_U_A and _B as the estimators see them: without the drive's */
+    TRACE_U_B_HAT,      /* compensation of dead time [V] */
     TRACE_INJ,          /* sign of the injection over [k, k+1], 0 = off */
     TRACE_N
 };
 
-/* Puts n drives at the start their own start_t describes, without current. */
+/* Puts n drives into the state that their start_t describes, without current. */
 void sim_start(sim_t *s, int32_t n);
 
-/* Advances n drives by up to `periods` periods each with the weight k_s_ref[i] (one a drive), then
- * reads the signals of drive i into obs[i * SIGNAL_N]. Drives that are lost or at their end stay.
- * simd: the most that may be used of SIMD_*; threads: likewise. Results depend on neither. */
+/* Advances drive i of n by up to `periods` periods with the weight k_s_ref[i], then reads its
+ * signals into obs[i * SIGNAL_N]. Drives that are lost or at their end do not move. simd, threads:
+ * the largest SIMD_* and the most threads to use; results depend on neither. */
 void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
              const float *k_s_ref, float *obs);
 
-/* Signals of n drives as they stand into obs[i * SIGNAL_N]; no drive moves. */
+/* Reads the present signals of n drives into obs[i * SIGNAL_N]; no drive moves. */
 void sim_signals(const sim_t *s, int32_t n, float *obs);
 
-/* What the controllers of n drives are about to be given in the coming period; k_s_ref is 0. */
+/* Inputs of the controllers of n drives in the next period; k_s_ref is 0. */
 void sim_inputs(const sim_t *s, int32_t n, drive_in_t *in);
 
-/* One drive, one row of TRACE_N numbers a period into out; returns the periods advanced. Sums are
- * those of this call, as after sim_run. */
+/* Advances one drive and writes TRACE_N numbers per period to out; returns the number of periods.
+ * Sums are those of this call, as after sim_run. */
 int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out);
 
 #endif

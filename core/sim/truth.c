@@ -1,10 +1,10 @@
-/* The truth of drives, from their machines and sums. */
+/* The true state of drives, from their machines and sums. */
 #include "truth.h"
 
 static void truth_read(const sim_t *s, float u_dc, float *y) {
     const sums_t *m = &s->sums;
     float n = max_f(m->n, 1.0f);
-    int moved = m->n != 0.0f; /* else all estimators still stand at the angle of the start */
+    int moved = m->n != 0.0f; /* if not, all estimators are still at the initial angle */
     y[TRUTH_ERR] = moved ? m->err / n : s->start.theta_err;
     y[TRUTH_ERR_HFI] = moved ? m->err_hfi / n : s->start.theta_err;
     y[TRUTH_ERR_SMO] = moved ? m->err_smo / n : s->start.theta_err;

@@ -1,16 +1,16 @@
-/* Threads that fetch one piece after the other. */
+/* Threads that fetch one piece after another. */
 #include "workers.h"
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
-#define FP_DEFAULT 0x1f80U /* MXCSR: exceptions masked, to nearest, denormals kept */
+#define FP_DEFAULT 0x1f80U /* MXCSR: exceptions masked, round to nearest, denormals kept */
 #endif
 
 typedef struct {
     work_t work;
     void *job;
     int32_t pieces;
-    int32_t next; /* first piece that nobody has begun; atomic */
+    int32_t next; /* first piece that no thread has begun; atomic */
 } share_t;
 
 #if defined(__GNUC__) && (defined(__unix__) || defined(__APPLE__))
