@@ -60,7 +60,7 @@ class _Taught:
 
     def __init__(self, policy: Policy, teacher: MlpSchedule, fit: TableFit) -> None:
         self.name, self._policy, self._teacher, self._fit = policy.name, policy, teacher, fit
-        self.estimator = teacher.estimator
+        self.settings = teacher.settings
         self._count, self._sum, self._n = 0, 0.0, 0
 
     def reset(self, n: int) -> None:
@@ -127,7 +127,7 @@ def distill(
     _visit(running, teacher, fit, factory, seed, 0, size)
     for j in range(1, rounds + 1):
         table = fit.solve(factory.design.k_s_slew)
-        running = TablePolicy("distilled", table, teacher.estimator)
+        running = TablePolicy("distilled", table, teacher.settings)
         cost = validate(running, factory, validate_size)
         rms = _visit(running, teacher, fit, factory, seed, j, size)
         if best is None or cost.objective < best.cost.objective:

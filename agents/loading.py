@@ -5,46 +5,66 @@ from pathlib import Path
 from typing import Any
 
 from sensorless.agents.mlp.schedule import MlpSchedule
+from sensorless.design.carried import Carried, carried, refuse_other
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
-from sensorless.policy import UNRECORDED, TablePolicy, trained_estimator
+from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import KsTable
 
 TABLE, MLP, CONFIG = "table.json", "mlp.npz", "config.json"
 
 
-def load_run(folder: str | Path, motor: Motor) -> TablePolicy | MlpSchedule:
-    """Return the policy of a run folder; it runs on the estimator that it was trained on.
+def load_run(
+    folder: str | Path, motor: Motor, *, override: bool = False
+) -> TablePolicy | MlpSchedule:
+    """Return the policy of a run folder; it brings the settings that it was trained on.
 
-    A schedule trained on one machine runs on that machine only, one trained on random machines runs
-    on any.
+    A schedule trained on one machine runs on that machine only, unless ``override``; one trained
+    on random machines runs on any.
 
     Raises
     ------
     UserError
         The folder has no schedule, a file is damaged, or the schedule is for another machine.
     """
-    path, name = Path(folder), Path(folder).resolve().name
-    policy: TablePolicy | MlpSchedule
-    if (path / TABLE).is_file():
-        policy = TablePolicy(name, KsTable.load(path / TABLE))
-    elif (path / MLP).is_file():
-        policy = MlpSchedule.load(path / MLP, name)
-    else:
-        raise UserError(
-            f"run: {str(folder)!r} has no {TABLE} or {MLP}; give a training run's folder"
-        )
-    known = provenance(policy)
-    made_for = str(known.get("motor_digest", motor.digest))
-    if made_for != motor.digest:
-        raise UserError(
-            f"run: {str(folder)!r} was trained on motor {known.get('motor', '?')!r}, "
-            f"digest {made_for[:16]}; it cannot run on motor {motor.name!r}, digest "
-            f"{motor.digest[:16]}: select its motor, or train anew"
-        )
-    recorded = trained_estimator(known) or trained_estimator(_config(path))
-    policy.estimator = recorded or UNRECORDED
+    policy, known = _schedule(Path(folder)), carried_by_run(folder)
+    if not override:
+        refuse_other(known.made_for, motor, f"run {str(folder)!r}")
+    policy.settings = known.settings
     return policy
+
+
+def load_table(path: Path, motor: Motor, *, override: bool = False) -> TablePolicy:
+    """Return the policy of a table's file, such as that of an export; otherwise as ``load_run``."""
+    table = KsTable.load(path)
+    known = carried(table.provenance, str(path))
+    if not override:
+        refuse_other(known.made_for, motor, str(path))
+    return TablePolicy(path.stem, table, known.settings)
+
+
+def carried_by_run(folder: str | Path) -> Carried:
+    """Machine and settings of a run: those of its schedule, or else of its configuration.
+
+    Raises
+    ------
+    UserError
+        As in ``load_run``.
+    """
+    path = Path(folder)
+    known = provenance(_schedule(path))
+    if not {"set", "design"} & set(known):
+        known = {**_config(path), **known}
+    return carried(known, str(path))
+
+
+def _schedule(path: Path) -> TablePolicy | MlpSchedule:
+    name = path.resolve().name
+    if (path / TABLE).is_file():
+        return TablePolicy(name, KsTable.load(path / TABLE))
+    if (path / MLP).is_file():
+        return MlpSchedule.load(path / MLP, name)
+    raise UserError(f"run: {str(path)!r} has no {TABLE} or {MLP}; give a training run's folder")
 
 
 def _config(folder: Path) -> dict[str, Any]:

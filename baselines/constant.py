@@ -32,6 +32,6 @@ HFI = Rule(
 SMO = Rule(
     "smo",
     "sliding-mode observer alone: constant:0 on it",
-    lambda name, v, motor: TablePolicy(name, constant_table(0.0), "smo"),
+    lambda name, v, motor: TablePolicy(name, constant_table(0.0), {"estimator": "smo"}),
     estimator="smo",
 )

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from sensorless.baselines.rule import Parameter, Rule, Values
 from sensorless.core.api import SIGNAL_NAMES
 from sensorless.machine.motor import Motor
-from sensorless.policy import Signals
+from sensorless.policy import NO_SETTINGS, Settings, Signals
 
 CUT = 0.02
 RESIDUAL = 0.5
@@ -42,7 +42,7 @@ class InnovationFusion:
     """
 
     sensored = False
-    estimator: str | None = None
+    settings: Settings = NO_SETTINGS
 
     def __init__(self, name: str, floor: float, bias: float, slope: float) -> None:
         self.name = name

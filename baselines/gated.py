@@ -25,7 +25,7 @@ from sensorless.baselines.rule import Parameter, Rule, Values, speed
 from sensorless.core.api import SIGNAL_NAMES
 from sensorless.decision import decision_time
 from sensorless.machine.motor import Motor
-from sensorless.policy import Signals
+from sensorless.policy import NO_SETTINGS, Settings, Signals
 
 INJECTION, UP, OBSERVER, WAKE, DOWN = range(5)
 WAKE_K_S = np.float32(5e-4)
@@ -56,7 +56,7 @@ class Gated:
     """
 
     sensored = False
-    estimator: str | None = None
+    settings: Settings = NO_SETTINGS
 
     def __init__(
         self,

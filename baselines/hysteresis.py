@@ -14,7 +14,7 @@ from sensorless.baselines.linear import EQ25_BAND
 from sensorless.baselines.rule import Rule, Values, speed
 from sensorless.core.api import SIGNAL_NAMES
 from sensorless.machine.motor import Motor
-from sensorless.policy import Signals
+from sensorless.policy import NO_SETTINGS, Settings, Signals
 
 GAP = 0.05
 """Half width of the gap over its centre: VESC's +-5 %."""
@@ -37,7 +37,7 @@ class Hysteresis:
     """
 
     sensored = False
-    estimator: str | None = None
+    settings: Settings = NO_SETTINGS
 
     def __init__(self, name: str, low: float, high: float, signal: str = "speed") -> None:
         self.name = name

@@ -10,7 +10,7 @@ def ramp_on(name: str, estimator: str, doc: str) -> Rule:
     """Rule ``name`` with the ends of its band as parameters, by default those of the paper."""
 
     def build(word: str, v: Values, motor: Motor) -> TablePolicy:
-        return TablePolicy(word, linear_table(v["lo"], v["hi"]), estimator)
+        return TablePolicy(word, linear_table(v["lo"], v["hi"]), {"estimator": estimator})
 
     band = (
         speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),

@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from sensorless.baselines.rule import Parameter, Rule, Values
 from sensorless.core.api import Array
 from sensorless.machine.motor import Motor
-from sensorless.policy import Signals
+from sensorless.policy import Settings, Signals
 
+ON_SMO: Settings = {"estimator": "smo"}
 WAKE_K_S = 0.01
 
 
@@ -40,7 +41,7 @@ class Oracle:
     """
 
     sensored = False
-    estimator: str | None = "smo"
+    settings: Settings = ON_SMO
     """Of a drive that has two angles to choose from."""
     privileged = True
 

@@ -16,7 +16,7 @@ from sensorless.baselines.linear import EQ25_BAND
 from sensorless.baselines.rule import Parameter, Rule, Values, speed
 from sensorless.decision import decision_time
 from sensorless.machine.motor import Motor
-from sensorless.policy import Signals
+from sensorless.policy import NO_SETTINGS, Settings, Signals
 
 
 class TimeRamp:
@@ -32,7 +32,7 @@ class TimeRamp:
     """
 
     sensored = False
-    estimator: str | None = None
+    settings: Settings = NO_SETTINGS
 
     def __init__(self, name: str, low: float, high: float, step: float) -> None:
         self.name = name

@@ -54,7 +54,7 @@ class Rule:
     needs_numbers: bool = False
     """There are no defaults worth having."""
     estimator: str | None = None
-    """Estimator that the rule brings along, as in ``Policy``."""
+    """Estimator that the rule brings along, in its policy's ``settings``."""
 
     @property
     def usage(self) -> str:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.baselines.rule import Rule
-from sensorless.policy import Signals
+from sensorless.policy import NO_SETTINGS, Settings, Signals
 
 
 class Sensored:
@@ -12,7 +12,7 @@ class Sensored:
 
     name = "sensored"
     sensored = True
-    estimator: str | None = None
+    settings: Settings = NO_SETTINGS
 
     def reset(self, n: int) -> None:
         """Nothing to forget."""

@@ -13,9 +13,9 @@ from sensorless.table.ks_table import KsTable
 
 Signals = NDArray[np.float32]
 
-UNRECORDED = "smo"
-"""Estimator of a schedule or tuned rule whose file names none: such files are older than the choice
-of estimators."""
+Settings = Mapping[str, Any]
+"""Settings of ``DriveDesign`` by name."""
+NO_SETTINGS: Settings = {}
 
 
 class Policy(Protocol):
@@ -24,9 +24,9 @@ class Policy(Protocol):
     name: str
     sensored: bool
     """Whether the drive runs on its true angle; k_s then has no effect."""
-    estimator: str | None
-    """Estimator that the policy needs, as in ``DriveDesign``; it overrides the design's. None: the
-    policy runs on the design's."""
+    settings: Settings
+    """What the policy needs of the drive; it overrides the design. A trained or tuned policy brings
+    every setting that it was made on, a rule by name none, or the estimator that it is about."""
 
     def reset(self, n: int) -> None:
         """Forget the past before n drives start."""
@@ -46,14 +46,8 @@ class PrivilegedPolicy(Policy, Protocol):
 
 
 def design_for(policy: Policy, design: DriveDesign) -> DriveDesign:
-    """Design with the estimator that the policy needs, if it needs one."""
-    return dataclasses.replace(design, estimator=policy.estimator or design.estimator)
-
-
-def trained_estimator(provenance: Mapping[str, Any]) -> str | None:
-    """Estimator that a schedule was made on; None if its provenance does not name one."""
-    design = provenance.get("design")
-    return design.get("estimator") if isinstance(design, dict) else None
+    """Design with the settings that the policy needs."""
+    return dataclasses.replace(design, **policy.settings)
 
 
 def decide(policy: Policy, obs: Signals, sims: Array) -> NDArray[np.float32]:
@@ -72,16 +66,16 @@ class TablePolicy:
     ----------
     name : str
     table : KsTable
-    estimator : str, optional
+    settings : mapping, optional
         See ``Policy``.
     """
 
     sensored = False
 
-    def __init__(self, name: str, table: KsTable, estimator: str | None = None) -> None:
+    def __init__(self, name: str, table: KsTable, settings: Settings = NO_SETTINGS) -> None:
         self.name = name
         self.table = table
-        self.estimator = estimator
+        self.settings = settings
 
     def reset(self, n: int) -> None:
         """Nothing to forget."""

@@ -50,7 +50,7 @@ class Q15Policy(TablePolicy):
     """A schedule table as the firmware holds it in Q15."""
 
     def __init__(self, exact: TablePolicy) -> None:
-        super().__init__(exact.name, exact.table, exact.estimator)
+        super().__init__(exact.name, exact.table, exact.settings)
         self._image = self.table.record("q15").reshape(1), self.table.stored("q15")
 
     def act(self, obs: Signals) -> Signals:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
+from sensorless.policy import NO_SETTINGS, Settings
 from sensorless.table.ks_table import KsTable
 
 Floats = NDArray[np.float32]
@@ -46,7 +47,7 @@ class MlpSchedule:
     """
 
     sensored = False
-    estimator: str | None = None
+    settings: Settings = NO_SETTINGS
 
     def __init__(
         self,

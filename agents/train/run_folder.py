@@ -3,20 +3,19 @@
 import dataclasses
 import json
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from sensorless.agents.loading import CONFIG, MLP, TABLE
 from sensorless.agents.mlp.schedule import MlpSchedule
 from sensorless.agents.train.config import TrainConfig
+from sensorless.design.carried import Carried, carried, record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
 from sensorless.errors import UserError
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
-from sensorless.settings import read
 from sensorless.table.ks_table import KsTable
 from sensorless.versions import versions
 
@@ -37,7 +36,7 @@ def describe(
         **machines.origin(),
         "start_digest": start.digest,
         "train": dataclasses.asdict(config),
-        "design": dataclasses.asdict(design),
+        **record(design, machines.one),
         "versions": versions(LIBRARIES),
     }
 
@@ -86,20 +85,17 @@ def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
         if "machines" in data:
             raise UserError(f"run: {folder}: trained on {data['motor']}; use a run on one motor")
-        return design_in(data, folder / CONFIG), Motor.load(data["train"]["motor"])
+        known = carried(data, str(folder / CONFIG))
+        motor = known.motor or Motor.load(data["train"]["motor"])
+        return DriveDesign(**known.settings), motor
     except (OSError, ValueError, KeyError, TypeError) as error:
         if isinstance(error, UserError):
             raise
         raise UserError(f"run: {folder / CONFIG}: {error}; give a training run's folder") from None
 
 
-def design_in(data: Mapping[str, Any], path: Path) -> DriveDesign:
-    """Return the drive design of a run's configuration; ``path`` is the file that it stands in."""
-    return DriveDesign(**read(DriveDesign, data["design"], f"{path}: "))
-
-
-def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:
-    """Configuration of a run to resume, the digest of its machines, and its start table.
+def reopen(folder: Path) -> tuple[TrainConfig, Carried, KsTable]:
+    """Configuration of a run to resume, its machine and drive, and its start table.
 
     Raises
     ------
@@ -112,9 +108,10 @@ def reopen(folder: Path) -> tuple[TrainConfig, DriveDesign, str, KsTable]:
         )
     try:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
-        config, design = TrainConfig(**data["train"]), design_in(data, folder / CONFIG)
-        digest = data["machines"]["digest"] if config.machines else data["motor_digest"]
-        return config, design, digest, KsTable.load(folder / START)
+        config, known = TrainConfig(**data["train"]), carried(data, str(folder / CONFIG))
+        if config.machines:
+            known = dataclasses.replace(known, made_for=(data["motor"], data["machines"]["digest"]))
+        return config, known, KsTable.load(folder / START)
     except (ValueError, KeyError, TypeError) as error:
         if isinstance(error, UserError):
             raise
@@ -125,7 +122,7 @@ def save_schedule(
     folder: Path, policy: TablePolicy | MlpSchedule, config: dict[str, Any], **facts: Any
 ) -> None:
     """Write the schedule with its provenance, under the name that ``load_run`` looks for."""
-    known = ("command", "motor", "motor_digest", "machines", "design", "versions")
+    known = ("command", "motor", "motor_digest", "machines", "machine", "set", "design", "versions")
     origin = {key: config[key] for key in known if key in config}
     origin["seed"] = config["train"]["seed"]
     if isinstance(policy, TablePolicy):

@@ -19,12 +19,14 @@ from sensorless.agents.train.env import training_env
 from sensorless.agents.train.run_folder import LATEST, create, reopen
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.agents.train.watch import Progress, Watch
+from sensorless.design.carried import refuse_settings
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.objective import Cost
 from sensorless.machine.motor import Motor
+from sensorless.policy import NO_SETTINGS, Settings
 from sensorless.table.ks_table import KsTable
 
 VALUE_SCALE = 20.0
@@ -73,7 +75,13 @@ def train(
     return _learn(model, folder, config, design, machines, report)
 
 
-def resume(config: TrainConfig, folder: Path, *, report: Progress | None = None) -> Cost:
+def resume(
+    config: TrainConfig,
+    folder: Path,
+    *,
+    asked: Settings = NO_SETTINGS,
+    report: Progress | None = None,
+) -> Cost:
     """Continue the run in ``folder`` with its own settings, except ``minutes`` and ``steps``.
 
     The count of steps continues, but the result is not bit-identical to an uninterrupted run,
@@ -82,14 +90,21 @@ def resume(config: TrainConfig, folder: Path, *, report: Progress | None = None)
     Raises
     ------
     UserError
-        The folder has no run, or its checkpoint is damaged or belongs to another motor.
+        The folder has no run, its checkpoint is damaged or belongs to another motor, or the run
+        has other settings than those ``asked`` for.
     """
-    old, design, digest, table = reopen(folder)
-    motor = old.motor if config.motor == TrainConfig.motor else config.motor
-    machines = Machines.of(Motor.load(motor), old.machines, old.seed)
+    old, known, table = reopen(folder)
+    refuse_settings(known, asked, str(folder), "train anew")
+    design = DriveDesign(**known.settings)
+    if config.motor != TrainConfig.motor or known.motor is None:
+        motor = Motor.load(old.motor if config.motor == TrainConfig.motor else config.motor)
+    else:
+        motor = known.motor
+    machines = Machines.of(motor, old.machines, old.seed)
+    name, digest = known.made_for or ("?", "")
     if digest != machines.digest:
         raise UserError(
-            f"resume: {str(folder)!r} was trained on {old.motor!r}, digest {digest[:16]}; "
+            f"resume: {str(folder)!r} was trained on {name!r}, digest {digest[:16]}; "
             f"it cannot continue on {machines.name!r}, digest {machines.digest[:16]}"
         )
     config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)

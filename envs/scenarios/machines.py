@@ -21,6 +21,11 @@ class Machines:
         return cls(family(seed, n), seed) if n else cls((motor,), None)
 
     @property
+    def one(self) -> Motor | None:
+        """The machine, if it is no family."""
+        return self.motors[0] if self.seed is None else None
+
+    @property
     def name(self) -> str:
         """Name for people."""
         if self.seed is None:

@@ -12,6 +12,7 @@ from sensorless.envs.counter_random import Floats, Seeds
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.observers.start_design import knows_poles
+from sensorless.policy import NO_SETTINGS, Settings
 
 Bools = NDArray[np.bool_]
 
@@ -180,11 +181,11 @@ class SimFactory:
         *,
         sensored: bool = False,
         twin: bool = True,
-        estimator: str | None = None,
+        settings: Settings = NO_SETTINGS,
     ) -> Array:
         """Drives at the start of their scenarios, an array of ``SIM`` with shape (n,).
 
-        ``estimator``, if given, replaces the design's.
+        ``settings``, as in ``Policy``, override the design's.
 
         Raises
         ------
@@ -199,9 +200,10 @@ class SimFactory:
                 "at a known angle, or give the machine a saturation model"
             )
         sims = np.repeat(self.template, len(s))
-        if estimator not in (None, self.design.estimator):
-            design = dataclasses.replace(self.design, estimator=estimator)
+        design = dataclasses.replace(self.design, **settings)
+        if design != self.design:
             sims["control"] = control_record(motor, design)
+            sims["sensor"]["carrier"] = int(design.carrier)
         plant, control, sensor = sims["plant"], sims["control"], sims["sensor"]
         plant["inv_J"] /= s.J
         fill_details(plant, sensor, s, motor)

@@ -40,13 +40,12 @@ def demo_command(
     from sensorless.agents.train.config import TrainConfig
     from sensorless.cli.demo_steps import SUITE, draw, fresh_folder, hand_over, judge
     from sensorless.cli.train import run_training
-    from sensorless.design.drive import DriveDesign
 
     config = TrainConfig(minutes=minutes)
     fresh_folder(out)
     run = out / "ppo-table"
     errors.print(f"[bold]1/4[/] training a schedule for {minutes:g} min, starting from Eq. 25")
-    run_training(config, DriveDesign(), run, resume=False)
+    run_training(config, {}, run, resume=False)
     errors.print(f"[bold]2/4[/] judging it on {size} scenarios of the suite {SUITE}")
     with policy_progress() as report:
         results = judge(out, f"./{run}" if not run.is_absolute() else str(run), size, seed, report)

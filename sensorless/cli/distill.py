@@ -1,6 +1,5 @@
 """The command ``sensorless distill``."""
 
-import dataclasses
 import json
 import shlex
 import sys
@@ -81,6 +80,7 @@ def distill_command(
     from sensorless.agents.table.start import grid
     from sensorless.agents.train.run_folder import LIBRARIES, design_and_motor, fresh
     from sensorless.cli.train import RUNS
+    from sensorless.design.carried import record
     from sensorless.envs.scenarios.scenario import SimFactory
     from sensorless.evaluation.objective import Cost
     from sensorless.files import write_atomic
@@ -117,7 +117,7 @@ def distill_command(
         "command": shlex.join(["sensorless", *sys.argv[1:]]),
         "motor": motor.name,
         "motor_digest": motor.digest,
-        "design": dataclasses.asdict(design),
+        **record(design, motor),
         "versions": versions(LIBRARIES),
         "distilled_from": {
             key: teacher.provenance.get(key) for key in ("command", "seed", "steps")

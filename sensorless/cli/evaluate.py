@@ -7,11 +7,13 @@ import typer
 
 from sensorless.cli.options import (
     POLICIES,
+    CarriedMotorOption,
     EngineOption,
-    MotorOption,
+    OverrideOption,
     RayAddressOption,
     SeedOption,
     SetOption,
+    bench_of,
     console,
     policy_progress,
 )
@@ -65,7 +67,7 @@ SuiteOption = Annotated[
 
 def evaluate_command(
     policy: PoliciesOption,
-    motor: MotorOption = "paper",
+    motor: CarriedMotorOption = None,
     suite: SuiteOption = "stress-1",
     seed: SeedOption = 1,
     size: Annotated[
@@ -77,6 +79,7 @@ def evaluate_command(
         ),
     ] = 200,
     settings: SetOption = None,
+    override: OverrideOption = False,
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE.json", help="Write the results as JSON. Default: no file."),
@@ -116,8 +119,9 @@ def evaluate_command(
     compared with the first one scenario by scenario. Training and tuning never see these
     scenarios. The same suite, seed and size give the same file to the bit, on any engine.
 
-    A schedule runs on the estimator it was trained or tuned on, whatever `--set estimator` says;
-    other rules run on that of the design.
+    A schedule runs on the motor and with the settings it was trained or tuned with, each on its
+    own; rules by name take those of the command. `--set` and `--motor` that contradict a schedule
+    are refused, unless `--override` lets them win.
 
     For example:
 
@@ -125,30 +129,27 @@ def evaluate_command(
         sensorless evaluate --policy eq25 --policy runs/first --out results.json
         sensorless evaluate --policy eq25 --suite envelope --size 441 --plot map.png
     """
-    from sensorless.design.words import design_from
     from sensorless.evaluation.engines.named import engine_named
     from sensorless.evaluation.evaluate import WORST
     from sensorless.evaluation.evaluate import evaluate as run
     from sensorless.evaluation.results import COLUMNS, HANDOVER_COLUMNS
     from sensorless.evaluation.results_tables import paired_table, place_table, worst_table
     from sensorless.files import check_writable
-    from sensorless.machine.motor import Motor
-    from sensorless.policies.registry import make_policies
 
     check_writable(plot, "plot")
     if plot is not None and suite != "envelope":
         raise UserError(
             f"plot: suite {suite!r} has no picture; use --suite envelope, or leave out --plot"
         )
-    machine = Motor.load(motor)
+    made = bench_of(policy, motor, settings, override)
     with engine_named(engine, ray_address) as where, policy_progress() as report:
         results = run(
-            machine,
-            design_from(settings),
+            made.motor,
+            made.design,
             suite,
             seed,
             size,
-            make_policies(policy, machine),
+            made.policies(policy),
             out=out,
             every=every,
             progress=report,
@@ -158,7 +159,7 @@ def evaluate_command(
         from sensorless.plots.envelope import envelope_maps
         from sensorless.plots.figure import save
 
-        save(envelope_maps(results, machine), plot)
+        save(envelope_maps(results, made.motor), plot)
     console.print(results.table())
     if details:
         console.print(results.table(HANDOVER_COLUMNS))

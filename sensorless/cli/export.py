@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from sensorless.cli.options import MotorOption, SetOption, console
+from sensorless.cli.options import CarriedMotorOption, OverrideOption, SetOption, bench_of, console
 
 ScheduleArgument = Annotated[
     str,
@@ -27,8 +27,9 @@ def export_command(
             help="Write to this folder: a new one, or an earlier export, which is replaced.",
         ),
     ],
-    motor: MotorOption = "paper",
+    motor: CarriedMotorOption = None,
     settings: SetOption = None,
+    override: OverrideOption = False,
     fit: Annotated[
         bool,
         typer.Option(
@@ -43,21 +44,19 @@ def export_command(
     The folder holds the table in float32, in Q15 and in the layout of CMSIS-DSP, the control core,
     params.h, golden vectors (inputs with the outputs they must give) and a Makefile. If there is a
     C compiler, the self test is compiled and run at once: the C code must give every golden output
-    to the bit.
+    to the bit. Motor and settings are those that the schedule was made with.
 
     For example:
 
-        sensorless export runs/first --motor paper --out firmware_first
+        sensorless export runs/first --out firmware_first
     """
-    from sensorless.design.words import design_from
     from sensorless.export.export import export as write
     from sensorless.export.export import table_of
-    from sensorless.machine.motor import Motor
-    from sensorless.policies.registry import make_policy
     from sensorless.policy import design_for
 
-    machine = Motor.load(motor)
-    policy = make_policy(run, machine)
-    table, design = table_of(policy, run), design_for(policy, design_from(settings))
-    done = write(table, machine, design, out, policy=policy.name, fit=fit)
+    made = bench_of([run], motor, settings, override)
+    policy = made.policy(run)
+    table, design = table_of(policy, run), design_for(policy, made.design)
+    origin = {"motor_digest": made.motor.digest} if override else {}
+    done = write(table, made.motor, design, out, policy=policy.name, provenance=origin, fit=fit)
     console.print(f"wrote {len(done.files)} files to {done.folder}\n{done.self_test.message}")

@@ -1,12 +1,15 @@
 """Options, consoles and progress bars that several commands share."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+
+if TYPE_CHECKING:
+    from sensorless.policies.bench import Bench
 
 console = Console()
 errors = Console(stderr=True)
@@ -18,14 +21,26 @@ POLICIES = (
     "folder of a training run"
 )
 
-MotorOption = Annotated[
-    str,
+MOTOR = (
+    "Use this motor: the name of a shipped one (paper, ipmsm_2200w, pmsyrm_5600w, brusa_hsm1, "
+    "pmsrm_15kw, formula_wheel), or your own TOML file, laid out as docs/bring-a-motor.md shows."
+)
+MotorOption = Annotated[str, typer.Option("--motor", metavar="MOTOR", help=MOTOR)]
+CarriedMotorOption = Annotated[
+    str | None,
     typer.Option(
         "--motor",
         metavar="MOTOR",
-        help="Use this motor: the name of a shipped one (paper, ipmsm_2200w, pmsyrm_5600w, "
-        "brusa_hsm1, pmsrm_15kw, formula_wheel), or your own "
-        "TOML file, laid out as docs/bring-a-motor.md shows.",
+        help=f"{MOTOR} Default: the motor that the policy was made for, or else paper, that of the "
+        "source paper.",
+    ),
+]
+OverrideOption = Annotated[
+    bool,
+    typer.Option(
+        "--override",
+        help="Let --motor and --set win over the motor and the settings that a policy was made "
+        "with. Default: what contradicts them is refused.",
     ),
 ]
 SetOption = Annotated[
@@ -69,6 +84,18 @@ RayAddressOption = Annotated[
         "start one on the processors of this machine.",
     ),
 ]
+
+
+def bench_of(
+    specs: Sequence[str], motor: str | None, settings: Sequence[str] | None, override: bool
+) -> "Bench":
+    """Bench of a command's policies; says on the error stream what a user should know."""
+    from sensorless.policies.bench import bench
+
+    made = bench(specs, motor, settings, override=override)
+    for note in made.notes:
+        errors.print(f"note: {note}", markup=False, highlight=False, soft_wrap=True)
+    return made
 
 
 def describe(scores: Mapping[str, float]) -> str:

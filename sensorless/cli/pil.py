@@ -7,7 +7,14 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from sensorless.cli.export import ScheduleArgument
-from sensorless.cli.options import MotorOption, SetOption, console, errors
+from sensorless.cli.options import (
+    CarriedMotorOption,
+    OverrideOption,
+    SetOption,
+    bench_of,
+    console,
+    errors,
+)
 from sensorless.errors import UserError
 
 
@@ -17,8 +24,9 @@ def pil_command(
         Path | None,
         typer.Option(metavar="FILE.json", help="Write the report as JSON. Default: no file."),
     ] = None,
-    motor: MotorOption = "paper",
+    motor: CarriedMotorOption = None,
     settings: SetOption = None,
+    override: OverrideOption = False,
 ) -> None:
     """Run the exported C code on an emulated Cortex-M4F, in a closed loop with the machine.
 
@@ -30,25 +38,22 @@ def pil_command(
 
         sensorless pil eq25 --out pil.json
     """
-    from sensorless.design.words import design_from
     from sensorless.export.export import table_of
     from sensorless.files import check_writable
-    from sensorless.machine.motor import Motor
     from sensorless.pil.pil import passed, pil
     from sensorless.pil.report import table, write_report
-    from sensorless.policies.registry import make_policy
     from sensorless.policy import design_for
 
     check_writable(out)
-    machine = Motor.load(motor)
-    policy = make_policy(run, machine)
-    schedule, design = table_of(policy, run), design_for(policy, design_from(settings))
+    made = bench_of([run], motor, settings, override)
+    policy = made.policy(run)
+    schedule, design = table_of(policy, run), design_for(policy, made.design)
     columns = (TextColumn("closed loop on the target"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=errors, disable=not errors.is_terminal) as bar:
         task = bar.add_task("", total=1.0)
         report = pil(
             schedule,
-            machine,
+            made.motor,
             design,
             policy=policy.name,
             progress=lambda done: bar.update(task, completed=done),

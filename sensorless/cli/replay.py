@@ -6,7 +6,14 @@ from typing import Annotated
 
 import typer
 
-from sensorless.cli.options import MotorOption, PolicyOption, SetOption, console
+from sensorless.cli.options import (
+    CarriedMotorOption,
+    OverrideOption,
+    PolicyOption,
+    SetOption,
+    bench_of,
+    console,
+)
 
 
 def replay_command(
@@ -18,9 +25,10 @@ def replay_command(
             "The word `sample` reads the log that comes with the package.",
         ),
     ],
-    motor: MotorOption = "paper",
+    motor: CarriedMotorOption = None,
     policy: PolicyOption = "eq25",
     settings: SetOption = None,
+    override: OverrideOption = False,
     angle: Annotated[
         float, typer.Option(help="Start the estimators at this angle [electrical degrees].")
     ] = 0.0,
@@ -61,17 +69,16 @@ def replay_command(
         sensorless replay sample --after 0.05 --plot replay.png
         sensorless replay drive.csv --motor my.toml --out estimates.csv
     """
-    from sensorless.design.words import design_from
     from sensorless.files import check_writable
-    from sensorless.machine.motor import Motor
-    from sensorless.policies.registry import make_policy
+    from sensorless.policy import design_for
     from sensorless.replay.replay import SAMPLE, load, replay
 
     check_writable(out)
     check_writable(plot, "plot")
-    machine, design = Motor.load(motor), design_from(settings)
+    made = bench_of([policy], motor, settings, override)
+    rule = made.policy(policy)
+    machine, design = made.motor, design_for(rule, made.design)
     log = SAMPLE if log == Path("sample") and not log.exists() else log
-    rule = make_policy(policy, machine)
     found = replay(
         load(log, machine, design, delay),
         machine,

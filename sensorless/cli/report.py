@@ -2,6 +2,7 @@
 
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -9,9 +10,11 @@ import typer
 
 from sensorless.cli.options import (
     POLICIES,
-    MotorOption,
+    CarriedMotorOption,
+    OverrideOption,
     SeedOption,
     SetOption,
+    bench_of,
     console,
     policy_progress,
 )
@@ -61,8 +64,9 @@ def report_command(
             "sliding_mode, eq25, every shipped tuned rule, oracle and sensored.",
         ),
     ] = None,
-    motor: MotorOption = "paper",
+    motor: CarriedMotorOption = None,
     settings: SetOption = None,
+    override: OverrideOption = False,
 ) -> None:
     """Judge a policy and write one HTML page about it, with its figures as PNG beside it.
 
@@ -74,25 +78,23 @@ def report_command(
 
         sensorless report runs/first --policy eq25 --policy hysteresis --size 200
     """
-    from sensorless.design.words import design_from
-    from sensorless.machine.motor import Motor
-    from sensorless.policies.registry import make_policy
     from sensorless.report.report import SUITES, Report
 
-    machine = Motor.load(motor)
-    make_policy(run, machine)  # reject an unknown policy before doing any work
+    made = bench_of([run, *(policy or [])], motor, settings, override)
     if out is None and not Path(run).is_dir():
         raise UserError(
             f"out: {run!r} is not a training run's folder; say where to write with --out FOLDER"
         )
     folder = Path(run) / "report" if out is None else out
-    options = [] if motor == "paper" else ["--motor", motor]
+    options = [] if motor is None else ["--motor", motor]
     options += [word for setting in settings or [] for word in ("--set", setting)]
+    if policy is None:  # what is shipped runs on this machine, though it was tuned on another
+        made = replace(made, override=True)
+    options += ["--override"] if made.override else []
     with policy_progress() as progress:
         page = Report(
             run,
-            machine,
-            design_from(settings),
+            made,
             others=policy,
             options=options,
             progress=progress,

@@ -9,6 +9,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from sensorless.cli.options import console
+from sensorless.design.words import text_of
 from sensorless.settings import Setting
 
 
@@ -55,13 +56,6 @@ def facts(setting: Setting) -> dict[str, Any]:
     elif setting.kind is str:
         out["choices"] = dict(setting.choices)
     return {**out, "meaning": setting.meaning}
-
-
-def text_of(default: float | bool | str) -> str:
-    """Default as --set takes it."""
-    if isinstance(default, bool):
-        return str(default).lower()
-    return default if isinstance(default, str) else f"{default:.12g}"
 
 
 def unit_of(setting: Setting) -> str:

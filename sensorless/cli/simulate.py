@@ -5,12 +5,19 @@ from typing import Annotated
 
 import typer
 
-from sensorless.cli.options import MotorOption, PolicyOption, SetOption, console
+from sensorless.cli.options import (
+    CarriedMotorOption,
+    OverrideOption,
+    PolicyOption,
+    SetOption,
+    bench_of,
+    console,
+)
 from sensorless.errors import UserError
 
 
 def simulate_command(
-    motor: MotorOption = "paper",
+    motor: CarriedMotorOption = None,
     policy: PolicyOption = "eq25",
     speed: Annotated[
         str,
@@ -69,6 +76,7 @@ def simulate_command(
         float, typer.Option(help="Let the shaft spin at this speed when the run begins [r/min].")
     ] = 0.0,
     settings: SetOption = None,
+    override: OverrideOption = False,
     plot: Annotated[
         Path | None,
         typer.Option(
@@ -136,15 +144,12 @@ def simulate_command(
         simulate_plant(plant, inputs, out)
         console.print(f"wrote {out}")
         return
-    from sensorless.design.words import design_from
     from sensorless.envs.scenarios.words import plan_from, scenario_from
     from sensorless.evaluation.trace import trace, write_csv
     from sensorless.evaluation.trace_summary import summary_table
-    from sensorless.machine.motor import Motor
-    from sensorless.policies.registry import make_policy
 
-    machine, design = Motor.load(motor), design_from(settings)
-    rule = make_policy(policy, machine)
+    made = bench_of([policy], motor, settings, override)
+    machine, rule = made.motor, made.policy(policy)
     case = (
         scenario_from(scenario, machine)
         if scenario is not None
@@ -152,7 +157,7 @@ def simulate_command(
             speed, load, ramp, duration, machine, seed, start=start, theta_err=theta_err, spin=spin
         )
     )
-    run = trace(rule, case, machine, design)
+    run = trace(rule, case, machine, made.design)
     console.print(summary_table(run, rule.name))
     if out is not None:
         write_csv(run, out)

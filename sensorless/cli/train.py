@@ -15,7 +15,7 @@ from sensorless.errors import UserError
 from sensorless.settings import settings_of
 
 if TYPE_CHECKING:
-    from sensorless.design.drive import DriveDesign
+    from sensorless.policy import Settings
 
 RUNS = Path("runs")
 
@@ -74,7 +74,7 @@ def _train(
         sensorless tune linear --out linear.json
         sensorless train --name better --start linear.json --axes speed:16
     """
-    from sensorless.design.words import design_from
+    from sensorless.design.words import asked_for
 
     if (name is None) == (resume is None):
         raise UserError(
@@ -82,16 +82,18 @@ def _train(
             "continue one"
         )
     folder = resume if resume is not None else RUNS / str(name)
-    run_training(TrainConfig(**fields), design_from(settings), folder, resume=resume is not None)
+    run_training(TrainConfig(**fields), asked_for(settings), folder, resume=resume is not None)
 
 
-def run_training(config: TrainConfig, design: "DriveDesign", folder: Path, *, resume: bool) -> None:
+def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume: bool) -> None:
     """Train with progress on the terminal, and say where the result is."""
     from sensorless.agents.train import train as training
+    from sensorless.design.drive import DriveDesign
     from sensorless.evaluation.objective import Cost
     from sensorless.machine.motor import Motor
     from sensorless.policies.registry import table_named
 
+    design = DriveDesign(**asked)
     if not resume and not config.machines:
         say_if_unsuited(Motor.load(config.motor), design)
     columns = [TextColumn("training"), BarColumn(), TextColumn("{task.percentage:.0f} %")]
@@ -112,7 +114,7 @@ def run_training(config: TrainConfig, design: "DriveDesign", folder: Path, *, re
     try:
         with bar:
             if resume:
-                training.resume(config, folder, report=report)
+                training.resume(config, folder, asked=asked, report=report)
             else:
                 source = table_named(config.start, Motor.load(config.motor))
                 training.train(config, design, folder, source, report=report)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from difflib import get_close_matches
+from typing import Any
 
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
@@ -23,7 +24,12 @@ def observer_name(estimator: str) -> str:
 
 
 def design_from(words: Sequence[str] | None) -> DriveDesign:
-    """Drive design from words NAME=VALUE over the defaults.
+    """Drive design from words NAME=VALUE over the defaults; errors as in ``asked_for``."""
+    return DriveDesign(**asked_for(words))
+
+
+def asked_for(words: Sequence[str] | None) -> dict[str, Any]:
+    """Settings of the drive design by name from words NAME=VALUE.
 
     Raises
     ------
@@ -42,4 +48,11 @@ def design_from(words: Sequence[str] | None) -> DriveDesign:
         if not equals:
             raise UserError(f"set: {word!r}: no value: write {name}=VALUE")
         values[name] = known[name].parsed(text)
-    return DriveDesign(**values)
+    return values
+
+
+def text_of(value: float | bool | str) -> str:
+    """Value of a setting as --set takes it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return value if isinstance(value, str) else f"{value:.12g}"

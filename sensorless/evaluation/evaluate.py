@@ -113,7 +113,10 @@ def evaluate(
         design=asdict(design),
         versions=versions(),
         policies={
-            name: {"estimator": _estimator(policies[name], design)}
+            name: {
+                "estimator": _estimator(policies[name], design),
+                "own": _own(policies[name], design),
+            }
             | _entry(s, scenarios, suite, seed, _is_bound(policies[name]))
             for name, s in scores.items()
         },
@@ -174,6 +177,12 @@ def _is_bound(policy: Policy) -> bool:
 def _estimator(policy: Policy, design: DriveDesign) -> str | None:
     """Estimator that a policy runs on; None if it runs on the true angle."""
     return None if policy.sensored else design_for(policy, design).estimator
+
+
+def _own(policy: Policy, design: DriveDesign) -> dict[str, Any]:
+    """Settings that a policy brings and that differ from the design of the others."""
+    known = asdict(design)
+    return {k: v for k, v in asdict(design_for(policy, design)).items() if v != known[k]}
 
 
 def _report(progress: PolicyProgress, name: str) -> Progress:

@@ -10,6 +10,7 @@ import numpy as np
 from rich.markup import escape
 from rich.table import Table
 
+from sensorless.design.words import text_of
 from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, LOST_TIME
 from sensorless.evaluation.metrics.held import BACK_TIME, BAND_PCT
 from sensorless.evaluation.metrics.ripple import HANDOVER
@@ -75,9 +76,9 @@ class Results:
     design: dict[str, Any]
     versions: dict[str, str]
     policies: dict[str, dict[str, Any]]
-    """by name: ``estimator`` as in ``DriveDesign``, rates, means over the survived scenarios,
-    intervals, ``by_quadrant`` and ``by_speed``, ``worst`` cases, ``scenarios``, and ``bound`` if it
-    knows the truth"""
+    """by name: ``estimator`` as in ``DriveDesign``, ``own`` settings that differ from ``design``,
+    rates, means over the survived scenarios, intervals, ``by_quadrant`` and ``by_speed``, ``worst``
+    cases, ``scenarios``, and ``bound`` if it knows the truth"""
     paired: dict[str, dict[str, Any]]
     """by name: differences to the first policy"""
 
@@ -103,12 +104,15 @@ class Results:
         write_atomic(path, self.to_json(scenarios))
 
     def note(self, name: str) -> str:
-        """Say in brackets that a policy is a bound, or which estimator of its own it runs on."""
+        """Say in brackets that a policy is a bound, or which settings of its own it runs on."""
         policy = self.policies[name]
         if policy["bound"]:
             return "(bound)"
-        own = policy["estimator"]
-        return "" if own == self.design["estimator"] else f"({own})"
+        words = [
+            value if key == "estimator" else f"{key}={text_of(value)}"
+            for key, value in policy["own"].items()
+        ]
+        return f"({', '.join(words)})" if words else ""
 
     def table(self, columns: Columns = COLUMNS) -> Table:
         """Rates over feasible scenarios and means over the survivors, with 95 % intervals."""

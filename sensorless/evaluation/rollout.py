@@ -78,7 +78,7 @@ def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollou
     """Run all scenarios at once, each beside its sensored twin."""
     n = len(scenarios)
     periods = decision_periods(factory.motor)
-    sims = factory.build(scenarios, sensored=policy.sensored, estimator=policy.estimator)
+    sims = factory.build(scenarios, sensored=policy.sensored, settings=policy.settings)
     decisions = -(-int(sims["k_end"].max(initial=0)) // periods)
     sums = np.zeros((decisions, n), dtype=SIM["sums"])
     rows, now = sums.view(np.float32).reshape(decisions, n, -1), sums_matrix(sims)

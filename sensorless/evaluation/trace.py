@@ -40,7 +40,7 @@ def trace(
     if len(scenario) != 1:
         raise UserError(f"scenario: {len(scenario)} rows; trace one at a time")
     sim = SimFactory(motor, design).build(
-        scenario, sensored=policy.sensored, estimator=policy.estimator
+        scenario, sensored=policy.sensored, settings=policy.settings
     )
     if change is not None:
         change(sim)

@@ -1,12 +1,12 @@
 """Records where the numbers of an export come from."""
 
-import dataclasses
 import hashlib
 import importlib.metadata
 from collections.abc import Mapping
 from typing import Any
 
 from sensorless.core.api import ffi, lib
+from sensorless.design.carried import record
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import KsTable
@@ -46,7 +46,7 @@ def table_json(
             "table_digest": table.digest,
             "motor": motor.name,
             "motor_digest": motor.digest,
-            "design": dataclasses.asdict(design),
+            **record(design, motor),
             "export": {
                 "versions": {name: _version(name) for name in DISTRIBUTIONS},
                 "core_hash": ffi.string(lib.core_hash).decode(),

@@ -1,9 +1,10 @@
 """Policies by the names that commands take."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from sensorless.agents.loading import load_run
+from sensorless.agents.loading import carried_by_run, load_run, load_table
 from sensorless.baselines import (
     constant,
     emf_threshold,
@@ -22,11 +23,13 @@ from sensorless.baselines import (
     smooth,
 )
 from sensorless.baselines.rule import Rule
+from sensorless.design.carried import Carried, carried
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
 from sensorless.policies.tuned import Tuned
-from sensorless.policy import UNRECORDED, Policy, TablePolicy, trained_estimator
+from sensorless.policy import Policy, TablePolicy
+from sensorless.table.json_form import is_table
 from sensorless.table.ks_table import KsTable
 
 RULES: dict[str, Rule] = {
@@ -85,7 +88,7 @@ def rule_named(name: str) -> Rule:
     return RULES[name]
 
 
-def make_policy(spec: str, motor: Motor) -> Policy:
+def make_policy(spec: str, motor: Motor, *, override: bool = False) -> Policy:
     """Policy by a name as in ``known``, for one motor.
 
     The name of a rule takes precedence over a folder or file of that name; ``./NAME`` means the
@@ -94,25 +97,60 @@ def make_policy(spec: str, motor: Motor) -> Policy:
     Raises
     ------
     UserError
-        The name is unknown, or a number is out of its range.
+        The name is unknown, a number is out of its range, or the schedule is for another machine
+        and ``override`` is not set.
     """
     word, colon, text = spec.partition(":")
     if word in RULES:
         rule = RULES[word]
         return rule.build(spec, rule.parse(spec, text if colon else None, motor), motor)
+    path = file_of(spec)
+    if path.is_dir():
+        learned = load_run(path, motor, override=override)
+        learned.name = spec if spec in shipped.RUNS else learned.name
+        return learned
+    return load_table(path, motor, override=override) if is_table(path) else load_tuned(path, motor)
+
+
+def carried_by(spec: str) -> Carried | None:
+    """Machine and settings that a policy brings along; None for a rule by its name.
+
+    Raises
+    ------
+    UserError
+        The name is unknown, or its file is damaged.
+    """
+    if spec.partition(":")[0] in RULES:
+        return None
+    path = file_of(spec)
+    if path.is_dir():
+        return carried_by_run(path)
+    if is_table(path):
+        return carried(KsTable.load(path).provenance, str(path))
+    tuned = Tuned.load(path)
+    known = tuned.carried(str(path))
+    own = RULES[tuned.rule].estimator if tuned.rule in RULES else None
+    return known if own is None else replace(known, settings={**known.settings, "estimator": own})
+
+
+def file_of(spec: str) -> Path:
+    """Run folder, or file of a tuned rule or a table; the file need not exist.
+
+    Raises
+    ------
+    UserError
+        There is no policy of this name.
+    """
+    word, colon, text = spec.partition(":")
     if word.endswith(shipped.SUFFIX) and shipped.tuned_file(word).is_file() and not colon:
-        return load_tuned(shipped.tuned_file(word), motor)
+        return shipped.tuned_file(word)
     run = shipped.reference_run(spec)
     if run is not None:
-        learned = load_run(run, motor)
-        learned.name = spec
-        return learned
+        return run
     if word == "tuned" and text:
-        return load_tuned(Path(text), motor)
-    if Path(spec).is_dir():
-        return load_run(Path(spec), motor)
-    if spec.endswith(".json"):
-        return load_tuned(Path(spec), motor)
+        return Path(text)
+    if Path(spec).is_dir() or spec.endswith(".json"):
+        return Path(spec)
     names = ", ".join((*RULES, *shipped.tuned_names(), TUNED, RUN))
     rule_name = spec.removesuffix(shipped.SUFFIX)
     if rule_name in RULES:
@@ -126,7 +164,9 @@ def make_policy(spec: str, motor: Motor) -> Policy:
     )
 
 
-def make_policies(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
+def make_policies(
+    specs: Sequence[str], motor: Motor, *, override: bool = False
+) -> dict[str, Policy]:
     """Policies by name; where two have the same name, the second goes by all that was given.
 
     Raises
@@ -136,7 +176,7 @@ def make_policies(specs: Sequence[str], motor: Motor) -> dict[str, Policy]:
     """
     out: dict[str, Policy] = {}
     for spec in specs:
-        policy = make_policy(spec, motor)
+        policy = make_policy(spec, motor, override=override)
         name = spec if policy.name in out else policy.name
         if name in out:
             raise UserError(f"policy: {spec!r} is given twice; give each policy once")
@@ -167,7 +207,7 @@ def table_named(spec: str, motor: Motor) -> KsTable:
 def load_tuned(path: Path, motor: Motor) -> Policy:
     """Policy of a tuned rule, named after its file. Its parameters scale with the machine.
 
-    It runs on the estimator that it was tuned on.
+    It brings the settings that it was tuned on, and keeps an estimator of its own.
 
     Raises
     ------
@@ -187,6 +227,5 @@ def load_tuned(path: Path, motor: Motor) -> Policy:
             "its range"
         )
     policy = rule.build(path.stem, tuned.parameters, motor)
-    if policy.estimator is None:
-        policy.estimator = trained_estimator(tuned.provenance) or UNRECORDED
+    policy.settings = {**tuned.carried(str(path)).settings, **policy.settings}
     return policy

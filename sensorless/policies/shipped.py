@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from sensorless.policies.tuned import Tuned
-from sensorless.policy import UNRECORDED, trained_estimator
 
 FOLDER = Path(__file__).absolute().parents[1] / "reference"
 """``results/reference`` of the repository."""
@@ -46,7 +45,7 @@ def docs(own: Mapping[str, str | None]) -> dict[str, str]:
     for name in tuned_names():
         tuned = Tuned.load(tuned_file(name))
         budget = float(tuned.provenance.get("budget_s", "nan"))
-        runs_on = own.get(tuned.rule) or trained_estimator(tuned.provenance) or UNRECORDED
+        runs_on = own.get(tuned.rule) or tuned.carried(str(tuned_file(name))).settings["estimator"]
         lines[name] = (
             f"{tuned.rule} with parameters found by CMA-ES in {budget:g} s simulated, "
             f"estimator={runs_on}"

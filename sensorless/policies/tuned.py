@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sensorless.baselines.rule import Values
+from sensorless.design.carried import Carried, carried
 from sensorless.errors import UserError
 from sensorless.files import reason, write_atomic
 
@@ -23,6 +24,10 @@ class Tuned:
     """In the rule's own units, which scale with the machine."""
     provenance: Mapping[str, Any]
     """JSON types."""
+
+    def carried(self, where: str) -> Carried:
+        """Machine and settings that it was tuned on; ``where`` names the file in errors."""
+        return carried(self.provenance, where)
 
     def save(self, path: Path) -> None:
         """Write the file whole or not at all."""

@@ -7,21 +7,19 @@ from importlib.metadata import version
 from pathlib import Path
 
 from sensorless.baselines.linear import EQ25_BAND, linear_table
-from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.words import scenario_from
 from sensorless.evaluation.evaluate import PolicyProgress, evaluate
 from sensorless.evaluation.objective import LOST_WEIGHT
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
 from sensorless.files import ensure_writable, write_atomic
-from sensorless.machine.motor import Motor
 from sensorless.plots.envelope import envelope_maps
 from sensorless.plots.figure import png, require_matplotlib
 from sensorless.plots.learning import curves_of, learning_curves, shipped_levels
 from sensorless.plots.schedule import lost_by_place, schedule_maps
 from sensorless.plots.waveforms import waveforms
 from sensorless.policies import shipped
-from sensorless.policies.registry import make_policies, make_policy
+from sensorless.policies.bench import Bench
 from sensorless.policy import TablePolicy, design_for
 from sensorless.report.cases import Case, cases
 from sensorless.report.page import Figure, Section, render
@@ -37,7 +35,8 @@ class Report:
     ----------
     run : str
         Policy that the report is about, as in ``sensorless.policies.registry.known``.
-    motor, design
+    bench : Bench
+        Machine and drive.
     others : sequence of str, optional
         Policies to compare with, waveforms with the first of them; by default Eq. 25 on the paper's
         observers and on the design's, every shipped tuned rule, and the bounds.
@@ -55,20 +54,19 @@ class Report:
     def __init__(
         self,
         run: str,
-        motor: Motor,
-        design: DriveDesign,
+        bench: Bench,
         *,
         others: Sequence[str] | None = None,
         options: Sequence[str] = (),
         progress: PolicyProgress | None = None,
     ) -> None:
         require_matplotlib()
-        self.run, self.motor, self.design = run, motor, design
+        self.run, self.bench = run, bench
+        self.motor, self.design = bench.motor, bench.design
         self.options, self.progress = options, progress
         wanted = others or ("sliding_mode", "eq25", *shipped.tuned_names(), "oracle", "sensored")
         self.others = [word for word in wanted if word != run] or ["sliding_mode"]
-        self.policy = make_policy(run, motor)
-        self.reference = make_policy(self.others[0], motor)
+        self.policy, self.reference = bench.policy(run), bench.policy(self.others[0])
 
     def write(
         self, folder: Path, suites: Sequence[str], seed: int, size: int, grid: int, command: str
@@ -99,7 +97,7 @@ class Report:
             figures,
             self._commands(command),
             self._versions(results[0]),
-            asdict(self.design),
+            asdict(design_for(self.policy, self.design)),
         )
         for result in results:
             result.write(folder / f"results-{result.suite}.json", scenarios=False)
@@ -113,7 +111,7 @@ class Report:
             if self.progress is not None:
                 self.progress(f"{suite}: {name}", done)
 
-        chosen = make_policies(policies, self.motor)
+        chosen = self.bench.policies(policies)
         return evaluate(self.motor, self.design, suite, seed, size, chosen, progress=report)
 
     def _section(self, results: Results) -> Section:

@@ -26,7 +26,7 @@ def arguments(motor: Motor, design: DriveDesign) -> Floats:
     """
     policy = make_policy("eq25", motor)
     scenarios = suite("stress-1", motor, SEED, SIZE)
-    sims = SimFactory(motor, design).build(scenarios, estimator=policy.estimator, twin=False)
+    sims = SimFactory(motor, design).build(scenarios, settings=policy.settings, twin=False)
     obs = np.zeros((len(sims), SIGNAL_N), dtype=np.float32)
     sim_signals(sims, obs)
     policy.reset(len(sims))

@@ -4,6 +4,7 @@ import json
 import math
 import zlib
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from sensorless.errors import UserError
@@ -16,6 +17,15 @@ AXIS_FIELDS = ("signal", "lo", "hi", "n")
 def content(fields: Mapping[str, Any]) -> bytes:
     """Return all numbers of a table as one canonical text, for checksum and digest."""
     return json.dumps(fields, sort_keys=True, separators=(",", ":")).encode()
+
+
+def is_table(path: Path) -> bool:
+    """Whether a file says that it is a table; one that cannot be read is none."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(data, dict) and data.get("format") == FORMAT
 
 
 def to_text(fields: Mapping[str, Any], provenance: Mapping[str, Any]) -> str:

@@ -23,7 +23,7 @@ DRIVES = 512
 class SideBySide:
     """Policies in blocks of n rows: rows i n to (i + 1) n - 1 belong to policy i.
 
-    All must run on the same estimator.
+    All must bring the same settings.
     """
 
     name = "side by side"
@@ -32,7 +32,9 @@ class SideBySide:
 
     def __init__(self, policies: Sequence[Policy]) -> None:
         self.policies = policies
-        (self.estimator,) = {policy.estimator for policy in policies}
+        self.settings = policies[0].settings
+        if any(policy.settings != self.settings for policy in policies):
+            raise ValueError("policies on different drives")
         self._n = 0
 
     def reset(self, n: int) -> None:

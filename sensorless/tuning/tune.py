@@ -9,11 +9,12 @@ budget, except that of the sensored twins.
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, astuple, dataclass
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sensorless.baselines.rule import Rule
+from sensorless.design.carried import record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.machines import Machines
@@ -131,7 +132,7 @@ def tune(
         "command": command,
         "policy": rule.spec(search.best, motor),
         **drawn.origin(),
-        "design": _plain(asdict(design)),
+        **record(design, drawn.one),
         "suite": SUITE,
         "role": ROLE,
         "seed": seed,
@@ -257,8 +258,3 @@ def _decode(rule: Rule, x: Floats) -> dict[str, float]:
 
 def _scores(found: Cost) -> dict[str, float]:
     return {**asdict(found), "objective": found.objective}
-
-
-def _plain(design: dict[str, Any]) -> dict[str, Any]:
-    """Settings in JSON types: infinity becomes a string."""
-    return {k: str(v) if v == np.inf else v for k, v in design.items()}

@@ -109,7 +109,7 @@ def test_a_network_is_taught_on_its_own_estimator() -> None:
     found = []
     for own, given in (("flux", "smo"), (None, "flux"), (None, "smo")):
         net, factory = teacher(), SimFactory(MOTOR, DriveDesign(estimator=given))
-        net.estimator = own
+        net.settings = {"estimator": own} if own else {}
         found.append(
             distill(net, AXES, factory, rounds=1, size=8, seed=1, smoothness=1e-3, validate_size=16)
         )

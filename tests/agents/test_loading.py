@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sensorless.agents.loading import CONFIG, TABLE, load_run
+from sensorless.agents.loading import CONFIG, TABLE, carried_by_run, load_run
 from sensorless.agents.mlp.schedule import MlpSchedule
 from sensorless.agents.table.start import start_table
 from sensorless.agents.train.config import TrainConfig
@@ -27,6 +27,7 @@ from sensorless.policy import TablePolicy
 MOTOR = Motor.load("paper")
 START = table_named("eq25", MOTOR)
 FLUX = DriveDesign(estimator="flux")
+OWN = replace(FLUX, hfi_pll_hz=40.0, smo_emf_hz=900.0)
 TINY = TrainConfig(n_envs=8, n_steps=8, n_epochs=1, steps=64, warm_up=0, validate_size=16)
 
 
@@ -53,7 +54,8 @@ def test_the_folder_tells(
     table_says: str | None, config_says: str | None, found: str, tmp_path: Path
 ) -> None:
     """The table first, then the configuration; what names none is older than the choice."""
-    assert load_run(write(tmp_path / "run", table_says, config_says), MOTOR).estimator == found
+    policy = load_run(write(tmp_path / "run", table_says, config_says), MOTOR)
+    assert policy.settings["estimator"] == found
 
 
 @pytest.mark.parametrize("text", ["{", "\udcff"])
@@ -65,9 +67,8 @@ def test_a_damaged_configuration_is_named(text: str, tmp_path: Path) -> None:
 
 
 def test_an_estimator_that_does_not_exist_is_named(tmp_path: Path) -> None:
-    policy = load_run(write(tmp_path / "run", None, "magic"), MOTOR)
     with pytest.raises(UserError, match="estimator: 'magic': must be smo"):
-        rollout(policy, suite("stress-1", MOTOR, 3, 2), SimFactory(MOTOR, DriveDesign()))
+        load_run(write(tmp_path / "run", None, "magic"), MOTOR)
 
 
 @pytest.mark.parametrize("design", [DriveDesign(), FLUX], ids=["default", "flux"])
@@ -96,15 +97,16 @@ def test_results_say_what_each_policy_ran_on(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("brief")
 @pytest.mark.parametrize("kind", ["table", "mlp"])
 def test_training_on_flux(kind: str, tmp_path: Path) -> None:
-    """The schedule is validated on that estimator, and asks for it when it is loaded again."""
+    """The schedule is validated on that drive, and asks for it when it is loaded again."""
     run = tmp_path / "run"
-    best = train(replace(TINY, policy_kind=kind), FLUX, run, START)
+    best = train(replace(TINY, policy_kind=kind), OWN, run, START)
     policy = load_run(run, MOTOR)
     assert isinstance(policy, TablePolicy if kind == "table" else MlpSchedule)
-    assert policy.estimator == "flux"
+    assert policy.settings == asdict(OWN)
+    assert carried_by_run(run).motor == MOTOR
     (run / CONFIG).unlink()
-    assert load_run(run, MOTOR).estimator == "flux"
-    assert best == train(replace(TINY, policy_kind=kind), FLUX, tmp_path / "again", START)
+    assert load_run(run, MOTOR).settings == asdict(OWN)
+    assert best == train(replace(TINY, policy_kind=kind), OWN, tmp_path / "again", START)
     assert best != train(replace(TINY, policy_kind=kind), DriveDesign(), tmp_path / "other", START)
 
 

@@ -33,7 +33,7 @@ PAPER = Motor.load("paper")
 def test_it_is_eq25_on_that_design(name: str, estimator: str) -> None:
     """The same to the bit, and not the same as Eq. 25 on the design's own estimator."""
     policy, eq25 = make_policy(name, PAPER), make_policy("eq25", PAPER)
-    assert policy.estimator == estimator and eq25.estimator is None
+    assert policy.settings == {"estimator": estimator} and not eq25.settings
     scenarios = suite("stress-1", PAPER, 3, 4)
     own, other = (
         SimFactory(PAPER, DriveDesign()),
@@ -53,8 +53,8 @@ def test_a_trace_has_it_too() -> None:
 
 def test_side_by_side_is_one_estimator() -> None:
     flux = make_policy("flux_observer", PAPER)
-    assert SideBySide([flux, flux]).estimator == "flux"
-    with pytest.raises(ValueError, match="unpack"):
+    assert SideBySide([flux, flux]).settings == {"estimator": "flux"}
+    with pytest.raises(ValueError, match="different drives"):
         SideBySide([flux, make_policy("eq25", PAPER)])
 
 

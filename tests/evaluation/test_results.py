@@ -25,6 +25,7 @@ RESULTS = Results(
     policies={
         "eq25": {
             "estimator": "flux",
+            "own": {"estimator": "flux"},
             "bound": False,
             "infeasible_rate": 0.0,
             **ROW,
@@ -33,6 +34,7 @@ RESULTS = Results(
         },
         "other": {
             "estimator": None,
+            "own": {},
             "bound": True,
             "infeasible_rate": 0.0,
             **ROW,

@@ -21,7 +21,7 @@ from sensorless.evaluation.rollout import (
 from sensorless.evaluation.trace import outcome, trace
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
-from sensorless.policy import Signals
+from sensorless.policy import NO_SETTINGS, Settings, Signals
 
 MOTOR = Motor.load("paper")
 FACTORY = SimFactory(MOTOR, DriveDesign())
@@ -43,7 +43,7 @@ class Recorder:
 
     name = "recorder"
     sensored = False
-    estimator: str | None = None
+    settings: Settings = NO_SETTINGS
 
     def __init__(self) -> None:
         self.drives = 0

@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("matplotlib")
 
 from sensorless.agents.validation import validate
+from sensorless.design.carried import record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
@@ -50,8 +51,7 @@ def test_levels_are_validated_like_the_run(run: Path) -> None:
 def test_the_shipped_levels_are_those_of_the_same_motor(run: Path, tmp_path: Path) -> None:
     assert list(shipped_levels(run)) == ["flux_observer-tuned", "reference"]
     config = json.loads((run / "config.json").read_text())
-    config["train"]["motor"] = "ipmsm_2200w"
-    config["design"]["estimator"] = "smo"
+    config |= record(DriveDesign(estimator="smo"), Motor.load("ipmsm_2200w"))
     (run / "config.json").write_text(json.dumps(config))
     assert list(shipped_levels(run)) == ["linear-tuned"]
     assert shipped_levels(run / "no-run") == {}

@@ -98,9 +98,9 @@ def test_the_package_ships_the_folder_of_the_repository() -> None:
     ],
 )
 def test_what_is_shipped_runs_on_the_estimator_it_was_made_on(name: str, estimator: str) -> None:
-    assert make_policy(name, PAPER).estimator == estimator
+    assert make_policy(name, PAPER).settings["estimator"] == estimator
 
 
 def test_what_names_no_estimator_runs_on_the_sliding_mode_observer(folder: Path) -> None:
-    assert make_policy("linear-tuned", PAPER).estimator == "smo"
-    assert make_policy("reference", PAPER).estimator == "smo"
+    assert make_policy("linear-tuned", PAPER).settings["estimator"] == "smo"
+    assert make_policy("reference", PAPER).settings["estimator"] == "smo"

@@ -41,7 +41,7 @@ def test_it_runs_on_the_estimator_it_was_tuned_on(rule: str, tmp_path: Path) -> 
     path = tmp_path / "a.json"
     for design, estimator in (({"estimator": "flux"}, "flux"), ({}, "smo"), (3, "smo")):
         Tuned(rule, RULES[rule].defaults(), {"design": design}).save(path)
-        assert make_policy(str(path), PAPER).estimator == estimator
+        assert make_policy(str(path), PAPER).settings["estimator"] == estimator
 
 
 def test_its_speeds_are_shares_of_rated_speed_on_any_machine(tmp_path: Path) -> None:

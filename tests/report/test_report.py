@@ -19,6 +19,7 @@ from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.results_tables import number
 from sensorless.machine.motor import Motor
+from sensorless.policies.bench import Bench
 from sensorless.policies.registry import make_policies
 from sensorless.report.cases import CROSSED, cases
 from sensorless.report.page import COLUMNS, RATE_COLUMNS
@@ -163,7 +164,7 @@ def test_a_rule_without_a_table_has_a_report_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sensorless.report.report.png", lambda figure: b"a picture")
-    report = Report("hysteresis", MOTOR, DESIGN, others=["eq25"])
+    report = Report("hysteresis", Bench(MOTOR, DESIGN), others=["eq25"])
     written = report.write(tmp_path / "new", ["nominal"], 1, 3, 2, "sensorless report hysteresis")
     files = {path.name for path in (tmp_path / "new").iterdir()}
     assert written.name in files and "schedule.png" not in files and "learning.png" not in files

@@ -64,6 +64,13 @@ def test_curve_goes_on_and_the_best_table_stays(finished: Path) -> None:
     assert (finished / TABLE).read_text() == kept
 
 
+def test_resume_refuses_other_settings(finished: Path) -> None:
+    before = rows(finished)
+    with pytest.raises(UserError, match=r"hfi_pll_hz=40 was asked.*hfi_pll_hz=15: .*train anew"):
+        resume(SMALL, finished, asked={"hfi_pll_hz": 40.0})
+    assert rows(finished) == before
+
+
 def test_resume_unpickles_nothing(finished: Path) -> None:
     with zipfile.ZipFile(finished / LATEST) as archive:
         steps = json.loads(archive.read("data"))["num_timesteps"]

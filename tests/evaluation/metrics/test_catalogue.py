@@ -25,6 +25,7 @@ from sensorless.evaluation.metrics.catalogue import (
 )
 from sensorless.evaluation.rollout import Rollout, rollout
 from sensorless.machine.motor import Motor
+from sensorless.policy import NO_SETTINGS, Settings
 
 MOTOR = Motor.load("paper")
 RATED = MOTOR.omega_rated / MOTOR.n_p
@@ -132,7 +133,7 @@ class Half:
 
     name = "half"
     sensored = False
-    estimator: str | None = None
+    settings: Settings = NO_SETTINGS
 
     def reset(self, n: int) -> None:
         pass

@@ -1,0 +1,148 @@
+"""What a run, a tuned rule or a table carries: its machine, and every setting of its drive.
+
+A file records the machine whole (``machine``), the settings that were chosen (``set``), and for
+comparison all settings as they stood then (``design``). A setting that nobody chose follows from
+the design of the version that reads the file.
+"""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from sensorless.design.drive import DriveDesign
+from sensorless.design.words import text_of
+from sensorless.errors import UserError
+from sensorless.machine.motor import MOTORS, Motor
+from sensorless.settings import read, settings_of
+
+UNRECORDED = "smo"
+"""Estimator of a file that names none: such files are older than the choice of estimators."""
+BELONGS = ("k_s_slew",)
+"""Numbers that are recorded even at their defaults: the schedule itself is made for them."""
+
+
+@dataclass(frozen=True)
+class Carried:
+    """Machine and settings that a file brings along."""
+
+    settings: Mapping[str, Any]
+    """Every setting of ``DriveDesign``; a file older than that brings those that it names."""
+    motor: Motor | None
+    """None: any machine, or one that the file only names."""
+    made_for: tuple[str, str] | None
+    """Name and digest of its machine; None: any."""
+    changed: Mapping[str, tuple[Any, Any]]
+    """Settings that nobody chose and that have changed since: then and now."""
+
+
+def record(design: DriveDesign, motor: Motor | None = None) -> dict[str, Any]:
+    """Entries of a provenance that ``carried`` reads; no motor: made for any machine."""
+    machine = {"machine": dataclasses.asdict(motor)} if motor is not None else {}
+    return {**machine, "set": chosen(design), "design": plain(dataclasses.asdict(design))}
+
+
+def chosen(design: DriveDesign) -> dict[str, Any]:
+    """Words and switches, which no formula gives, and the numbers that are not the default."""
+    values = {
+        name: getattr(design, name)
+        for name, setting in settings_of(DriveDesign).items()
+        if setting.kind in (str, bool)
+        or name in BELONGS
+        or getattr(design, name) != setting.default
+    }
+    return plain(values)
+
+
+def plain(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Convert to JSON types: infinity becomes a word."""
+    return {k: str(v) if v in (math.inf, -math.inf) else v for k, v in values.items()}
+
+
+def carried(provenance: Mapping[str, Any], where: str) -> Carried:
+    """Read what ``record`` wrote, or what earlier versions wrote in its place.
+
+    Raises
+    ------
+    UserError
+        A setting or a field of the machine is unknown or out of its range; ``where`` names the
+        file.
+    """
+    given, whole = (
+        _finite(found) if isinstance(found := provenance.get(key), dict) else {}
+        for key in ("set", "design")
+    )
+    changed = {}
+    if given:
+        design = DriveDesign(**read(DriveDesign, given, f"{where}: set: "))
+        settings = dataclasses.asdict(design)
+        changed = {
+            name: (whole[name], settings[name])
+            for name in settings
+            if name in whole and name not in given and not same(whole[name], settings[name])
+        }
+    else:
+        settings = {"estimator": UNRECORDED} | read(DriveDesign, whole, f"{where}: design: ")
+    motor = _motor(provenance, where)
+    named = provenance.get("motor", "?"), provenance.get("motor_digest")
+    made_for = (str(named[0]), str(named[1])) if named[1] is not None else None
+    if motor is not None:
+        made_for = motor.name, motor.digest
+    return Carried(settings, motor, made_for, changed)
+
+
+def same(a: object, b: object) -> bool:
+    """Whether two values of a setting are equal; numbers to the digits that texts show."""
+    numbers = isinstance(a, float | int) and isinstance(b, float | int)
+    return math.isclose(a, b, rel_tol=1e-5) if numbers else a == b  # type: ignore[arg-type]
+
+
+def _finite(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Undo ``plain``."""
+    return {k: float(v) if v in ("inf", "-inf") else v for k, v in values.items()}
+
+
+def _motor(provenance: Mapping[str, Any], where: str) -> Motor | None:
+    """The machine of a file; of one that only names it, the shipped one of this digest."""
+    tables = provenance.get("machine")
+    if isinstance(tables, dict):
+        return Motor.from_tables(tables, f"{where}: machine")
+    digest = provenance.get("motor_digest")
+    shipped = map(Motor.load, sorted(MOTORS.glob("*.toml")) if digest is not None else ())
+    return next((motor for motor in shipped if motor.digest == digest), None)
+
+
+def refuse_other(
+    made_for: tuple[str, str] | None, motor: Motor, word: str, why: str = "was asked for"
+) -> None:
+    """Refuse a machine that a schedule was not made for; ``why`` tells where it comes from.
+
+    Raises
+    ------
+    UserError
+        Names the schedule by ``word``, its machine and the one asked for.
+    """
+    if made_for is not None and made_for[1] != motor.digest:
+        raise UserError(
+            f"motor: {motor.name} {why}, digest {motor.digest[:16]}, but {word} was made for "
+            f"{made_for[0]}, digest {made_for[1][:16]}: use that, or add --override"
+        )
+
+
+def refuse_settings(
+    known: Carried, asked: Mapping[str, Any], word: str, way_out: str = "add --override"
+) -> None:
+    """Refuse settings that a schedule was not made with.
+
+    Raises
+    ------
+    UserError
+        Names the schedule by ``word``, its value and the one asked for.
+    """
+    for name, value in asked.items():
+        if name in known.settings and not same(known.settings[name], value):
+            raise UserError(
+                f"set: {name}={text_of(value)} was asked for, but {word} was made with "
+                f"{name}={text_of(known.settings[name])}: leave it out, or {way_out}"
+            )

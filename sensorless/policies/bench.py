@@ -1,0 +1,114 @@
+"""The machine, the drive and the policies of one command, from its words and what policies carry.
+
+A trained or tuned policy brings its machine and its settings. What a command asks for must agree
+with them, unless it overrides; a rule by its name takes what is asked for, or else the defaults.
+"""
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from sensorless.design.carried import Carried, refuse_other, refuse_settings
+from sensorless.design.drive import DriveDesign
+from sensorless.design.words import asked_for, text_of
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import carried_by, make_policies
+from sensorless.policy import Policy
+
+DEFAULT_MOTOR = "paper"
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What policies run on."""
+
+    motor: Motor
+    design: DriveDesign = field(default_factory=DriveDesign)
+    """Of policies that bring no settings of their own."""
+    asked: Mapping[str, Any] = field(default_factory=dict)
+    """Settings that the command names."""
+    override: bool = False
+    """Policies run on the machine and the settings asked for, whatever they bring."""
+    notes: tuple[str, ...] = ()
+    """What a user should know."""
+
+    def policies(self, specs: Sequence[str]) -> dict[str, Policy]:
+        """Policies by name, as ``make_policies``."""
+        made = make_policies(specs, self.motor, override=self.override)
+        if self.override:
+            for spec, policy in zip(specs, made.values(), strict=True):
+                if carried_by(spec) is not None:
+                    policy.settings = {**policy.settings, **self.asked}
+        return made
+
+    def policy(self, spec: str) -> Policy:
+        """One policy, as ``make_policy``."""
+        (made,) = self.policies([spec]).values()
+        return made
+
+
+def bench(
+    specs: Sequence[str],
+    motor: str | None = None,
+    words: Sequence[str] | None = None,
+    *,
+    override: bool = False,
+) -> Bench:
+    """Bench of the policies ``specs``.
+
+    Parameters
+    ----------
+    motor : str, optional
+        Machine asked for. By default that of the policies, or else the paper's.
+    words : sequence of str, optional
+        Settings asked for, NAME=VALUE.
+    override : bool
+        Let ``motor`` and ``words`` win over what a policy brings; of several machines without
+        ``motor``, the first.
+
+    Raises
+    ------
+    UserError
+        Machine or settings contradict those of a policy, or policies are for several machines; or
+        something that is named does not exist.
+    """
+    asked = asked_for(words)
+    brought = {spec: known for spec in specs if (known := carried_by(spec)) is not None}
+    machine = Motor.load(motor) if motor is not None else _machine(brought)
+    if not override:
+        why = "was asked for" if motor is not None else "comes with the first policy"
+        for spec, known in brought.items():
+            refuse_other(known.made_for, machine, spec, why)
+            refuse_settings(known, asked, spec)
+    notes = tuple(
+        _changed(spec, known, asked)
+        for spec, known in brought.items()
+        if set(known.changed) - {*asked}
+    )
+    return Bench(machine, dataclasses.replace(DriveDesign(), **asked), asked, override, notes)
+
+
+def _machine(brought: Mapping[str, Carried]) -> Motor:
+    """Machine of the first policy that has one."""
+    for spec, known in brought.items():
+        if known.motor is not None:
+            return known.motor
+        if known.made_for is not None:
+            name, digest = known.made_for
+            raise UserError(
+                f"motor: {spec} was made for {name}, digest {digest[:16]}, and does not hold its "
+                "numbers: give its file with --motor"
+            )
+    return Motor.load(DEFAULT_MOTOR)
+
+
+def _changed(spec: str, known: Carried, asked: Mapping[str, Any]) -> str:
+    """Say which defaults have changed since a policy was made."""
+    parts = [
+        f"{name} ({text_of(then)}, now {text_of(now)})"
+        for name, (then, now) in known.changed.items()
+        if name not in asked
+    ]
+    return f"{spec} was made with other defaults: {', '.join(parts)}"
