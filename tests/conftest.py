@@ -76,6 +76,14 @@ def selftest_without_optimisation(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(selftest, "FLAGS", (*selftest.FLAGS, "-O0"))
 
 
+@pytest.fixture(autouse=True)
+def verdicts_of_few_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Commands that end with a verdict run it on few short scenarios; ``test_compare`` on more."""
+    for module in ("evaluation.compare", "export.judge"):
+        monkeypatch.setattr(f"sensorless.{module}.SIZE", 8)
+    monkeypatch.setattr("sensorless.evaluation.compare.suite", lasting(0.1))
+
+
 def pytest_collection_finish() -> None:
     """What the imports left is not searched for garbage again."""
     gc.collect()

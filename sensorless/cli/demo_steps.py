@@ -10,6 +10,7 @@ from sensorless.evaluation.evaluate import PolicyProgress, evaluate
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
 from sensorless.export.export import export, table_of
+from sensorless.export.judge import judge_export
 from sensorless.machine.motor import Motor
 from sensorless.plots.figure import save
 from sensorless.plots.schedule import schedule_maps
@@ -79,9 +80,10 @@ def draw(folder: Path, run: str, results: Results) -> list[Path]:
 
 
 def hand_over(folder: Path, run: str) -> tuple[Path, str]:
-    """Export the trained table; returns the folder and what its self test said."""
+    """Export the trained table with its verdict; returns the folder and what its self test said."""
     motor = Motor.load("paper")
     policy = make_policy(run, motor)
     table, design = table_of(policy, run), design_for(policy, DriveDesign())
-    done = export(table, motor, design, folder / "firmware", policy=policy.name)
+    judged = judge_export(policy, motor, design)
+    done = export(table, motor, design, folder / "firmware", policy=policy.name, judged=judged)
     return done.folder, done.self_test.message

@@ -106,6 +106,11 @@ def describe(scores: Mapping[str, float]) -> str:
     )
 
 
+def say_verdict(sentence: str) -> None:
+    """Print the sentence that a command ends with."""
+    console.print(f"verdict: {sentence}", markup=False, highlight=False, soft_wrap=True)
+
+
 @contextmanager
 def policy_progress() -> Iterator[Callable[[str, float], None]]:
     """Progress of several policies: bars on a terminal, otherwise a line when one is done."""

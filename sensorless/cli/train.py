@@ -9,7 +9,7 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from sensorless.agents.train.config import TrainConfig
-from sensorless.cli.options import SetOption, console, describe, errors
+from sensorless.cli.options import SetOption, console, describe, errors, say_verdict
 from sensorless.cli.suited import say_if_unsuited
 from sensorless.errors import UserError
 from sensorless.settings import settings_of
@@ -62,7 +62,9 @@ def _train(
     paper, and learns on scenarios of the suite stress-1 that evaluation never uses. The run folder,
     runs/NAME, holds the best schedule found in validation (table.json, or mlp.npz with
     --policy-kind mlp), config.json (settings, command, versions, seed), start.json, checkpoints,
-    progress.csv and TensorBoard logs in tb/; every --policy option takes the folder.
+    progress.csv, TensorBoard logs in tb/, and verdict.json: whether the schedule is better than its
+    start on 400 scenarios of stress-1 that training has not seen, which the last line says. Every
+    --policy option takes the folder.
 
     The same --seed and --steps give the same schedule to the bit on the same computer; --minutes
     does not. Ctrl-C keeps a checkpoint, and --resume FOLDER continues from it: --minutes and
@@ -88,6 +90,7 @@ def _train(
 def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume: bool) -> None:
     """Train with progress on the terminal, and say where the result is."""
     from sensorless.agents.train import train as training
+    from sensorless.agents.train.judge import judge
     from sensorless.design.drive import DriveDesign
     from sensorless.evaluation.objective import Cost
     from sensorless.machine.motor import Motor
@@ -121,7 +124,8 @@ def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume
     except KeyboardInterrupt:
         errors.print(f"interrupted; resume with: sensorless train --resume {folder}")
         raise typer.Exit(130) from None
-    console.print(f"best schedule: {folder}")
+    console.print(f"wrote {folder}", highlight=False, soft_wrap=True)
+    say_verdict(judge(folder))
 
 
 train_command = with_options(TrainConfig, _train)

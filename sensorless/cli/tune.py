@@ -16,6 +16,7 @@ from sensorless.cli.options import (
     console,
     describe,
     errors,
+    say_verdict,
 )
 from sensorless.cli.suited import say_if_unsuited
 
@@ -62,7 +63,8 @@ def tune_command(
 
     It minimises 10 lost_rate + torque deviation + torque ripple on scenarios of the suite stress-1
     that training and evaluation never see. The same command gives the same file, on any engine.
-    Ctrl-C keeps the best rule found so far.
+    Ctrl-C keeps the best rule found so far. The last line says whether the rule is better than its
+    start on 400 scenarios of stress-1 that tuning has not seen.
 
     For example:
 
@@ -73,6 +75,7 @@ def tune_command(
     from sensorless.evaluation.engines.named import engine_named
     from sensorless.files import check_writable
     from sensorless.machine.motor import Motor
+    from sensorless.tuning.judge import judged
     from sensorless.tuning.tune import tune
 
     check_writable(out)
@@ -104,6 +107,10 @@ def tune_command(
     for label in ("start", "best"):
         console.print(f"{label:5}: {describe(known[label])}", highlight=False)
     console.print(f"policy: {known['policy']}\nwrote {out}", highlight=False, soft_wrap=True)
-    if known["interrupted"]:
+    if not known["interrupted"]:
+        found = judged(found, machine, design, machines, seed)
+        found.save(out)
+        say_verdict(found.provenance["verdict"]["verdict"])
+    else:
         errors.print(f"interrupted after {known['used_s']:g} s of {budget:g} s simulated")
         raise typer.Exit(130)

@@ -1,7 +1,7 @@
 """From numbers per scenario to rates, means and paired differences, with their intervals."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ RESAMPLES = 2000
 """Bootstrap samples of an interval."""
 
 Bools = NDArray[np.bool_]
+Rows = NDArray[np.intp]
 Interval = tuple[float, float]
 
 
@@ -32,11 +33,23 @@ def mean_interval(x: Floats, seed: int) -> Interval:
 
     The same ``seed`` draws the same samples, so an interval does not depend on earlier ones.
     """
+    return _interval(x, np.mean, seed)
+
+
+def interval_of(statistic: Callable[[Rows], Floats], n: int, seed: int) -> Interval:
+    """The same of any statistic of n scenarios.
+
+    ``statistic`` gives its values (m,) over draws of scenarios (m, n), by their numbers.
+    """
+    return _interval(np.arange(n), lambda rows, axis: statistic(rows), seed)
+
+
+def _interval(x: Floats | Rows, statistic: Callable[..., Any], seed: int) -> Interval:
     if len(x) < 2:
         return math.nan, math.nan
     result = bootstrap(
         (x,),
-        np.mean,
+        statistic,
         vectorized=True,
         n_resamples=RESAMPLES,
         method="percentile",

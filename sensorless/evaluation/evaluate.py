@@ -151,7 +151,7 @@ def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRow
     scenarios = rows.draw() if isinstance(rows, SuiteRows) else rows
     decisions = max(1.0, float(scenarios.duration.max()) / decision_time(factory.motor))
     runs = rollouts(policy, scenarios, factory, max(16, int(MOST_DECISIONS / decisions)))
-    return _joined([_scores(with_twin_to_the_end(r, factory)) for r in runs])
+    return _joined([_scores(with_twin_to_the_end(r, factory, policy.settings)) for r in runs])
 
 
 def _scores(r: Rollout) -> Scores:

@@ -19,7 +19,7 @@ from sensorless.core.api import (
 from sensorless.decision import decision_periods, decision_time
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
-from sensorless.policy import Policy, decide
+from sensorless.policy import NO_SETTINGS, Policy, Settings, decide
 
 CHUNK = 256
 """Scenarios at a time: with ``sums_t`` of 80 bytes, 2 s of them take 41 MB."""
@@ -94,15 +94,17 @@ def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollou
     return Rollout(factory.motor, scenarios, sums, sims["lost"].copy(), sims["k"].astype(np.int64))
 
 
-def with_twin_to_the_end(r: Rollout, factory: SimFactory) -> Rollout:
+def with_twin_to_the_end(
+    r: Rollout, factory: SimFactory, settings: Settings = NO_SETTINGS
+) -> Rollout:
     """The same, but where the drive was lost its twin has gone on alone to the scenario's end.
 
-    So whether a scenario is feasible depends on no policy.
+    So whether a scenario is feasible depends on no policy, only on the ``settings`` that it brings.
     """
     rows = np.flatnonzero((r.lost != 0) & r.feasible)
     if not len(rows):
         return r
-    sims = factory.build(r.scenarios[rows], sensored=True, twin=False)
+    sims = factory.build(r.scenarios[rows], sensored=True, twin=False, settings=settings)
     obs = np.zeros((len(rows), SIGNAL_N), dtype=np.float32)
     sim_run(sims, int(sims["k_end"].max()), np.zeros(len(rows), dtype=np.float32), obs)
     lost = r.lost.copy()

@@ -26,6 +26,7 @@ from sensorless.export.folder import (
     move_into_place,
     write_folder,
 )
+from sensorless.export.judge import Judged, verdict
 from sensorless.export.provenance import motor_hash, table_json
 from sensorless.export.selftest import SelfTest, run_selftest
 from sensorless.export.start import start_call, start_define, start_text
@@ -56,6 +57,7 @@ def export(
     provenance: Mapping[str, Any] | None = None,
     decision_time: float = RUNNING,
     fit: bool = False,
+    judged: Judged | None = None,
 ) -> Exported:
     """Write the folder, whole or not at all, after its self test has passed on this host.
 
@@ -72,6 +74,8 @@ def export(
         Time from one decision of the schedule to the next [s].
     fit : bool
         Also find the two speed thresholds closest to the table, and what they cost; takes seconds.
+    judged : Judged, optional
+        Verdict that the README opens with.
 
     Raises
     ------
@@ -88,7 +92,10 @@ def export(
     rule = two_threshold(table, motor, design) if fit else None
     if rule is not None:
         origin["two_threshold"] = rule
-    files = _contents(table, motor, design, policy, periods, rule_readme(rule))
+    if judged is not None:
+        origin["judged"] = judged.facts()
+    texts = verdict(judged), rule_readme(rule)
+    files = _contents(table, motor, design, policy, periods, texts)
     files[TABLE_JSON] = table_json(table, motor, design, origin, files).encode()
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
@@ -137,15 +144,21 @@ def _check_origin(
 
 
 def _contents(
-    table: KsTable, motor: Motor, design: DriveDesign, policy: str, periods: int, rule: str
+    table: KsTable,
+    motor: Motor,
+    design: DriveDesign,
+    policy: str,
+    periods: int,
+    texts: tuple[str, str],
 ) -> dict[str, bytes]:
-    """Every file of the folder except ``ks_table.json``."""
+    """Every file of the folder except ``ks_table.json``; ``texts`` of the README: verdict, rule."""
     lookups_f32, lookups_q15 = table_vectors(table, "f32"), table_vectors(table, "q15")
     run = drive_vectors(table, motor, design, periods)
     tag = motor_hash(motor)
     cmsis = cmsis_files(table)
     tests = ["selftest.c", "faults.c", "faults.h", *(("cmsis.c", "cmsis.h") if cmsis else ())]
-    readme = _readme(table, motor, design, policy, periods, len(lookups_f32), len(run.words), rule)
+    vectors = len(lookups_f32), len(run.words)
+    readme = _readme(table, motor, design, policy, periods, vectors, texts)
     text = {
         "README.md": readme,
         **cmsis,
@@ -171,27 +184,27 @@ def _readme(
     design: DriveDesign,
     policy: str,
     periods: int,
-    lookups: int,
-    drive: int,
-    rule: str,
+    vectors: tuple[int, int],
+    texts: tuple[str, str],
 ) -> str:
     axes = "\n".join(
         f"| {j} | {a.signal} | {a.lo:g} | {a.hi:g} | {a.n} |" for j, a in enumerate(table.axes)
     )
     return Template((FIRMWARE / "export_readme.md").read_text(encoding="utf-8")).substitute(
         policy=policy,
+        verdict=texts[0],
         motor=f"{motor.name} ({motor.description})",
         T_s_us=f"{motor.T_s * 1e6:g}",
         periods=periods,
         observer=observer_name(design.estimator).replace("SMO", "sliding-mode observer"),
         axes=axes,
-        drive_vectors=drive,
-        table_bytes=20 * lookups,
+        drive_vectors=vectors[1],
+        table_bytes=20 * vectors[0],
         x_min=f"{table.rule[0]:.3g}",
         x_max=f"{table.rule[1]:.3g}",
         fallback=f"{table.fallback:g}",
         start_call=start_call(motor),
         start_text=start_text(motor),
         cmsis=cmsis_readme(table),
-        two_threshold=rule,
+        two_threshold=texts[1],
     )

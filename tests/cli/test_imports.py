@@ -28,6 +28,11 @@ run("--help", also=science)
 run("train", "--help", also=science)
 run("evaluate", "--list", also=science)
 run("simulate", "--duration", "0.02", "--log", "log.csv", also=science)
+
+from sensorless.evaluation import compare
+from sensorless.export import judge
+
+compare.SIZE = judge.SIZE = 8
 run("export", "eq25", "--out", "exported")
 run("replay", "log.csv")
 print("done")

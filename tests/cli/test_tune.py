@@ -26,6 +26,8 @@ def test_a_result_is_a_policy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert done.exit_code == 0, done.output
     assert "quadratic:" in done.stdout and "lost" in done.stdout
     written = json.loads(out.read_text())
+    last = done.stdout.splitlines()[-1]
+    assert last == f"verdict: {written['provenance']['verdict']['verdict']}" and "its start" in last
     assert written["provenance"]["command"].startswith("sensorless tune quadratic --budget 20")
     results = tmp_path / "r.json"
     words = ["evaluate", "--policy", str(out), "--size", "2", "--out", str(results)]

@@ -1,0 +1,162 @@
+"""Whether a schedule is better than another one: a sentence, from scenarios that neither has seen.
+
+Both run the same scenarios of ``SUITE``. The difference of their objectives gets a 95 % interval by
+resampling scenarios, each with both results: *better* and *worse* are intervals that exclude zero.
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.evaluation.aggregate import Bools, Interval, Rows, interval_of
+from sensorless.evaluation.metrics.catalogue import torque_dev_rms
+from sensorless.evaluation.metrics.ripple import torque_ripple_rms
+from sensorless.evaluation.objective import LOST_WEIGHT, Cost
+from sensorless.evaluation.rollout import Floats, rollouts, with_twin_to_the_end
+from sensorless.policy import Policy
+
+SUITE, SEED, SIZE = "stress-1", 97, 400
+"""What is judged on; scenarios of the role ``test``, of a seed that no command has as its own."""
+
+
+@dataclass(frozen=True)
+class Outcomes:
+    """How n scenarios ended."""
+
+    feasible: Bools
+    """(n,) the sensored twin did what the scenario asks for"""
+    lost: Bools
+    """(n,)"""
+    torque_dev: Floats
+    """(n,) of those not lost, over rated torque; otherwise 0"""
+    torque_ripple: Floats
+    """(n,) likewise"""
+
+    def cost(self, rows: Bools) -> Cost:
+        """Cost over some scenarios."""
+        parts = self._parts(np.flatnonzero(rows))
+        return Cost(*(float(x) for x in parts))
+
+    def objective(self, rows: Rows) -> Floats:
+        """Value of ``OBJECTIVE`` (m,) over each of m draws of k scenarios (m, k)."""
+        lost, dev, ripple = self._parts(rows)
+        return LOST_WEIGHT * lost + dev + ripple
+
+    def _parts(self, rows: Rows) -> tuple[Floats, Floats, Floats]:
+        lost = self.lost[rows]
+        kept = np.sum(~lost, axis=-1)
+
+        def mean(x: Floats) -> Floats:
+            total = x[rows].sum(axis=-1) / np.maximum(kept, 1)
+            return np.asarray(np.where(kept > 0, total, 1.0))
+
+        return np.mean(lost, axis=-1), mean(self.torque_dev), mean(self.torque_ripple)
+
+
+def outcomes(
+    policy: Policy, factories: Sequence[SimFactory], name: str, seed: int, size: int
+) -> Outcomes:
+    """Run ``size`` scenarios of a suite, rounded up to the same number on every machine."""
+    share, parts = -(-size // len(factories)), []
+    for i, factory in enumerate(factories):
+        scenarios = suite(name, factory.motor, seed + i, share)
+        for r in rollouts(policy, scenarios, factory):
+            kept = r.lost == 0
+            dev, ripple = (
+                np.where(kept, metric(r), 0.0) for metric in (torque_dev_rms, torque_ripple_rms)
+            )
+            whole = with_twin_to_the_end(r, factory, policy.settings)
+            parts.append((whole.feasible, ~kept & whole.feasible, dev, ripple))
+    return Outcomes(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One schedule against another."""
+
+    against: str
+    """Name of the other one."""
+    scenarios: int
+    """Number of those that are feasible for both."""
+    ours: Cost
+    theirs: Cost
+    difference: float
+    """Objective, ours minus theirs."""
+    interval: Interval
+    """95 %, of ``difference``; NaN for fewer than two scenarios"""
+    same: bool
+    """Every scenario ended alike."""
+
+    @property
+    def word(self) -> str:
+        """How it compares: same, better, worse or level."""
+        if self.same:
+            return "same"
+        low, high = self.interval
+        return "better" if high < 0.0 else "worse" if low > 0.0 else "level"
+
+    @property
+    def sentence(self) -> str:
+        """The verdict."""
+        where = f"{self.scenarios} scenarios of {SUITE} that it was not made on"
+        if self.same:
+            return f"the same as {self.against}: every one of {where} ends alike"
+        start = {
+            "better": f"better than {self.against}",
+            "worse": f"worse than {self.against}",
+            "level": f"neither better nor worse than {self.against}",
+        }[self.word]
+        base = self.theirs.objective
+        share, low, high = (100.0 * x / base for x in (self.difference, *self.interval))
+        ours, theirs = (round(cost.lost_rate * self.scenarios) for cost in (self.ours, self.theirs))
+        return (
+            f"{start}: objective {share:+.1f} % (95 % interval {low:+.1f} to {high:+.1f} %), lost "
+            f"{ours} instead of {theirs} of {where}"
+        )
+
+    def facts(self) -> dict[str, Any]:
+        """All of it in JSON types."""
+        values = asdict(self)
+        values["interval"] = [x if np.isfinite(x) else None for x in self.interval]
+        return {"verdict": self.sentence, "suite": SUITE, "seed": SEED, **values}
+
+
+def compare(
+    policy: Policy, other: Policy, against: str, factories: Sequence[SimFactory]
+) -> Comparison:
+    """Judge a policy beside another one, named ``against`` in texts.
+
+    Parameters
+    ----------
+    factories : sequence of SimFactory
+        Machines that divide the scenarios among them; policies may bring settings of their own.
+    """
+    ours, theirs = (outcomes(p, factories, SUITE, SEED, SIZE) for p in (policy, other))
+    return contrast(ours, theirs, against)
+
+
+def contrast(ours: Outcomes, theirs: Outcomes, against: str) -> Comparison:
+    """Compare the outcomes of the same scenarios."""
+    feasible = ours.feasible & theirs.feasible
+    rows = np.flatnonzero(feasible)
+
+    def difference(drawn: Rows) -> Floats:
+        return ours.objective(rows[drawn]) - theirs.objective(rows[drawn])
+
+    same = all(
+        np.array_equal(getattr(ours, name), getattr(theirs, name))
+        for name in ("lost", "torque_dev", "torque_ripple")
+    )
+    return Comparison(
+        against,
+        len(rows),
+        ours.cost(feasible),
+        theirs.cost(feasible),
+        float(difference(np.arange(len(rows)))),
+        interval_of(difference, len(rows), SEED),
+        same,
+    )

@@ -1,0 +1,90 @@
+"""Whether a schedule is fit for firmware: what it loses, and how it compares with Eq. 25."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from sensorless.baselines.linear import EQ25_BAND, linear_table
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.errors import UserError
+from sensorless.evaluation.compare import Comparison, compare, outcomes
+from sensorless.machine.motor import Motor
+from sensorless.policy import Policy, TablePolicy
+
+SUITE, SEED, SIZE = "nominal", 1, 200
+"""The drive knows its machine, and its sensors are perfect: the least that a schedule must do."""
+MOST_LOST = 0.05
+"""Of the feasible scenarios of ``SUITE``."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What an export says about its schedule."""
+
+    lost: int
+    nominal: int
+    """Scenarios of ``SUITE`` that are feasible, of which ``lost`` were lost."""
+    eq25: Comparison
+    """With Eq. 25 on the same machine and drive."""
+
+    @property
+    def objection(self) -> str:
+        """Why it should not run a motor; empty if it may."""
+        if not self.nominal:
+            return f"no scenario of {SUITE} is feasible on this machine"
+        if self.lost > MOST_LOST * self.nominal:
+            return (
+                f"it loses {self.lost} of {self.nominal} scenarios of {SUITE}, more than "
+                f"{100 * MOST_LOST:g} %"
+            )
+        return f"it is {self.eq25.sentence}" if self.eq25.word == "worse" else ""
+
+    @property
+    def sentence(self) -> str:
+        """The verdict."""
+        nominal = f"lost {self.lost} of {self.nominal} scenarios of {SUITE}"
+        return f"{self.eq25.sentence}; {nominal}"
+
+    def facts(self) -> dict[str, Any]:
+        """All of it in JSON types."""
+        return {
+            "objection": self.objection,
+            SUITE: {"seed": SEED, "scenarios": self.nominal, "lost": self.lost},
+            "eq25": self.eq25.facts(),
+        }
+
+
+def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
+    """Run a schedule on ``SUITE``, and beside Eq. 25 on the same drive."""
+    factories = [SimFactory(motor, design)]
+    nominal = outcomes(policy, factories, SUITE, SEED, SIZE)
+    eq25 = TablePolicy("eq25", linear_table(*EQ25_BAND), policy.settings)
+    return Judged(
+        int(nominal.lost.sum()),
+        int(nominal.feasible.sum()),
+        compare(policy, eq25, "Eq. 25", factories),
+    )
+
+
+def require_fit(judged: Judged, name: str) -> None:
+    """Refuse a schedule with an objection.
+
+    Raises
+    ------
+    UserError
+        Says why.
+    """
+    if judged.objection:
+        raise UserError(
+            f"export: {name}: {judged.objection}: train or tune one for this machine, or add "
+            "--force; sensorless motor check says whether the machine suits"
+        )
+
+
+def verdict(judged: Judged | None) -> str:
+    """Sentence of the README, without its full stop."""
+    if judged is None:
+        return "not judged; `sensorless export` judges a schedule before it writes one"
+    if judged.objection:
+        return f"not fit to run a motor: {judged.objection}; exported all the same with --force"
+    return judged.sentence

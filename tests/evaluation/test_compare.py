@@ -1,0 +1,79 @@
+"""The verdict about two schedules: right on made-up outcomes, and on drives that run."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.evaluation import compare as module
+from sensorless.evaluation.compare import Outcomes, compare, contrast
+from sensorless.evaluation.objective import Cost
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+
+N = 400
+RNG = np.random.default_rng(4)
+DEV = 0.03 + 0.01 * RNG.standard_normal(N)
+NONE, ALL = np.zeros(N, dtype=bool), np.ones(N, dtype=bool)
+
+
+def ended(dev: np.ndarray[tuple[int], np.dtype[np.float64]], lost: int = 0) -> Outcomes:
+    """Outcomes of which the first are lost."""
+    gone = np.arange(N) < lost
+    return Outcomes(ALL, gone, np.where(gone, 0.0, dev), np.where(gone, 0.0, 0.01))
+
+
+def test_the_objective_of_many_draws_is_that_of_a_cost() -> None:
+    some, rows = ended(DEV, lost=5), np.array([[0, 7, 7, 9], [10, 11, 12, 13], [0, 1, 2, 3]])
+    want = [
+        Cost(0.25, float(DEV[[7, 7, 9]].mean()), 0.01).objective,
+        Cost(0.0, float(DEV[10:14].mean()), 0.01).objective,
+        Cost(1.0, 1.0, 1.0).objective,
+    ]
+    np.testing.assert_allclose(some.objective(rows), want, rtol=1e-12)
+    assert some.cost(ALL).lost_rate == 5 / N
+
+
+@pytest.mark.parametrize(
+    ("shift", "word"), [(-0.001, "better"), (0.001, "worse"), (0.0, "level"), (None, "same")]
+)
+def test_the_word_follows_the_interval(shift: float | None, word: str) -> None:
+    """Noise of 0.4 % of torque in each pair, and a shift of 0.1 %: five standard errors."""
+    noise = 0.004 * np.random.default_rng(5).standard_normal(N)
+    ours = DEV if shift is None else DEV + shift + noise - noise.mean()
+    found = contrast(ended(ours), ended(DEV), "the start")
+    assert found.word == word and "the start" in found.sentence and "\n" not in found.sentence
+    if shift is not None:
+        low, high = found.interval
+        half = 1.96 * float(np.std(noise)) / math.sqrt(N)
+        assert found.difference == pytest.approx(shift, abs=1e-12)
+        assert (low, high) == pytest.approx((shift - half, shift + half), abs=0.15 * half)
+
+
+def test_few_losses_more_are_no_proof() -> None:
+    """One of 400 may be chance, thirty are not; both are said."""
+    one, thirty = (contrast(ended(DEV, n), ended(DEV), "it") for n in (1, 30))
+    assert (one.word, thirty.word) == ("level", "worse")
+    assert "lost 30 instead of 0 of 400 scenarios" in thirty.sentence
+
+
+def test_what_is_not_feasible_does_not_count() -> None:
+    ours, theirs = ended(DEV), ended(DEV + 0.01)
+    half = Outcomes(np.arange(N) % 2 == 0, ours.lost, ours.torque_dev, ours.torque_ripple)
+    found = contrast(half, theirs, "it")
+    assert found.scenarios == N // 2
+    assert found.theirs.torque_dev == pytest.approx(float(DEV[::2].mean()) + 0.01)
+
+
+def test_on_drives(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "SIZE", 16)
+    motor = Motor.load("paper")
+    factories = [SimFactory(motor, DriveDesign())]
+    eq25, half = (make_policy(word, motor) for word in ("eq25", "constant:0.5"))
+    there, back = compare(half, eq25, "Eq. 25", factories), compare(eq25, half, "k", factories)
+    assert there.difference == -back.difference
+    assert there.scenarios == 16 and there.theirs == back.ours
+    assert compare(eq25, eq25, "Eq. 25", factories).word == "same"
+    assert compare(half, eq25, "Eq. 25", factories).facts() == there.facts(), "repeatable"

@@ -1,0 +1,67 @@
+"""An export tells what its schedule is worth, and refuses one that is unfit."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from sensorless.evaluation.compare import Comparison
+from sensorless.evaluation.objective import Cost
+from sensorless.export import judge as module
+from sensorless.export.export import Exported
+from sensorless.export.judge import Judged
+from sensorless.table.ks_table import KsTable
+from tests.helpers.command import run
+
+LEVEL = Comparison(
+    "Eq. 25", 400, Cost(0.0, 0.03, 0.01), Cost(0.0, 0.03, 0.01), 0.0, (-1e-3, 1e-3), False
+)
+WORSE = replace(LEVEL, difference=1e-3, interval=(1e-4, 2e-3))
+BETTER = replace(LEVEL, difference=-1e-3, interval=(-2e-3, -1e-4))
+
+
+@pytest.mark.parametrize(
+    ("judged", "objection"),
+    [
+        (Judged(10, 200, LEVEL), ""),
+        (Judged(0, 200, BETTER), ""),
+        (Judged(11, 200, BETTER), "it loses 11 of 200 scenarios of nominal, more than 5 %"),
+        (Judged(0, 200, WORSE), "it is worse than Eq. 25"),
+        (Judged(0, 0, LEVEL), "no scenario of nominal is feasible"),
+    ],
+)
+def test_what_is_refused(judged: Judged, objection: str) -> None:
+    assert judged.objection.startswith(objection) and bool(judged.objection) == bool(objection)
+
+
+@pytest.mark.usefixtures("without_selftest")
+def test_the_unfit_is_refused_and_written_by_force(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "judge_export", lambda *_: Judged(11, 200, WORSE))
+    words = ["export", "eq25", "--out", "out", "--no-fit"]
+    done = run(*words, cwd=tmp_path)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1
+    assert "loses 11 of 200" in done.stderr and "--force" in done.stderr
+    assert not list(tmp_path.iterdir()), "nothing half-written"
+    done = run(*words, "--force", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    opening = (tmp_path / "out/README.md").read_text().splitlines()[2]
+    assert opening.startswith("**Verdict:** not fit to run a motor: it loses 11 of 200")
+    assert done.stdout.splitlines()[-1].startswith("verdict: not fit")
+
+
+@pytest.mark.usefixtures("without_selftest")
+def test_the_verdict_of_a_real_one(tmp_path: Path) -> None:
+    """Eq. 25 is as good as Eq. 25, and loses nothing."""
+    done = run("export", "eq25", "--out", "out", "--no-fit", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    last = done.stdout.splitlines()[-1].removeprefix("verdict: ")
+    assert last.startswith("the same as Eq. 25") and "lost 0 of 8 scenarios of nominal" in last
+    assert f"**Verdict:** {last}." in (tmp_path / "out/README.md").read_text()
+    known = KsTable.load(tmp_path / "out/ks_table.json").provenance["judged"]
+    assert known["nominal"]["lost"] == 0 and known["eq25"]["same"]
+
+
+def test_what_nobody_judged_says_so(exported: Exported) -> None:
+    assert "**Verdict:** not judged" in (exported.folder / "README.md").read_text()
