@@ -44,7 +44,7 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     |-----|----------------|---------|------------------------------------|------|-----|
     | 0   | speed          | rad/s   | rated electrical speed             | 0    | 3   |
     | 1   | torque_current | A       | rated current, peak; ahead         | -4   | 4   |
-    | 2   | disagreement   | rad     | 30 degrees; ahead                  | -6   | 6   |
+    | 2   | disagreement   | rad     | 30 degrees; ahead                  | -3   | 3   |
     | 3   | acceleration   | rad/s^2 | rated electrical speed in 1 s      | -200 | 200 |
     | 4   | speed_error    | rad/s   | rated electrical speed; ahead      | -6   | 6   |
     | 5   | speed_ref      | rad/s   | rated electrical speed; ahead      | -3   | 3   |

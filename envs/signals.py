@@ -33,8 +33,9 @@ SIGNALS = (
            "magnitude of the estimated speed"),
     Signal("torque_current", "A", "rated current, peak", -4, 4,
            "measured q current; positive when motoring"),
-    Signal("disagreement", "rad", "30 degrees", -6, 6,
-           "angle of the injection estimator minus that of the observer"),
+    Signal("disagreement", "rad", "30 degrees", -3, 3,
+           "angle of the injection estimator minus that of the observer; beyond a quarter turn it "
+           "falls, to 0 at half a turn"),
     Signal("acceleration", "rad/s^2", "rated electrical speed in 1 s", -200, 200,
            "slope of the estimated speed"),
     Signal("speed_error", "rad/s", "rated electrical speed", -6, 6,

@@ -1,9 +1,16 @@
 """Flux observer: from the machine and bandwidths to ``flux_params_t``."""
 
+import math
 from typing import Any
 
 from sensorless.machine.motor import Motor
+from sensorless.observers.coupled_design import voltage_drift
 from sensorless.observers.pll_design import pll_gains
+
+APART = math.radians(5.0)
+"""Angle at which injection, at full weight, holds a flux that the whole voltage of the dead time
+turns [rad]. An inverter with half again that dead time, of which the drive compensates half, then
+leaves 15 degrees at a quarter of the weight."""
 
 
 def design_flux(
@@ -11,8 +18,10 @@ def design_flux(
 ) -> dict[str, Any]:
     """Fields of ``flux_params_t`` (doi 10.1109/TIA.2018.2858753).
 
-    The flux is corrected along the auxiliary flux with gain b + ``gain`` times the speed; b =
-    R_s (L_d + L_q) / (2 L_d L_q), the bound at standstill.
+    The flux is corrected along the auxiliary flux with b + ``gain`` times the speed,
+    b = R_s (L_d + L_q) / (2 L_d L_q): the bound at standstill. Injection turns it at k rad/s a
+    radian of lead and full weight. Dead time that nothing compensates turns it by
+    ``voltage_drift``; k = voltage_drift / ``APART`` stops it there.
 
     Parameters
     ----------
@@ -32,7 +41,9 @@ def design_flux(
         "R_s": motor.R_s,
         "L_d": motor.L_d,
         "psi_f": motor.psi_f,
+        "psi_sq_min": (0.25 * motor.psi_f) ** 2,
         "gain_0": b * motor.T_s,
         "gain_w": gain * motor.T_s,
+        "k_turn": voltage_drift(motor) / APART * motor.T_s,
         "omega_floor": motor.rpm_to_electrical(floor_rpm),
     }

@@ -50,8 +50,9 @@ CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t 
 
     hfi_follow(&p->hfi, &x->hfi, wrap_pi(x->est.theta - cross), x->est.omega, p->T_s);
     if (p->estimator == ESTIMATE_FLUX) {
+        float lead = x->hfi.valid * x->k_s * wrap_pi(hfi.theta - smo.theta);
         flux_observe(&p->flux, &x->flux, &x->emf, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
-                     p->T_s);
+                     lead, p->T_s);
     } else {
         smo_observe(&p->smo, &x->smo, &x->emf, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
                     p->T_s);
@@ -74,7 +75,7 @@ CORE_INLINE void drive_signals(const signal_params_t *p, drive_state_t *x, float
     y->omega_2 += a * (y->omega - y->omega_2);
     y->omega_ref = omega_ref;
     y->i_q += a * (x->control.i.q - y->i_q);
-    y->disagree += a * (wrap_pi(x->theta_hfi - x->theta_smo) - y->disagree);
+    y->disagree += a * (disagreement(wrap_pi(x->theta_hfi - x->theta_smo)) - y->disagree);
     y->emf += a * (norm_ab(x->emf.e) - y->emf);
     y->hf += a * (x->hfi.valid * x->hfi.amplitude - y->hf);
     y->hfi_var += a * (x->hfi.err * x->hfi.err - y->hfi_var);

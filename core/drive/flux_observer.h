@@ -6,6 +6,11 @@
  * delta = theta_e - theta_e_hat. Its part across the auxiliary flux psi_a drives the PLL. Its part
  * along psi_a corrects psi_hat with a bandwidth that rises with speed from a bound at standstill
  * (doi 10.1109/TIA.2018.2858753). Integration over [k-1, k] is exact for a held voltage.
+ *
+ * Voltage errors, above all of the dead time, turn psi_hat. At low speed and light load nothing in
+ * these equations opposes that, and the flux slips by whole turns. So injection, where it is on,
+ * turns the flux by k_turn k_s times its lead. The angle follows through eps. It is not turned
+ * directly: then the speed would stay wrong by that turn as long as the voltage is wrong.
  */
 #ifndef SENSORLESS_FLUX_OBSERVER_H
 #define SENSORLESS_FLUX_OBSERVER_H
@@ -18,8 +23,10 @@ typedef struct {
     float R_s;         /* stator resistance of the model [ohm] */
     float L_d;         /* [H] */
     float psi_f;       /* magnet flux [Vs] */
+    float psi_sq_min;  /* least square of the auxiliary flux that errors are divided by [(Vs)^2] */
     float gain_0;      /* correction of the flux at standstill [1/s] times T_s */
     float gain_w;      /* its rise with speed, times T_s [s] */
+    float k_turn;      /* from injection's lead to the flux [1/s] times T_s */
     float omega_floor; /* below this speed the flux is not used, electrical [rad/s] */
 } flux_params_t;
 
@@ -27,9 +34,11 @@ typedef struct {
     ab_t psi; /* estimated stator flux [Vs]; 0: none yet, so it starts from the current */
 } flux_state_t;
 
-/* One period; arguments as for smo_observe of sliding_mode.h. */
+/* One period; arguments as for smo_observe of sliding_mode.h. lead: k_s times the angle of injection
+ * minus that of y [rad], 0 without injection. */
 CORE_INLINE void flux_observe(const flux_params_t *p, flux_state_t *x, emf_estimate_t *y, ab_t i_ab,
-                              ab_t u_ab, float L_q, float omega, float theta_idle, float T_s) {
+                              ab_t u_ab, float L_q, float omega, float theta_idle, float lead,
+                              float T_s) {
     int valid = abs_f(omega) >= p->omega_floor;
     int fresh = !valid || (x->psi.a == 0.0f && x->psi.b == 0.0f);
     y->pll.theta = valid ? y->pll.theta : theta_idle;
@@ -38,7 +47,7 @@ CORE_INLINE void flux_observe(const flux_params_t *p, flux_state_t *x, emf_estim
     dq_t i = ab_to_dq(i_ab, r);
     dq_t model = {p->psi_f + p->L_d * i.d, L_q * i.q};
     dq_t aux = {p->psi_f + (p->L_d - L_q) * i.d, (L_q - p->L_d) * i.q};
-    float inv = 1.0f / max_f(aux.d * aux.d + aux.q * aux.q, 0.0625f * p->psi_f * p->psi_f);
+    float inv = 1.0f / max_f(aux.d * aux.d + aux.q * aux.q, p->psi_sq_min);
 
     ab_t psi_ab = {x->psi.a + T_s * (u_ab.a - p->R_s * i_ab.a),
                    x->psi.b + T_s * (u_ab.b - p->R_s * i_ab.b)};
@@ -49,7 +58,8 @@ CORE_INLINE void flux_observe(const flux_params_t *p, flux_state_t *x, emf_estim
     float along = inv * (e.d * aux.d + e.q * aux.q);
     float gain = 2.0f * (p->gain_0 + p->gain_w * abs_f(y->pll.omega)) * along;
     dq_t next = {psi.d + gain * aux.d, psi.q + gain * aux.q};
-    x->psi = dq_to_ab(next, r);
+    float turn = valid ? p->k_turn * lead : 0.0f;
+    x->psi = dq_to_ab(next, rot_turn(r, turn));
 
     dq_t emf = {0.0f, y->pll.omega * aux.d};
     y->e = dq_to_ab(emf, r);

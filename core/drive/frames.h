@@ -12,6 +12,7 @@
 #include "compiler.h"
 
 #define PI_F 3.14159265358979f
+#define HALF_PI_F 1.57079632679490f
 #define TWO_PI_F 6.28318530717959f
 #define INV_SQRT3_F 0.577350269189626f
 #define HALF_SQRT3_F 0.866025403784439f
@@ -52,9 +53,9 @@ CORE_INLINE float sqrt_f(float x) { return CORE_SQRTF(x); }
 
 /* Wraps an angle in (-3 pi, 3 pi), such as a sum of two wrapped angles, to [-pi, pi]. */
 CORE_INLINE float wrap_pi(float x) {
-    float up = x > PI_F ? TWO_PI_F : 0.0f;
-    float down = x < -PI_F ? TWO_PI_F : 0.0f;
-    return x - up + down;
+    float turn = x > PI_F ? TWO_PI_F : 0.0f;
+    turn = x < -PI_F ? -TWO_PI_F : turn;
+    return x - turn;
 }
 
 /* Stator frame to a rotor frame at angle r (Park). */

@@ -14,7 +14,7 @@
 enum {
     SIGNAL_SPEED = 0,      /* |omega_e_hat| / omega_rated */
     SIGNAL_TORQUE_CURRENT, /* i_q in the direction of motion / i_rated: > 0 motoring */
-    SIGNAL_DISAGREEMENT,   /* wrap(theta_hfi - theta_smo) in the direction of motion / 30 deg */
+    SIGNAL_DISAGREEMENT,   /* disagreement() in the direction of motion / 30 deg */
     SIGNAL_ACCELERATION,   /* d|omega_e_hat|/dt / (omega_rated per second) */
     SIGNAL_SPEED_ERROR,    /* (omega_ref - omega_e_hat) in the direction of motion / omega_rated */
     SIGNAL_SPEED_REF,      /* omega_ref in the direction of motion / omega_rated */
@@ -41,7 +41,7 @@ typedef struct {
     float omega_2;   /* filtered again; the difference gives the acceleration [rad/s] */
     float omega_ref; /* reference of this period [rad/s] */
     float i_q;       /* filtered torque current [A] */
-    float disagree;  /* filtered wrap(theta_hfi - theta_smo) [rad] */
+    float disagree;  /* filtered disagreement() of theta_hfi and theta_smo [rad] */
     float emf;       /* filtered |e| [V] */
     float hf;        /* filtered magnitude of the high-frequency current [A] */
     float hfi_var;   /* mean square of the injection error signal */
@@ -49,6 +49,11 @@ typedef struct {
     float voltage;   /* filtered ratio of wanted voltage to limit */
     float k_s;       /* weight in force */
 } signal_state_t;
+
+/* Difference of angles d in [-pi, pi] as a signal: d up to a quarter turn, from there on falling to
+ * 0 at half a turn. While one estimate slips past the other, d itself jumps there from one end of
+ * its range to the other, and a schedule with it. */
+CORE_INLINE float disagreement(float d) { return 2.0f * clamp_f(d, -HALF_PI_F, HALF_PI_F) - d; }
 
 /* Direction of motion: 1 or -1. */
 CORE_INLINE float signals_direction(const signal_state_t *x) { return sign_f(x->omega); }

@@ -44,7 +44,7 @@ class DriveDesign:
     smo_emf_hz: float = number(
         math.inf, "Hz", 1, math.inf, "low-pass on the EMF; inf: none", endless=True
     )
-    L_q_bias: float = number(0.7, "1", 0.3, 1.5, "observer's q inductance over the apparent one")
+    L_q_bias: float = number(0.7, "1", 0.3, 1.5, "SMO's q inductance over the apparent one")
     smo_floor_rpm: float = number(
         40.0, "r/min", 0, 1e4, "speed below which the EMF is not used; 0: no warm start"
     )
@@ -55,6 +55,7 @@ class DriveDesign:
         60.0, "Hz", 0.5, 200, "natural frequency of the flux observer's speed estimate"
     )
     flux_gain: float = number(0.2, "1", 0, 5, "how fast the flux correction rises with speed")
+    flux_L_q_bias: float = number(0.9, "1", 0.3, 1.5, "flux observer's L_q over the apparent one")
     coupled_L_q_bias: float = number(
         0.85, "1", 0.3, 1.5, "coupled observer's q inductance over the apparent one"
     )
@@ -211,7 +212,8 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
         floor_rpm=design.smo_floor_rpm,
         omega_max=omega_max,
     )
-    bias = design.coupled_L_q_bias if design.estimator == "coupled" else design.L_q_bias
+    own_bias = {"flux": design.flux_L_q_bias, "coupled": design.coupled_L_q_bias}
+    bias = own_bias.get(design.estimator, design.L_q_bias)
     alpha = 2.0 * math.pi * design.signal_hz
     fill(
         record,

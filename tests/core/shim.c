@@ -54,6 +54,12 @@ void t_wrap(const float *x, float *y, int n) {
     }
 }
 
+void t_disagreement(const float *d, float *y, int n) {
+    for (int j = 0; j < n; j++) {
+        y[j] = disagreement(d[j]);
+    }
+}
+
 void t_clamp(const float *x, float lo, float hi, float *y, int n) {
     for (int j = 0; j < n; j++) {
         y[j] = clamp_f(x[j], lo, hi);
@@ -100,10 +106,11 @@ void t_hfi_direction(const hfi_params_t *p, const hfi_state_t *x, float T_s, flo
 }
 
 void t_flux_observe(const flux_params_t *p, flux_state_t *x, emf_estimate_t *y, const float *i,
-                    const float *u, float L_q, float omega, float theta_idle, float T_s) {
+                    const float *u, float L_q, float omega, float theta_idle, float lead,
+                    float T_s) {
     ab_t i_ab = {i[0], i[1]};
     ab_t u_ab = {u[0], u[1]};
-    flux_observe(p, x, y, i_ab, u_ab, L_q, omega, theta_idle, T_s);
+    flux_observe(p, x, y, i_ab, u_ab, L_q, omega, theta_idle, lead, T_s);
 }
 
 /* n periods; i: currents, u: voltages over the period before, err: of the injection; out: angle, speed,
