@@ -41,7 +41,13 @@ OVER = {
     "dip_excess_pct_s": "dip_pct_s",
 }
 """What is about zero, being left over beside the twin, and what its change is put over instead."""
-SHARES = {"overshoot_clean_above": 1.0, "not_held": 1.0, "swing_pct": 100.0, "away_s": 1.0}
+SHARES = {
+    "overshoot_clean_above": 1.0,
+    "not_held": 1.0,
+    "not_held_rate": 1.0,
+    "swing_pct": 100.0,
+    "away_s": 1.0,
+}
 """What is near zero, made by few scenarios that pass a threshold, and what its change is put over:
 1 for shares of scenarios, 100 for percent of rated speed, 1 for seconds off it."""
 

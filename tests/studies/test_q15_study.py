@@ -20,7 +20,7 @@ def q15() -> ModuleType:
 
 @pytest.mark.parametrize("word", ["reference", "reference-flux", "logistic-tuned"])
 def test_metrics_change_by_less_than_one_percent(q15: ModuleType, word: str) -> None:
-    found = q15.study(word, MOTOR, "stress-1", 1, 256)
+    found = q15.study(word, MOTOR, "stress-1", 1, 512)
     assert found["lost_otherwise"] == 0
     assert len(found["metrics"]) > 20
     for name, row in found["metrics"].items():
