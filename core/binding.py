@@ -28,6 +28,7 @@ HEADERS = (
     "sim/simulate.h",
     "sim/truth.h",
     "sim/carrier.h",
+    "sim/commission.h",
     "sim/replay.h",
     "drive/ks_selftest.h",
     "pil_wire.h",

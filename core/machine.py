@@ -2,7 +2,19 @@
 
 import numpy as np
 
-from sensorless.core.api import CARRIER_NAMES, PIECES_A_PERIOD, PLANT_NAMES, Array, lib, pointer
+from sensorless.core.api import (
+    CARRIER_NAMES,
+    PIECES_A_PERIOD,
+    PLANT_NAMES,
+    Array,
+    enumeration,
+    lib,
+    pointer,
+    struct_dtype,
+)
+
+COMMAND = struct_dtype("command_t")
+COMMISSION_NAMES = tuple(enumeration("COMMISSION_"))
 
 
 def flux_map_currents(flux_map: Array, bridge: bool, psi: Array) -> Array:
@@ -72,3 +84,28 @@ def carrier_run(sensor: Array, plant: Array, state: Array, u: Array) -> Array:
         len(inputs),
     )
     return out[:n]
+
+
+def commission_run(sim: Array, commands: Array, i_stop: float) -> Array:
+    """Run test commands of ``core/sim/commission.h`` on one drive, shape (1,), changed in place.
+
+    Parameters
+    ----------
+    commands : array of COMMAND, shape (n,)
+    i_stop : float
+        Measured current at which the run stops [A].
+
+    Returns
+    -------
+    array, shape (rows, len(COMMISSION_NAMES))
+        One row per PWM period.
+    """
+    out = np.empty((int(commands["n"].sum()), len(COMMISSION_NAMES)))
+    rows = lib.commission_run(
+        pointer(sim, "sim_t[]"),
+        pointer(commands, "command_t[]"),
+        len(commands),
+        i_stop,
+        pointer(out, "double[]"),
+    )
+    return out[:rows]

@@ -1,0 +1,1 @@
+"""The drive measures its machine: resistance, inverter, flux map, magnet and inertia."""

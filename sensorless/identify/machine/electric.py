@@ -1,0 +1,81 @@
+"""What lies between the commanded voltage and the winding: sensors, inverter, resistance."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.identify.machine.log import Part
+from sensorless.machine.magnetics import Floats
+
+Complex = NDArray[np.complex128]
+
+DIRECTIONS = np.exp(2j * np.pi / 3.0 * np.arange(3))
+"""Of the three phases."""
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """Offsets and gains of the two current channels."""
+
+    offset: tuple[float, float] = (0.0, 0.0)
+    """[A]"""
+    ratio: float = 1.0
+    """gain of channel b over that of channel a"""
+
+    def current(self, part: Part) -> Complex:
+        """(n,) current alpha + j beta [A], as if both gains were their geometric mean."""
+        half = np.sqrt(self.ratio)
+        a = (part["i_a"] - self.offset[0]) * half
+        b = (part["i_b"] - self.offset[1]) / half
+        return np.asarray(a + 1j * (a + 2.0 * b) / np.sqrt(3.0))
+
+
+@dataclass(frozen=True)
+class Inverter:
+    """Voltage that a leg loses to dead time and thresholds: odd, linear up to ``i_zero``."""
+
+    u_lost: float = 0.0
+    """above ``i_zero`` [V]"""
+    i_zero: float = 1.0
+    """[A]"""
+
+    def lost(self, i: Complex) -> Complex:
+        """(n,) voltage lost at the currents i [A], alpha + j beta [V]."""
+        legs = np.clip((i[:, None] * DIRECTIONS.conj()).real / self.i_zero, -1.0, 1.0)
+        return np.asarray(2.0 / 3.0 * self.u_lost * (legs @ DIRECTIONS))
+
+
+@dataclass(frozen=True)
+class Stator:
+    """All that is needed to find the EMF from commands and measured currents."""
+
+    sensors: Sensors
+    inverter: Inverter
+    R_s: float
+    """[ohm]"""
+    T_s: float
+    """[s]"""
+
+    def emf(self, part: Part) -> tuple[Complex, Complex]:
+        """Currents (n,) [A] and the mean voltages (n - 1,) [V] behind the resistance between them.
+
+        The current between two samples is their mean.
+        """
+        i = self.sensors.current(part)
+        mid = 0.5 * (i[1:] + i[:-1])
+        return i, np.asarray(part.u[:-1] - self.inverter.lost(mid) - self.R_s * mid)
+
+
+def windows(part: Part, tail: float, T_s: float) -> list[slice]:
+    """Last ``tail`` seconds of every command of a part."""
+    segment = part["segment"]
+    ends = np.flatnonzero(np.r_[np.diff(segment) != 0, True]) + 1
+    starts = np.r_[0, ends[:-1]]
+    n = max(1, round(tail / T_s))
+    return [slice(max(int(a), int(b) - n), int(b)) for a, b in zip(starts, ends, strict=True)]
+
+
+def rms(x: Floats) -> float:
+    """Root of the mean square."""
+    return float(np.sqrt(np.mean(np.abs(x) ** 2)))

@@ -1,0 +1,161 @@
+"""Resistance and the inverter's lost voltage, from direct currents along phase a.
+
+With a current I in phase a and -I/2 in the others, and the rotor at rest,
+u = R_s I + 2/3 (v(I) + v(I/2)) + c, where v is the lost voltage of a leg and c what is left of
+offsets. Currents of both signs and many sizes tell the three apart (doi 10.1109/TIA.2016.2644624
+takes v as measured before; here the same data give it).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sensorless.errors import UserError
+from sensorless.identify.machine.electric import Inverter, Sensors, rms, windows
+from sensorless.identify.machine.log import Part
+from sensorless.identify.machine.nameplate import Nameplate
+from sensorless.identify.machine.source import Source, volts
+from sensorless.machine.magnetics import Floats
+
+LEVELS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.1)
+"""Currents over rated."""
+SETTLE, WINDOW, TURN = 0.25, 0.1, 0.25
+"""Time at a level before its mean is taken, length of the mean, and time of a quarter turn [s]."""
+ENOUGH = 0.7
+"""Share of the levels that have to settle."""
+STEADY = 0.004
+"""Most change of the current within a window over rated current."""
+ZEROS = np.geomspace(0.002, 0.3, 120)
+"""Ends of the lost voltage's slope over rated current that are tried."""
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """Result of the holds."""
+
+    R_s: float
+    """[ohm]"""
+    R_std: float
+    """standard deviation by the residuals [ohm]"""
+    inverter: Inverter
+    sensors: Sensors
+    residual: float
+    """RMS of the voltage left over [V]"""
+    i: Floats
+    """(n,) currents along phase a [A]"""
+    u: Floats
+    """(n,) voltages commanded [V]"""
+
+
+def measure_offsets(source: Source) -> Sensors:
+    """Offsets of the channels, with no voltage."""
+    part = source.run("offset", [volts(0.05, 0.0)])
+    return Sensors((float(part["i_a"].mean()), float(part["i_b"].mean())))
+
+
+def measure_resistance(source: Source, plate: Nameplate, sensors: Sensors) -> Resistance:
+    """Ramp to rated current, then hold currents of both signs.
+
+    Raises
+    ------
+    UserError
+        The current does not reach rated current, or never settles.
+    """
+    ramp = source.run(
+        "ramp",
+        [
+            volts(1.0, 0.0, end=0.1 * plate.u_base, until=plate.i_rated),
+            volts(2.0, 0.1 * plate.u_base, end=0.6 * plate.u_base, until=plate.i_rated),
+        ],
+    )
+    i, u = sensors.current(ramp).real, ramp.u.real
+    if i.max() < 0.9 * plate.i_rated:
+        raise UserError(
+            f"resistance: {i.max():.3g} A at {u.max():.3g} V, not rated current; check the wiring "
+            "and the name plate's current"
+        )
+    order = np.maximum.accumulate(i)
+    levels = [float(u[np.argmax(order >= min(f * plate.i_rated, order[-1]))]) for f in LEVELS]
+    for stretch in (1.0, 3.0, 9.0):
+        means = np.concatenate(
+            [
+                _held(source, plate, sensors, levels, stretch),
+                _turned(source, plate, sensors, levels, stretch),
+            ]
+        )
+        steady = means[:, 3] < STEADY * plate.i_rated
+        if np.mean(steady) >= ENOUGH:
+            return fit_resistance(means[steady, :3], sensors, plate)
+    raise UserError("resistance: the rotor does not come to rest; free it from its load")
+
+
+def _held(
+    source: Source, plate: Nameplate, sensors: Sensors, levels: list[float], stretch: float
+) -> Floats:
+    """Hold voltages one after the other; rows of voltage, both channels and drift of the current."""
+    time = stretch * (SETTLE + WINDOW)
+    part = source.run("hold", [volts(time, u) for u in (levels[0], *levels)])
+    i = sensors.current(part)
+    out = []
+    for w in windows(part, stretch * WINDOW, plate.T_s):
+        a, b = np.array_split(i[w], 2)
+        out.append(
+            [
+                part.u.real[w].mean(),
+                part["i_a"][w].mean(),
+                part["i_b"][w].mean(),
+                abs(a.mean() - b.mean()),
+            ]
+        )
+    return np.array(out)
+
+
+def _turned(
+    source: Source, plate: Nameplate, sensors: Sensors, levels: list[float], stretch: float
+) -> Floats:
+    """Turn the rotor by half a turn, then hold the levels with the other sign.
+
+    The turn is slow: a current that jumped to the other side would find the rotor balanced there.
+    """
+    turn = stretch * TURN
+    speed = np.pi / turn
+    source.run(
+        "turn",
+        [
+            volts(turn, levels[0]),
+            volts(turn, levels[0], None, omega=(0.0, speed)),
+            volts(turn, levels[0], None, omega=(speed, 0.0)),
+        ],
+    )
+    return _held(source, plate, sensors, [-u for u in levels], stretch)
+
+
+def fit_resistance(means: Floats, sensors: Sensors, plate: Nameplate) -> Resistance:
+    """Least squares over the means (n, 3) of voltage and both channels; the slope's end is searched."""
+    u = means[:, 0]
+    a, b = means[:, 1] - sensors.offset[0], means[:, 2] - sensors.offset[1]
+    sensors = Sensors(sensors.offset, float(-2.0 * (a @ b) / (a @ a)))
+    i = a * np.sqrt(sensors.ratio)
+    best = None
+    for share in ZEROS:
+        i_zero = share * plate.i_rated
+        lost = sum(np.clip(x / i_zero, -1.0, 1.0) for x in (i, 0.5 * i))
+        matrix = np.stack([i, 2.0 / 3.0 * lost, np.ones(len(i))], axis=-1)
+        x = np.linalg.lstsq(matrix, u, rcond=None)[0]
+        left = u - matrix @ x
+        if best is None or left @ left < best[0]:
+            best = (float(left @ left), i_zero, x, left, matrix)
+    assert best is not None
+    cost, i_zero, x, left, matrix = best
+    if x[0] <= 0.0:
+        raise UserError(f"resistance: {x[0]:.3g} ohm found; check the wiring")
+    spread = np.linalg.inv(matrix.T @ matrix)[0, 0] * cost / (len(u) - 4)
+    return Resistance(
+        R_s=float(x[0]),
+        R_std=float(np.sqrt(spread)),
+        inverter=Inverter(max(float(x[1]), 0.0), float(i_zero)),
+        sensors=sensors,
+        residual=rms(left),
+        i=i,
+        u=u,
+    )

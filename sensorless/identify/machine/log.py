@@ -1,0 +1,88 @@
+"""What the drive measured: one part for each run of commands, and its file.
+
+A log is a CSV file with a heading. Rows belong together by ``part``, the number of the run, and
+``stage``, what the run is for. docs/identify.md describes the columns.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sensorless.errors import UserError
+from sensorless.files import write_atomic
+from sensorless.machine.magnetics import Floats
+
+NUMBERS = ("segment", "u_a", "u_b", "u_dc", "i_a", "i_b", "theta", "omega")
+"""Columns of a part, in the order of COMMISSION_* in ``core/sim/commission.h``."""
+COLUMNS = ("part", "stage", *NUMBERS)
+STAGES = ("offset", "ramp", "hold", "align", "probe", "axis", "pulse", "start", "spin")
+"""What a run is for, in the order of the procedure."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """One run of commands, a row per PWM period."""
+
+    stage: str
+    rows: Floats
+    """(n, 8) as ``NUMBERS``: V, A, rad and rad/s"""
+
+    def __getitem__(self, name: str) -> Floats:
+        """One column, (n,)."""
+        return np.asarray(self.rows[:, NUMBERS.index(name)])
+
+    @property
+    def u(self) -> Floats:
+        """(n,) voltage commanded for the period after each sample, alpha + j beta [V]."""
+        return np.asarray(self["u_a"] + 1j * self["u_b"])
+
+
+def write_log(parts: Sequence[Part], path: Path) -> None:
+    """Write all parts, whole or not at all; every number reads back as it was."""
+    lines = [",".join(COLUMNS)]
+    for number, part in enumerate(parts):
+        form = f"{number},{part.stage},%d" + ",%.9g" * (len(NUMBERS) - 1)
+        lines += [form % tuple(row) for row in part.rows.tolist()]
+    write_atomic(path, "\n".join(lines) + "\n")
+
+
+def read_log(path: Path) -> list[Part]:
+    """Parts of a file.
+
+    Raises
+    ------
+    UserError
+        The file cannot be read, a column is missing, or a cell is no number.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"log {str(path)!r}: {error}; give a CSV file that can be read") from None
+    lines = text.splitlines()
+    heading = [name.strip() for name in lines[0].split(",")] if lines else []
+    missing = [name for name in COLUMNS if name not in heading]
+    if missing:
+        raise UserError(f"log {str(path)!r}: no column {missing[0]}; give {', '.join(COLUMNS)}")
+    return list(_parts(lines[1:], [heading.index(name) for name in COLUMNS], str(path)))
+
+
+def _parts(lines: Sequence[str], order: Sequence[int], where: str) -> Iterator[Part]:
+    groups: dict[tuple[str, str], list[list[float]]] = {}
+    for number, line in enumerate(lines, start=2):
+        cells = line.split(",")
+        try:
+            row = [float(cells[j]) for j in order[2:]]
+            key = (cells[order[0]].strip(), cells[order[1]].strip())
+        except (ValueError, IndexError):
+            raise UserError(
+                f"log {where!r}, line {number}: {line[:60]!r}; give {len(COLUMNS)} cells, all "
+                "numbers but the stage"
+            ) from None
+        groups.setdefault(key, []).append(row)
+    for (_, stage), rows in groups.items():
+        table = np.array(rows)
+        if not np.isfinite(table).all():
+            raise UserError(f"log {where!r}, stage {stage}: not a number; give finite numbers")
+        yield Part(stage, table)

@@ -1,0 +1,50 @@
+"""The whole procedure: from a name plate to the numbers of the machine."""
+
+from dataclasses import dataclass
+
+from sensorless.identify.machine.axis import Aligned, align
+from sensorless.identify.machine.curves import fit_curves
+from sensorless.identify.machine.electric import Stator
+from sensorless.identify.machine.hold import Resistance, measure_offsets, measure_resistance
+from sensorless.identify.machine.model import fit_model
+from sensorless.identify.machine.nameplate import Nameplate
+from sensorless.identify.machine.pulses import Samples, measure_pulses, samples
+from sensorless.identify.machine.source import Source
+from sensorless.identify.machine.spin import Spin, measure_spin
+from sensorless.machine.map_fit import MapFit
+
+
+@dataclass(frozen=True)
+class Identified:
+    """All that the drive found out about its machine."""
+
+    plate: Nameplate
+    resistance: Resistance
+    aligned: Aligned
+    samples: Samples
+    spin: Spin
+    map_fit: MapFit
+
+
+def identify_machine(source: Source, plate: Nameplate) -> Identified:
+    """Measure resistance, flux map, magnet and inertia, in that order.
+
+    Raises
+    ------
+    UserError
+        Something cannot be identified; the message says what and why.
+    """
+    sensors = measure_offsets(source)
+    resistance = measure_resistance(source, plate, sensors)
+    stator = Stator(resistance.sensors, resistance.inverter, resistance.R_s, plate.T_s)
+    aligned = align(source, stator, plate)
+    groups = measure_pulses(source, stator, plate, aligned)
+    still = fit_curves(samples(groups, 0.0, 0.0), plate.i_rated)
+    spin = measure_spin(source, stator, plate, still, aligned)
+    for _ in range(2):
+        turn = 1.5 * plate.n_p**2 / spin.mechanics.J
+        moved = samples(groups, spin.psi_f, turn)
+        spin = spin.again(fit_curves(moved, plate.i_rated))
+    return Identified(
+        plate, resistance, aligned, moved, spin, fit_model(moved, spin.psi_f, plate.i_rated)
+    )

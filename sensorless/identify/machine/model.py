@@ -1,0 +1,116 @@
+"""Saturation model of measured flux linkages: as few terms as explain them.
+
+The model is that of ``core/sim/flux_map.h`` without bridges, with the magnet flux given, so that
+i_f follows from it. For given exponents it is linear in its coefficients, none of them negative.
+Every set of exponents is tried, with and without each saturation term; a term has to earn its place
+(Bayesian information criterion). The general fit of a flux map, with bridges, takes over where it
+halves the error.
+"""
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import nnls
+
+from sensorless.errors import UserError
+from sensorless.identify.machine.pulses import Samples
+from sensorless.machine.magnetics import Floats, currents
+from sensorless.machine.map_fit import MapFit, fit_map
+from sensorless.machine.motor import Saturation
+
+CROSS: tuple[tuple[int, int] | None, ...] = (None, *itertools.product(range(4), range(3)))
+"""Exponents U and V of the cross term; None: no such term."""
+PENALTY = 4.0
+"""Weight of the criterion's penalty: neighbouring samples share their errors."""
+GOOD = 2.5
+"""RMS error of a current over rated that needs no bridges [%]."""
+LEAST = 1e-3
+"""Least linear terms, currents over rated and fluxes over the magnet's: keeps an inverse."""
+POINTS = 160
+"""Samples for the general fit, at most."""
+
+
+def fit_model(s: Samples, psi_f: float, i_rated: float) -> MapFit:
+    """Model of samples, and its errors.
+
+    Raises
+    ------
+    UserError
+        The magnet flux is not positive, or a model has no inverse.
+    """
+    if psi_f <= 0.0:
+        raise UserError(f"magnet: {psi_f:.3g} Vs found; check the phase order")
+    i = np.stack([s.i.real, s.i.imag], axis=-1)
+    psi = np.stack([psi_f + s.psi.real, s.psi.imag], axis=-1)
+    inside = np.hypot(*i.T) <= 1.3 * i_rated
+    i, psi = i[inside], psi[inside]
+    simple = _judged(_simple(i / i_rated, psi / psi_f, psi_f, i_rated), i, psi, i_rated)
+    worst = max(simple.rms_percent(i_rated))
+    if worst <= GOOD:
+        return simple
+    step = max(1, len(i) // POINTS)
+    try:
+        general = fit_map(i[::step], psi[::step], i_rated, 1.3 * i_rated)
+    except UserError:
+        return simple
+    general = _judged(general.saturation, i, psi, i_rated)
+    return general if max(general.rms_percent(i_rated)) < 0.5 * worst else simple
+
+
+def _judged(model: Saturation, i: Floats, psi: Floats, i_rated: float) -> MapFit:
+    return MapFit(model, i, psi, currents(model, psi) - i, i_rated, 1.3 * i_rated)
+
+
+def _simple(i: Floats, psi: Floats, psi_f: float, i_rated: float) -> Saturation:
+    """Best model by the criterion; currents over rated, fluxes over the magnet's."""
+    wanted = np.r_[i[:, 0], i[:, 1]]
+    best: tuple[float, tuple[int, int, tuple[int, int] | None], Floats] | None = None
+    for S, T, cross in itertools.product(range(8), range(8), CROSS):
+        matrix = _matrix(psi, S, T, cross)
+        x, norm = _least(matrix, wanted)
+        score = len(i) * np.log(norm**2) + PENALTY * np.log(len(i)) * matrix.shape[1]
+        if best is None or score < best[0]:
+            best = (float(score), (S, T, cross), x)
+    assert best is not None
+    (S, T, cross), x = best[1], list(best[2])
+    a_d0, a_q0 = x[:2]
+    rest = x[2:]
+    a_dd = rest.pop(0) if S else 0.0
+    a_qq = rest.pop(0) if T else 0.0
+    a_dq = rest.pop(0) if cross else 0.0
+    U, V = cross or (0, 0)
+    unit = i_rated / psi_f
+    return Saturation(
+        a_d0=float(a_d0 * unit), a_q0=float(a_q0 * unit),
+        i_f=float((a_d0 + a_dd) * i_rated),
+        a_dd=float(a_dd * unit / psi_f**S), S=S, a_qq=float(a_qq * unit / psi_f**T), T=T,
+        a_dq=float(a_dq * unit / psi_f ** (U + V + 2)), U=U, V=V,
+    )  # fmt: skip
+
+
+def _matrix(psi: Floats, S: int, T: int, cross: tuple[int, int] | None) -> Floats:
+    """Columns a_d0, a_q0, and a_dd, a_qq, a_dq as far as they are there; rows i_d, then i_q."""
+    d, q = psi.T
+    ad, aq, zero = np.abs(d), np.abs(q), np.zeros(len(psi))
+    columns = [np.r_[d - 1.0, zero], np.r_[zero, q]]
+    if S:
+        columns.append(np.r_[ad**S * d - 1.0, zero])
+    if T:
+        columns.append(np.r_[zero, aq**T * q])
+    if cross:
+        U, V = cross
+        columns.append(
+            np.r_[ad**U * aq ** (V + 2) * d / (V + 2), ad ** (U + 2) * aq**V * q / (U + 2)]
+        )
+    return np.stack(columns, axis=-1)
+
+
+def _least(matrix: Floats, wanted: Floats) -> tuple[Floats, float]:
+    """Coefficients of at least zero, and the norm of what is left over."""
+    both = np.linalg.qr(np.c_[matrix, wanted], mode="r")
+    n = matrix.shape[1]
+    floor = np.zeros(n)
+    floor[:2] = LEAST
+    x, norm = nnls(both[:n, :n], both[:n, n] - both[:n, :n] @ floor)
+    return x + floor, float(np.hypot(norm, both[n, n]))

@@ -1,0 +1,150 @@
+"""Flux linkage over current from voltage pulses at rest (doi 10.1109/TIA.2016.2644624).
+
+A voltage along a direction reverses whenever the current along it reaches a limit, once each way,
+so that the torque of the pulse has no mean. The flux linkage is the integral of the voltage behind
+the resistance. It starts from the small current's inductance and has to come back there at the end;
+what is left over is spread evenly in time.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sensorless.identify.machine.axis import (
+    Aligned,
+    Axis,
+    align_commands,
+    fit_axis,
+    probe_commands,
+)
+from sensorless.identify.machine.electric import Complex, Stator, rms
+from sensorless.identify.machine.log import Part
+from sensorless.identify.machine.nameplate import Nameplate
+from sensorless.identify.machine.source import Command, Source, volts
+from sensorless.machine.magnetics import Floats
+
+GROUPS = ((0.0, 0.0), (90.0, 90.0), (45.0, -45.0), (67.5, -67.5), (25.0, -25.0))
+"""Directions of the pulses from the d axis [deg]; the second of a pair undoes the turn of the
+first."""
+REACH = 1.05
+"""Current at which the voltage reverses, over rated current."""
+STEP = 0.1
+"""Change of the current in a period that is aimed at, over rated current."""
+MOST_VOLTAGE = 0.75
+"""Of the pulses, over the largest phase voltage."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Pulses one after the other on a rotor that was at rest, in its frame at their start."""
+
+    i: Complex
+    """(n,) current [A]"""
+    path: Complex
+    """(n,) integral of the voltage behind the resistance [Vs]"""
+    bounds: tuple[int, ...]
+    """rows at which a pulse starts or ends"""
+    small: tuple[float, float]
+    """L_d and L_q at small current [H]"""
+    T_s: float
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Flux linkage over current in the rotor frame."""
+
+    i: Complex
+    """(n,) d + j q [A]"""
+    psi: Complex
+    """(n,) less the magnet's [Vs]"""
+    left: float
+    """RMS of what was left over at the ends of pulses over their largest flux"""
+    turned: float
+    """largest turn of the rotor [rad]"""
+
+
+def measure_pulses(
+    source: Source, stator: Stator, plate: Nameplate, aligned: Aligned
+) -> list[Group]:
+    """Align, find the axis, pulse, for each pair of directions."""
+    out = []
+    for group in GROUPS:
+        source.run("align", align_commands(stator, aligned.current, aligned.stretch))
+        axis = fit_axis(source.run("axis", probe_commands(aligned.probe, plate.T_s)), stator)
+        part = source.run("pulse", list(_commands(group, axis, stator, plate)))
+        out.append(_integrated(part, axis, stator))
+    return out
+
+
+def _commands(
+    group: tuple[float, float], axis: Axis, stator: Stator, plate: Nameplate
+) -> Iterator[Command]:
+    for phi, sign in zip(np.deg2rad(group), (1.0, -1.0), strict=True):
+        gamma = axis.mean + axis.half * np.cos(2.0 * phi)
+        u = STEP * plate.i_rated / (gamma * plate.T_s)
+        least = 4.0 * stator.R_s * plate.i_rated + 2.0 * stator.inverter.u_lost
+        u = sign * min(max(u, least), MOST_VOLTAGE * plate.u_base)
+        time = 5.0 * plate.i_rated / (gamma * abs(u))
+        theta = float(axis.theta + phi)
+        reach = REACH * plate.i_rated
+        yield volts(time, u, theta, until=reach)
+        yield volts(2.0 * time, -u, theta, until=reach)
+        yield volts(time, u, theta, until=1e-3 * reach)
+    yield volts(2.0 * plate.T_s, 0.0)
+
+
+def _integrated(part: Part, axis: Axis, stator: Stator) -> Group:
+    """Pulses of a part, three commands each, without the decay after them."""
+    i, e = stator.emf(part)
+    turn = np.exp(-1j * axis.theta)
+    segment = part["segment"]
+    last = int(segment.max())
+    bounds = [int(np.argmax(segment >= k)) for k in range(0, last + 1, 3)]
+    n = bounds[-1] + 1
+    path = turn * np.r_[0.0, np.cumsum(e[: n - 1]) * stator.T_s]
+    return Group(i[:n] * turn, path, tuple(bounds), (axis.L_d, axis.L_q), stator.T_s)
+
+
+def samples(groups: Sequence[Group], psi_f: float, turn: float, rounds: int = 4) -> Samples:
+    """Flux linkages of all pulses, with the motion that their torque causes.
+
+    Parameters
+    ----------
+    psi_f : float
+        Magnet flux [Vs].
+    turn : float
+        Electrical acceleration over psi x i, 3/2 n_p^2 / J [rad/s^2 per V s A]; 0: none.
+    """
+    parts = [_moved(g, psi_f, turn, rounds) for g in groups]
+    i, psi, left, theta = (np.concatenate(x) for x in zip(*parts, strict=True))
+    return Samples(i, psi, rms(left), float(np.abs(theta).max()))
+
+
+def _moved(
+    g: Group, psi_f: float, turn: float, rounds: int
+) -> tuple[Complex, Complex, Floats, Floats]:
+    theta = np.zeros(len(g.i))
+    for _ in range(rounds if turn else 1):
+        psi, left = _closed(g, psi_f, theta)
+        speed = np.cumsum(turn * (psi.conj() * g.i).imag) * g.T_s
+        theta = np.r_[0.0, np.cumsum(speed[:-1]) * g.T_s]
+    psi, left = _closed(g, psi_f, theta)
+    back = np.exp(-1j * theta)
+    return g.i * back, psi * back - psi_f, left, theta
+
+
+def _closed(g: Group, psi_f: float, theta: Floats) -> tuple[Complex, Floats]:
+    """Flux linkage in the frame at the start that is the small current's where a pulse ends."""
+    psi, left = np.zeros(len(g.i), complex), []
+    for a, b in zip(g.bounds, g.bounds[1:], strict=False):
+        ends = []
+        for k in (a, b):
+            turn = np.exp(1j * theta[k])
+            i = g.i[k] / turn
+            ends.append((psi_f + g.small[0] * i.real + 1j * g.small[1] * i.imag) * turn)
+        path = g.path[a : b + 1] - g.path[a]
+        gap = path[-1] - (ends[1] - ends[0])
+        psi[a : b + 1] = ends[0] + path - gap * np.linspace(0.0, 1.0, b + 1 - a)
+        left.append(abs(gap) / np.abs(path).max())
+    return psi, np.array(left)
