@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from sensorless.cli.identify_machine import machine_command
 from sensorless.cli.options import MotorOption, SetOption, console
 from sensorless.cli.plain import Command, Group
 
@@ -20,8 +21,12 @@ def identify() -> None:
 
     For example:
 
+        sensorless identify machine --motor paper --out mine.toml
         sensorless identify cross-coupling --out cross.json
     """
+
+
+app.command("machine", cls=Command)(machine_command)
 
 
 @app.command("cross-coupling", cls=Command)

@@ -54,12 +54,12 @@ class Axis:
 
     @property
     def L_d(self) -> float:
-        """[H]"""
+        """Inductance of the d axis [H]."""
         return 1.0 / (self.mean + self.half)
 
     @property
     def L_q(self) -> float:
-        """[H]"""
+        """Inductance of the q axis [H]."""
         return 1.0 / (self.mean - self.half)
 
 

@@ -32,7 +32,7 @@ class Curves:
 def fit_curves(s: Samples, i_rated: float) -> Curves:
     """Least squares over all samples."""
     d, q = (
-        np.linalg.lstsq(_powers(s.i / i_rated, powers), part, rcond=None)[0]
+        np.asarray(np.linalg.lstsq(_powers(s.i / i_rated, powers), part, rcond=None)[0], float)
         for powers, part in ((POWERS_D, s.psi.real), (POWERS_Q, s.psi.imag))
     )
     return Curves(i_rated, d, q)

@@ -12,7 +12,6 @@ import numpy as np
 
 from sensorless.errors import UserError
 from sensorless.identify.machine.electric import Inverter, Sensors, rms, windows
-from sensorless.identify.machine.log import Part
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.source import Source, volts
 from sensorless.machine.magnetics import Floats
@@ -92,7 +91,7 @@ def measure_resistance(source: Source, plate: Nameplate, sensors: Sensors) -> Re
 def _held(
     source: Source, plate: Nameplate, sensors: Sensors, levels: list[float], stretch: float
 ) -> Floats:
-    """Hold voltages one after the other; rows of voltage, both channels and drift of the current."""
+    """Hold voltages in turn; rows of voltage, both channels and the current's drift."""
     time = stretch * (SETTLE + WINDOW)
     part = source.run("hold", [volts(time, u) for u in (levels[0], *levels)])
     i = sensors.current(part)
@@ -131,7 +130,7 @@ def _turned(
 
 
 def fit_resistance(means: Floats, sensors: Sensors, plate: Nameplate) -> Resistance:
-    """Least squares over the means (n, 3) of voltage and both channels; the slope's end is searched."""
+    """Least squares over means (n, 3) of voltage and both channels; ``i_zero`` is searched."""
     u = means[:, 0]
     a, b = means[:, 1] - sensors.offset[0], means[:, 2] - sensors.offset[1]
     sensors = Sensors(sensors.offset, float(-2.0 * (a @ b) / (a @ a)))

@@ -17,7 +17,7 @@ from sensorless.machine.magnetics import Floats
 NUMBERS = ("segment", "u_a", "u_b", "u_dc", "i_a", "i_b", "theta", "omega")
 """Columns of a part, in the order of COMMISSION_* in ``core/sim/commission.h``."""
 COLUMNS = ("part", "stage", *NUMBERS)
-STAGES = ("offset", "ramp", "hold", "align", "probe", "axis", "pulse", "start", "spin")
+STAGES = ("offset", "ramp", "hold", "turn", "align", "probe", "axis", "pulse", "start", "spin")
 """What a run is for, in the order of the procedure."""
 
 
@@ -82,7 +82,7 @@ def _parts(lines: Sequence[str], order: Sequence[int], where: str) -> Iterator[P
             ) from None
         groups.setdefault(key, []).append(row)
     for (_, stage), rows in groups.items():
-        table = np.array(rows)
+        table = np.array(rows, dtype=np.float32).astype(np.float64)  # as measured
         if not np.isfinite(table).all():
             raise UserError(f"log {where!r}, stage {stage}: not a number; give finite numbers")
         yield Part(stage, table)

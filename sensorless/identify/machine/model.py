@@ -8,7 +8,6 @@ halves the error.
 """
 
 import itertools
-from collections.abc import Sequence
 
 import numpy as np
 from scipy.optimize import nnls
@@ -73,19 +72,18 @@ def _simple(i: Floats, psi: Floats, psi_f: float, i_rated: float) -> Saturation:
         if best is None or score < best[0]:
             best = (float(score), (S, T, cross), x)
     assert best is not None
-    (S, T, cross), x = best[1], list(best[2])
-    a_d0, a_q0 = x[:2]
-    rest = x[2:]
-    a_dd = rest.pop(0) if S else 0.0
-    a_qq = rest.pop(0) if T else 0.0
-    a_dq = rest.pop(0) if cross else 0.0
+    S, T, cross = best[1]
+    a_d0, a_q0, *more = best[2].tolist()
+    a_dd = more.pop(0) if S else 0.0
+    a_qq = more.pop(0) if T else 0.0
+    a_dq = more.pop(0) if cross else 0.0
     U, V = cross or (0, 0)
     unit = i_rated / psi_f
     return Saturation(
-        a_d0=float(a_d0 * unit), a_q0=float(a_q0 * unit),
-        i_f=float((a_d0 + a_dd) * i_rated),
-        a_dd=float(a_dd * unit / psi_f**S), S=S, a_qq=float(a_qq * unit / psi_f**T), T=T,
-        a_dq=float(a_dq * unit / psi_f ** (U + V + 2)), U=U, V=V,
+        a_d0=a_d0 * unit, a_q0=a_q0 * unit,
+        i_f=(a_d0 + a_dd) * i_rated,
+        a_dd=a_dd * unit / psi_f**S, S=S, a_qq=a_qq * unit / psi_f**T, T=T,
+        a_dq=a_dq * unit / psi_f ** (U + V + 2), U=U, V=V,
     )  # fmt: skip
 
 
@@ -108,7 +106,7 @@ def _matrix(psi: Floats, S: int, T: int, cross: tuple[int, int] | None) -> Float
 
 def _least(matrix: Floats, wanted: Floats) -> tuple[Floats, float]:
     """Coefficients of at least zero, and the norm of what is left over."""
-    both = np.linalg.qr(np.c_[matrix, wanted], mode="r")
+    both: Floats = np.asarray(np.linalg.qr(np.c_[matrix, wanted], mode="r"))
     n = matrix.shape[1]
     floor = np.zeros(n)
     floor[:2] = LEAST

@@ -20,6 +20,7 @@ class Nameplate:
     T_s: float
     i_max: float
     i_trip: float
+    u_inj: float
     dead_time: float
     adc_range: float
     adc_bits: int

@@ -306,7 +306,7 @@ def fit_mechanics(
     return Mechanics(J, float(np.sqrt(spread)), B, tau_0, rms(left))
 
 
-def blocks(x: Floats, n: int) -> Floats:
+def blocks(x: Complex, n: int) -> Complex:
     """Means of n numbers each; what is left at the end is dropped."""
     n = max(1, min(n, len(x)))
     m = len(x) // n

@@ -1,0 +1,56 @@
+"""The log of an identification reads back as it was measured."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sensorless.errors import UserError
+from sensorless.identify.machine.log import COLUMNS, Part, read_log, write_log
+from sensorless.identify.machine.source import Recorded
+
+
+def parts() -> list[Part]:
+    rng = np.random.default_rng(0)
+    rows = rng.normal(size=(5, 8)).astype(np.float32).astype(np.float64)
+    rows[:, 0] = 0.0
+    return [Part("offset", rows), Part("ramp", 3.0e-5 * rows), Part("offset", rows[:2])]
+
+
+def test_numbers_come_back_to_the_bit(tmp_path: Path) -> None:
+    wanted = [Part(p.stage, p.rows.astype(np.float32).astype(np.float64)) for p in parts()]
+    write_log(wanted, tmp_path / "log.csv")
+    found = read_log(tmp_path / "log.csv")
+    assert [p.stage for p in found] == ["offset", "ramp", "offset"]
+    for a, b in zip(found, wanted, strict=True):
+        assert np.array_equal(a.rows, b.rows)
+
+
+def test_columns_may_stand_in_any_order(tmp_path: Path) -> None:
+    order = COLUMNS[::-1]
+    row = dict.fromkeys(COLUMNS, "0") | {"stage": "hold", "i_a": "2.5"}
+    text = ",".join(order) + "\n" + ",".join(row[name] for name in order) + "\n"
+    (tmp_path / "log.csv").write_text(text)
+    (part,) = read_log(tmp_path / "log.csv")
+    assert part.stage == "hold" and part["i_a"][0] == 2.5 and part["u_a"][0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("", "no column part"),
+        (",".join(COLUMNS) + "\n1,hold,0,x,0,0,0,0,0,0\n", "line 2"),
+        (",".join(COLUMNS) + "\n1,hold,0,nan,0,0,0,0,0,0\n", "finite"),
+    ],
+)
+def test_a_wrong_file_is_refused(tmp_path: Path, text: str, word: str) -> None:
+    (tmp_path / "log.csv").write_text(text)
+    with pytest.raises(UserError, match=word):
+        read_log(tmp_path / "log.csv")
+
+
+def test_a_log_of_another_procedure_is_refused() -> None:
+    source = Recorded(parts())
+    source.run("offset", [])
+    with pytest.raises(UserError, match="stage hold expected, stage ramp found"):
+        source.run("hold", [])
