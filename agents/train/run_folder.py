@@ -25,6 +25,8 @@ PROGRESS = "progress.csv"
 START = "start.json"
 """File of the schedule that training started from."""
 LATEST = "checkpoints/latest.zip"
+ORIGIN = ("command", "motor", "motor_digest", "machines", "machine", "set", "design", "gains")
+"""What a schedule takes over from the configuration of its run, beside ``versions``."""
 
 
 def describe(
@@ -122,8 +124,7 @@ def save_schedule(
     folder: Path, policy: TablePolicy | MlpSchedule, config: dict[str, Any], **facts: Any
 ) -> None:
     """Write the schedule with its provenance, under the name that ``load_run`` looks for."""
-    known = ("command", "motor", "motor_digest", "machines", "machine", "set", "design", "versions")
-    origin = {key: config[key] for key in known if key in config}
+    origin = {key: config[key] for key in (*ORIGIN, "versions") if key in config}
     origin["seed"] = config["train"]["seed"]
     if isinstance(policy, TablePolicy):
         policy.table.save(folder / TABLE, {**origin, **facts})

@@ -1,8 +1,9 @@
 """What a run, a tuned rule or a table carries: its machine, and every setting of its drive.
 
 A file records the machine whole (``machine``), the settings that were chosen (``set``), and for
-comparison all settings as they stood then (``design``). A setting that nobody chose follows from
-the design of the version that reads the file.
+comparison all settings as they stood then (``design``) and fingerprints of the numbers that they
+became (``gains``). A setting that nobody chose follows from the design of the version that reads
+the file.
 """
 
 import dataclasses
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sensorless.design.drive import DriveDesign
+from sensorless.design.fingerprint import fingerprint
 from sensorless.design.words import text_of
 from sensorless.errors import UserError
 from sensorless.machine.motor import MOTORS, Motor
@@ -35,12 +37,23 @@ class Carried:
     """Name and digest of its machine; None: any."""
     changed: Mapping[str, tuple[Any, Any]]
     """Settings that nobody chose and that have changed since: then and now."""
+    gains: Mapping[str, str]
+    """``fingerprint`` as it was; empty if it is not recorded."""
+
+    def other_gains(self) -> list[str]:
+        """Parts of the drive that the same settings make otherwise today."""
+        if self.motor is None or not self.gains:
+            return []
+        now = fingerprint(self.motor, DriveDesign(**self.settings))
+        return [part for part in now if now[part] != self.gains.get(part)]
 
 
 def record(design: DriveDesign, motor: Motor | None = None) -> dict[str, Any]:
     """Entries of a provenance that ``carried`` reads; no motor: made for any machine."""
-    machine = {"machine": dataclasses.asdict(motor)} if motor is not None else {}
-    return {**machine, "set": chosen(design), "design": plain(dataclasses.asdict(design))}
+    out = {"set": chosen(design), "design": plain(dataclasses.asdict(design))}
+    if motor is None:
+        return out
+    return {"machine": dataclasses.asdict(motor), **out, "gains": fingerprint(motor, design)}
 
 
 def chosen(design: DriveDesign) -> dict[str, Any]:
@@ -89,7 +102,8 @@ def carried(provenance: Mapping[str, Any], where: str) -> Carried:
     made_for = (str(named[0]), str(named[1])) if named[1] is not None else None
     if motor is not None:
         made_for = motor.name, motor.digest
-    return Carried(settings, motor, made_for, changed)
+    gains = provenance.get("gains")
+    return Carried(settings, motor, made_for, changed, gains if isinstance(gains, dict) else {})
 
 
 def same(a: object, b: object) -> bool:

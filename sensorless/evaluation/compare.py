@@ -1,6 +1,6 @@
 """Whether a schedule is better than another one: a sentence, from scenarios that neither has seen.
 
-Both run the same scenarios of ``SUITE``. The difference of their objectives gets a 95 % interval by
+Both run the same scenarios of ``SUITE``. The change of the objective gets a 95 % interval by
 resampling scenarios, each with both results: *better* and *worse* are intervals that exclude zero.
 """
 
@@ -84,10 +84,10 @@ class Comparison:
     """Number of those that are feasible for both."""
     ours: Cost
     theirs: Cost
-    difference: float
-    """Objective, ours minus theirs."""
+    change: float
+    """Objective, ours over theirs minus 1."""
     interval: Interval
-    """95 %, of ``difference``; NaN for fewer than two scenarios"""
+    """95 %, of ``change``; NaN for fewer than two scenarios"""
     same: bool
     """Every scenario ended alike."""
 
@@ -110,8 +110,7 @@ class Comparison:
             "worse": f"worse than {self.against}",
             "level": f"neither better nor worse than {self.against}",
         }[self.word]
-        base = self.theirs.objective
-        share, low, high = (100.0 * x / base for x in (self.difference, *self.interval))
+        share, low, high = (100.0 * x for x in (self.change, *self.interval))
         ours, theirs = (round(cost.lost_rate * self.scenarios) for cost in (self.ours, self.theirs))
         return (
             f"{start}: objective {share:+.1f} % (95 % interval {low:+.1f} to {high:+.1f} %), lost "
@@ -144,8 +143,8 @@ def contrast(ours: Outcomes, theirs: Outcomes, against: str) -> Comparison:
     feasible = ours.feasible & theirs.feasible
     rows = np.flatnonzero(feasible)
 
-    def difference(drawn: Rows) -> Floats:
-        return ours.objective(rows[drawn]) - theirs.objective(rows[drawn])
+    def change(drawn: Rows) -> Floats:
+        return ours.objective(rows[drawn]) / theirs.objective(rows[drawn]) - 1.0
 
     same = all(
         np.array_equal(getattr(ours, name), getattr(theirs, name))
@@ -156,7 +155,7 @@ def contrast(ours: Outcomes, theirs: Outcomes, against: str) -> Comparison:
         len(rows),
         ours.cost(feasible),
         theirs.cost(feasible),
-        float(difference(np.arange(len(rows)))),
-        interval_of(difference, len(rows), SEED),
+        float(change(np.arange(len(rows)))) if len(rows) else 0.0,
+        interval_of(change, len(rows), SEED),
         same,
     )

@@ -82,12 +82,9 @@ def bench(
         for spec, known in brought.items():
             refuse_other(known.made_for, machine, spec, why)
             refuse_settings(known, asked, spec)
-    notes = tuple(
-        _changed(spec, known, asked)
-        for spec, known in brought.items()
-        if set(known.changed) - {*asked}
-    )
-    return Bench(machine, dataclasses.replace(DriveDesign(), **asked), asked, override, notes)
+    notes = (_changed(spec, known, asked) for spec, known in brought.items())
+    design = dataclasses.replace(DriveDesign(), **asked)
+    return Bench(machine, design, asked, override, tuple(filter(None, notes)))
 
 
 def _machine(brought: Mapping[str, Carried]) -> Motor:
@@ -105,10 +102,13 @@ def _machine(brought: Mapping[str, Carried]) -> Motor:
 
 
 def _changed(spec: str, known: Carried, asked: Mapping[str, Any]) -> str:
-    """Say which defaults have changed since a policy was made."""
-    parts = [
+    """What has changed since a policy was made: defaults, or else formulas; empty for nothing."""
+    defaults = [
         f"{name} ({text_of(then)}, now {text_of(now)})"
         for name, (then, now) in known.changed.items()
         if name not in asked
     ]
-    return f"{spec} was made with other defaults: {', '.join(parts)}"
+    if defaults:
+        return f"{spec} was made with other defaults: {', '.join(defaults)}"
+    parts = "" if known.changed else " and ".join(known.other_gains())
+    return f"{spec} was made on other gains: its {parts} changed since" if parts else ""

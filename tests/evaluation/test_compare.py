@@ -47,9 +47,11 @@ def test_the_word_follows_the_interval(shift: float | None, word: str) -> None:
     assert found.word == word and "the start" in found.sentence and "\n" not in found.sentence
     if shift is not None:
         low, high = found.interval
-        half = 1.96 * float(np.std(noise)) / math.sqrt(N)
-        assert found.difference == pytest.approx(shift, abs=1e-12)
-        assert (low, high) == pytest.approx((shift - half, shift + half), abs=0.15 * half)
+        base = float(DEV.mean()) + 0.01
+        half = 1.96 * float(np.std(noise)) / math.sqrt(N) / base
+        assert found.change == pytest.approx(shift / base, abs=1e-12)
+        assert low == pytest.approx(found.change - half, abs=0.15 * half)
+        assert high == pytest.approx(found.change + half, abs=0.15 * half)
 
 
 def test_few_losses_more_are_no_proof() -> None:
@@ -73,7 +75,7 @@ def test_on_drives(monkeypatch: pytest.MonkeyPatch) -> None:
     factories = [SimFactory(motor, DriveDesign())]
     eq25, half = (make_policy(word, motor) for word in ("eq25", "constant:0.5"))
     there, back = compare(half, eq25, "Eq. 25", factories), compare(eq25, half, "k", factories)
-    assert there.difference == -back.difference
+    assert (1.0 + there.change) * (1.0 + back.change) == pytest.approx(1.0)
     assert there.scenarios == 16 and there.theirs == back.ours
     assert compare(eq25, eq25, "Eq. 25", factories).word == "same"
     assert compare(half, eq25, "Eq. 25", factories).facts() == there.facts(), "repeatable"

@@ -16,8 +16,8 @@ from tests.helpers.command import run
 LEVEL = Comparison(
     "Eq. 25", 400, Cost(0.0, 0.03, 0.01), Cost(0.0, 0.03, 0.01), 0.0, (-1e-3, 1e-3), False
 )
-WORSE = replace(LEVEL, difference=1e-3, interval=(1e-4, 2e-3))
-BETTER = replace(LEVEL, difference=-1e-3, interval=(-2e-3, -1e-4))
+WORSE = replace(LEVEL, change=1e-3, interval=(1e-4, 2e-3))
+BETTER = replace(LEVEL, change=-1e-3, interval=(-2e-3, -1e-4))
 
 
 @pytest.mark.parametrize(

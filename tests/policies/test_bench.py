@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from sensorless.baselines.linear import EQ25_BAND, linear_table
+from sensorless.core.api import Array
 from sensorless.design.carried import carried, record
 from sensorless.design.drive import DriveDesign, control_record
 from sensorless.envs.scenarios.scenario import SimFactory
@@ -149,6 +150,28 @@ def test_a_default_that_has_changed_is_said_but_not_refused(tmp_path: Path) -> N
     assert found.notes == (f"{spec} was made with other defaults: hfi_pll_hz (12.5, now 15)",)
     assert found.policy(spec).settings["hfi_pll_hz"] == DriveDesign().hfi_pll_hz
     assert not bench([spec], None, ["hfi_pll_hz=12.5"], override=True).notes
+
+
+def test_formulas_that_have_changed_are_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the parts that the drive runs on: another observer's do not count."""
+    spec = made(tmp_path, PAPER, FAST)
+    assert not bench([spec]).notes
+
+    def other(motor: Motor, design: DriveDesign) -> Array:
+        record = control_record(motor, design)
+        record["control"]["inv_i_dt"] *= 1.01
+        record["flux"]["gain_w"] *= 2.0
+        return record
+
+    monkeypatch.setattr("sensorless.design.fingerprint.control_record", other)
+    assert bench([spec]).notes == (f"{spec} was made on other gains: its control changed since",)
+    monkeypatch.setattr(fingerprint_module, "control_record", true)
+    assert (
+        fingerprint(PAPER, DriveDesign(estimator="flux", flux_gain=0.3))["observer"]
+        != (fingerprint(PAPER, DriveDesign(estimator="flux"))["observer"])
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,41 @@
+"""Fingerprints of the numbers that a drive runs on: whether its formulas have changed since."""
+
+import hashlib
+from collections.abc import Iterator
+
+import numpy as np
+
+from sensorless.core.api import Array
+from sensorless.design.drive import DriveDesign, control_record
+from sensorless.machine.motor import Motor
+
+OBSERVER = {"smo": "smo", "unwrapped": "smo", "errors": "smo", "flux": "flux", "coupled": "coupled"}
+"""Part of ``drive_params_t`` that an estimator reads, by ``DriveDesign.estimator``."""
+DIGITS = 4
+"""Of the numbers that count: other computers round the last ones otherwise."""
+
+
+def fingerprint(motor: Motor, design: DriveDesign) -> dict[str, str]:
+    """Eight hexadecimal digits of each part of a drive, by name; unused observers do not count."""
+    record = control_record(motor, design)
+    parts = {
+        "injection": ("hfi",),
+        "observer": (OBSERVER[design.estimator], "L_q", "theta_cross"),
+        "control": ("control",),
+        "signals": ("signal",),
+    }
+    return {
+        part: hashlib.sha256(
+            "\n".join(line for name in names for line in _lines(record[name], name)).encode()
+        ).hexdigest()[:8]
+        for part, names in parts.items()
+    }
+
+
+def _lines(record: Array, path: str) -> Iterator[str]:
+    names = record.dtype.names
+    if names is None:
+        yield f"{path} " + " ".join(f"{x:.{DIGITS}g}" for x in np.ravel(record))
+        return
+    for name in names:
+        yield from _lines(record[name], f"{path}.{name}")
