@@ -167,11 +167,7 @@ def test_formulas_that_have_changed_are_said(
 
     monkeypatch.setattr("sensorless.design.fingerprint.control_record", other)
     assert bench([spec]).notes == (f"{spec} was made on other gains: its control changed since",)
-    monkeypatch.setattr(fingerprint_module, "control_record", true)
-    assert (
-        fingerprint(PAPER, DriveDesign(estimator="flux", flux_gain=0.3))["observer"]
-        != (fingerprint(PAPER, DriveDesign(estimator="flux"))["observer"])
-    )
+    assert bench([spec]).policy(spec).settings == asdict(FAST), "and not refused"
 
 
 @pytest.mark.parametrize(
