@@ -109,7 +109,7 @@ TRUTH_NAMES = tuple(enumeration("TRUTH_"))
 
 def pointer(array: Array, ctype: str) -> Any:
     """C pointer ``ctype`` to the start of a contiguous array."""
-    return ffi.from_buffer(ctype, array, require_writable=array.flags.writeable)
+    return ffi.from_buffer(ctype, array)
 
 
 THREADS = "SENSORLESS_THREADS"

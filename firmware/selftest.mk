@@ -4,15 +4,21 @@ CC       ?= cc
 CFLAGS   ?= -O2
 FLAGS    := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARNINGS ?= -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
-SOURCES  := $(wildcard core/*.c cmsis/*.c) ks_table_data.c ks_table_q15.c
+SOURCES  := $(wildcard test/*.c core/*.c cmsis/*.c) ks_table_data.c ks_table_q15.c
+OBJECTS  := $(SOURCES:%.c=build/%.o)
 
 .PHONY: selftest clean
 selftest: build/selftest
 	@build/selftest
 
-build/selftest: $(wildcard test/*.c) $(SOURCES) $(wildcard *.h core/*.h cmsis/*.h test/*.h) Makefile
-	@mkdir -p build
-	$(CC) $(FLAGS) $(CFLAGS) $(WARNINGS) -o $@ $(wildcard test/*.c) $(SOURCES)
+build/selftest: $(OBJECTS)
+	@$(CC) $(FLAGS) $(CFLAGS) -o $@ $^
+
+build/%.o: %.c Makefile
+	@mkdir -p $(@D)
+	@$(CC) $(FLAGS) $(CFLAGS) $(WARNINGS) -MMD -c -o $@ $<
+
+-include $(OBJECTS:.o=.d)
 
 clean:
 	rm -rf build

@@ -2,6 +2,7 @@
 
 import gc
 import os
+from collections.abc import Iterator
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # two threads of torch on a busy machine are slower
 os.environ.setdefault("MPLBACKEND", "Agg")  # figures without a screen
@@ -12,9 +13,13 @@ import pytest
 from sensorless.design.drive import DriveDesign
 from sensorless.export import selftest
 from sensorless.export.export import Exported, export
+from sensorless.machine.map_file import load_map
+from sensorless.machine.map_fit import MapFit, fit_map
 from sensorless.machine.motor import Motor
 from sensorless.pil.tools import missing_packages
+from sensorless.plots import figure
 from sensorless.table.ks_table import Axis, KsTable
+from tests.helpers.machines import MEASURED_MAP
 from tests.helpers.scenarios import lasting
 
 
@@ -55,6 +60,22 @@ def exported(
     """An export of ``table``, with the flags of a user's."""
     folder = tmp_path_factory.mktemp("export") / "made" / "here"
     return export(table, motor, design, folder, policy="trial")
+
+
+@pytest.fixture(scope="session")
+def baldor() -> MapFit:
+    """Fit to the measured flux map of ``pmsyrm_5600w``."""
+    machine = Motor.load("pmsyrm_5600w")
+    return fit_map(*load_map(MEASURED_MAP), machine.i_rated, machine.i_max)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def full_dpi() -> Iterator[int]:
+    """Pictures are drawn with a third of their dots a side; the report's own has all of them."""
+    with pytest.MonkeyPatch.context() as patch:
+        full = figure.DPI
+        patch.setattr(figure, "DPI", full // 3)
+        yield full
 
 
 @pytest.fixture

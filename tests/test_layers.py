@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -67,9 +68,15 @@ def layer(module: str) -> int:
     return found[0]
 
 
+@cache
+def parsed(source: str) -> list[ast.AST]:
+    """All nodes of a source, which several tests look at."""
+    return list(ast.walk(ast.parse(source)))
+
+
 def imports(source: str) -> Iterator[tuple[int, str, str]]:
     """Line, module and name of every import of ``sensorless``, also inside functions."""
-    for node in ast.walk(ast.parse(source)):
+    for node in parsed(source):
         if isinstance(node, ast.Import):
             for alias in node.names:
                 if alias.name.split(".")[0] == "sensorless":
@@ -125,7 +132,7 @@ def test_a_forbidden_import_is_found(module: str, source: str) -> None:
 def private_names(source: str) -> set[str]:
     """Private functions, classes, variables and attributes that a file defines."""
     found = set()
-    for node in ast.walk(ast.parse(source)):
+    for node in parsed(source):
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             found.add(node.name)
         elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
@@ -141,7 +148,7 @@ PRIVATE = set().union(*(private_names(p.read_text(encoding="utf-8")) for p in FI
 def pried(source: str) -> list[str]:
     """Private names of the package that a file outside of it imports, reads or replaces."""
     out, own = [], private_names(source)
-    for node in ast.walk(ast.parse(source)):
+    for node in parsed(source):
         names: list[object] = []
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sensorless."):
             names = [alias.name for alias in node.names]

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import get_args, get_type_hints
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -15,9 +16,13 @@ from sensorless.cli.motor_new import new_command
 from sensorless.cli.suited import say_if_unsuited
 from sensorless.design.drive import DriveDesign
 from sensorless.design.new_motor import START_TIME, new_motor
+from sensorless.machine import map_fit
 from sensorless.machine.datasheet import Datasheet
+from sensorless.machine.magnetics import Floats
+from sensorless.machine.map_fit import MapFit
 from sensorless.machine.motor import MOTORS, Motor, Saturation
 from tests.helpers.command import run
+from tests.helpers.machines import MEASURED_MAP
 
 SHEET = {
     "name": "mine", "out": "mine.toml", "poles": "6", "speed": "1500", "torque": "14",
@@ -109,12 +114,20 @@ def test_the_verdict_names_the_reason(old: str, new: str, said: str, tmp_path: P
     assert (tmp_path / "page.html").exists()
 
 
-MAP = Path(__file__).parents[1] / "data" / "flux_maps" / "baldor_400rpm_map.csv"
+def test_a_flux_map_becomes_a_motor_file(
+    tmp_path: Path, baldor: MapFit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The fit itself is that of ``test_map_fit``, if it is asked for with the same map."""
+    known = Motor.load("pmsyrm_5600w")
 
+    def fitted(i: Floats, psi: Floats, i_rated: float, i_max: float) -> MapFit:
+        assert np.array_equal(i, baldor.i) and np.array_equal(psi, baldor.psi)
+        assert (i_rated, i_max) == (known.i_rated, known.i_max)
+        return baldor
 
-def test_a_flux_map_becomes_a_motor_file(tmp_path: Path) -> None:
+    monkeypatch.setattr(map_fit, "fit_map", fitted)
     words = ["--motor", "pmsyrm_5600w", "--out", "made.toml", "--plot", "fit.png"]
-    done = run("motor", "import-map", str(MAP), *words, cwd=tmp_path)
+    done = run("motor", "import-map", str(MEASURED_MAP), *words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "within rated current: 0.65 and 0.49 RMS" in done.stdout
     made = Motor.load(tmp_path / "made.toml")

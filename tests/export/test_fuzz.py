@@ -13,7 +13,7 @@ RUNS = 400_000
 """With long inputs from the start they reach what ten seconds with growing ones do."""
 
 FLAGS = (
-    "-std=c99 -O1 -g -ffp-contract=off -fno-math-errno -fno-trapping-math "
+    "-std=c99 -O1 -ffp-contract=off -fno-math-errno -fno-trapping-math "
     "-fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all"
 ).split()
 

@@ -1,6 +1,11 @@
-"""Flux maps that several tests integrate."""
+"""Flux maps that several tests integrate or fit."""
+
+from pathlib import Path
 
 from sensorless.machine.motor import Saturation
+
+MEASURED_MAP = Path(__file__).parents[1] / "data" / "flux_maps" / "baldor_400rpm_map.csv"
+"""Measured on the machine of ``pmsyrm_5600w``."""
 
 BRIDGE = Saturation(
     a_d0=3.96,

@@ -1,7 +1,6 @@
 """Flux maps: a measured one to within 1 %, a model's own back to itself, wrong ones refused."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,15 +11,9 @@ from sensorless.machine.map_file import load_map
 from sensorless.machine.map_fit import MapFit, fit_map
 from sensorless.machine.mapped import mapped
 from sensorless.machine.motor import Motor
+from tests.helpers.machines import MEASURED_MAP
 
-BALDOR = Path(__file__).parents[1] / "data" / "flux_maps" / "baldor_400rpm_map.csv"
 MOTOR = Motor.load("pmsyrm_5600w")
-
-
-@pytest.fixture(scope="module")
-def baldor() -> MapFit:
-    i, psi = load_map(BALDOR)
-    return fit_map(i, psi, MOTOR.i_rated, MOTOR.i_max)
 
 
 def grid(motor: Motor, n: int = 9) -> Floats:
@@ -39,7 +32,7 @@ def test_the_measured_map_is_met_within_one_percent_of_rated_current(baldor: Map
 
 def test_it_is_met_where_it_was_not_fitted() -> None:
     """Every other point has no say."""
-    i, psi = load_map(BALDOR)
+    i, psi = load_map(MEASURED_MAP)
     fit = fit_map(i[::2], psi[::2], MOTOR.i_rated, MOTOR.i_max)
     left = currents(fit.saturation, psi[1::2]) - i[1::2]
     held_back = replace(fit, i=i[1::2], psi=psi[1::2], error=left)

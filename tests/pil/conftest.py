@@ -1,13 +1,65 @@
-"""Processor in the loop, run once."""
+"""Processor in the loop, run once; what its images have in common is compiled once."""
+
+import hashlib
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
 from sensorless.design.drive import DriveDesign
+from sensorless.export import selftest
+from sensorless.export.core_files import FIRMWARE
 from sensorless.machine.motor import Motor
+from sensorless.pil import identity, tools
+from sensorless.pil import pil as loop
 from sensorless.pil.pil import Report, pil
 from sensorless.table.ks_table import KsTable
 
 
 @pytest.fixture(scope="session")
 def report(target: None, table: KsTable, motor: Motor, design: DriveDesign) -> Report:
-    return pil(table, motor, design, policy="trial")
+    """A run on the target; the export's own self test has tests of its own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(selftest, "find_compiler", lambda: None)
+        return pil(table, motor, design, policy="trial")
+
+
+Build = Callable[..., Path]
+
+
+def same_everywhere(exported: Path) -> list[Path]:
+    """Sources of an image that do not depend on what was exported."""
+    own = [path for path in FIRMWARE.glob("*.c") if "params.h" not in path.read_text()]
+    return [*(exported / "core").glob("*.c"), *own]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kept_objects(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Build]:
+    """``build`` that takes objects of earlier images where the same sources are compiled again."""
+    kept = tmp_path_factory.mktemp("objects")
+
+    def build(exported: Path, folder: Path, what: str, level: str = "-O2", cc: str = "cc") -> Path:
+        if what != "image":
+            return tools.build(exported, folder, what, level, cc)
+        headers = [*(exported / "core").glob("*.h"), *FIRMWARE.glob("*.h")]
+        sources = same_everywhere(exported)
+        digest = hashlib.sha256(level.encode())
+        for path in sorted(headers + sources, key=lambda path: path.name):
+            digest.update(path.read_bytes())
+        store = kept / digest.hexdigest()
+        wanted = {f"{path.stem}{end}" for path in sources for end in (".o", ".su")}
+        if store.is_dir():
+            shutil.copytree(store, folder, copy_function=shutil.copyfile)
+        image = tools.build(exported, folder, what, level, cc)
+        if not store.is_dir():
+            store.mkdir()
+            for path in folder.iterdir():
+                if path.name in wanted:
+                    shutil.copy(path, store)
+        return image
+
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (loop, identity):
+            patch.setattr(module, "build", build)
+        yield build

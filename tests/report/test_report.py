@@ -19,6 +19,7 @@ from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.results_tables import number
 from sensorless.machine.motor import Motor
+from sensorless.plots import figure
 from sensorless.policies.bench import Bench
 from sensorless.policies.registry import make_policies
 from sensorless.report.cases import CROSSED, cases
@@ -95,11 +96,13 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def page(run: Path) -> Page:
+def page(run: Path, full_dpi: int) -> Page:
     words = ["report", str(run), "--size", str(SIZE), "--grid", "3"]
     for name in OTHERS:
         words += ["--policy", name]
-    done = CliRunner().invoke(app, [*words, "--set", "smo_pll_hz=21"])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figure, "DPI", full_dpi)
+        done = CliRunner().invoke(app, [*words, "--set", "smo_pll_hz=21"])
     assert done.exit_code == 0, done.output
     return Page((run / "report" / "index.html").read_text(encoding="utf-8"))
 

@@ -31,16 +31,19 @@ ODD = {
 }
 """Fields of ``sim_t`` and the value that needs a path that blocks do not have."""
 SIZES = (1, 3, 4, 15, 16, 17, 100)
+MOST = max(SIZES)
+WEIGHTS = np.clip(1.3 * (0.618 * np.arange(MOST) % 1.0) - 0.15, 0.0, 1.0).astype(np.float32)
+"""Both ends and between, however few the drives."""
 PERIODS = 3000
 
 
 @cache
-def drives(n: int, twin: bool, estimator: str, detail: bool = False) -> Array:
+def drives(twin: bool, estimator: str, detail: bool = False) -> Array:
     """Random drives of which some are over before the run, some end in it, and some get lost."""
     motor = Motor.load("paper")
     draw = stress_scenarios if detail else stress_1_scenarios
     sims = SimFactory(motor, DriveDesign(estimator=estimator)).build(
-        draw(motor, np.arange(n, dtype=np.uint64)), twin=twin
+        draw(motor, np.arange(MOST, dtype=np.uint64)), twin=twin
     )
     assert (sims["plant"]["detail"] == detail).all()
     sims["err_limit"][2::5] *= 0.1  # the flux observer loses few
@@ -51,16 +54,22 @@ def drives(n: int, twin: bool, estimator: str, detail: bool = False) -> Array:
 def advance(
     n: int, twin: bool, estimator: str, detail: bool = False, **how: Any
 ) -> tuple[Array, Array]:
-    """Run the drives, each with a weight of its own; drives and signals after it."""
-    sims = drives(n, twin, estimator, detail).copy()
+    """Run the first n drives, each with a weight of its own; drives and signals after it."""
+    sims = drives(twin, estimator, detail)[:n].copy()
     obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
-    sim_run(sims, PERIODS, np.linspace(0.0, 1.0, n, dtype=np.float32), obs, **how)
+    sim_run(sims, PERIODS, WEIGHTS[:n], obs, **how)
     return sims, obs
 
 
 @cache
+def all_plainly(twin: bool, estimator: str, detail: bool) -> tuple[Array, Array]:
+    return advance(MOST, twin, estimator, detail, simd=lib.SIMD_NONE, threads=1)
+
+
 def plainly(n: int, twin: bool, estimator: str, detail: bool = False) -> tuple[Array, Array]:
-    return advance(n, twin, estimator, detail, simd=lib.SIMD_NONE, threads=1)
+    """What the plain loop, which takes them one by one, makes of the first n drives."""
+    sims, obs = all_plainly(twin, estimator, detail)
+    return sims[:n], obs[:n]
 
 
 @pytest.mark.parametrize("detail", [False, True], ids=["plain", "detail"])
@@ -102,7 +111,7 @@ def test_the_drives_are_worth_comparing(estimator: str) -> None:
 
 def test_mixed_drives_run_one_by_one(state_bytes: Bytes) -> None:
     """A block holds one kind of drive; others beside it do not change its results."""
-    sims = drives(32, True, "smo").copy()
+    sims = drives(True, "smo")[:32].copy()
     sims["with_twin"][3], sims["sensored"][20] = 0, 1
     sims["control"]["estimator"][5] = lib.ESTIMATE_FLUX
     expected = sims.copy()
@@ -116,7 +125,7 @@ def test_mixed_drives_run_one_by_one(state_bytes: Bytes) -> None:
 def test_which_drives_run_as_blocks(c: Call, estimator: str) -> None:
     """Those on either observer, as fast as the machine allows; all of them on the same one."""
     found = np.empty(1, np.int32)
-    sims = drives(16, True, estimator).copy()
+    sims = drives(True, estimator)[:16].copy()
     c("batch_fits", sims, 16, found)
     assert found[0] == (lib.sim_simd() if estimator in IN_BLOCKS else lib.SIMD_NONE)
     for other in set(ESTIMATORS) - {estimator}:
@@ -129,7 +138,7 @@ def test_which_drives_run_as_blocks(c: Call, estimator: str) -> None:
 def test_what_vector_code_leaves_out_is_not_in_a_block(c: Call, path: tuple[str, ...]) -> None:
     """One drive with a path of its own keeps all of them out."""
     found = np.empty(1, np.int32)
-    sims = drives(16, True, "smo").copy()
+    sims = drives(True, "smo")[:16].copy()
     record = sims
     for name in path[:-1]:
         record = record[name]
