@@ -18,9 +18,12 @@ def q15() -> ModuleType:
     return script("studies/q15_study.py")
 
 
-@pytest.mark.parametrize("word", ["reference", "reference-flux", "logistic-tuned"])
-def test_metrics_change_by_less_than_one_percent(q15: ModuleType, word: str) -> None:
-    found = q15.study(word, MOTOR, "stress-1", 1, 512)
+@pytest.mark.parametrize(
+    ("word", "size"), [("reference", 128), ("reference-flux", 512), ("logistic-tuned", 128)]
+)
+def test_metrics_change_by_less_than_one_percent(q15: ModuleType, word: str, size: int) -> None:
+    """The flux observer slips seldom: with fewer scenarios a single one is a percent."""
+    found = q15.study(word, MOTOR, "stress-1", 1, size)
     assert found["lost_otherwise"] == 0
     assert len(found["metrics"]) > 20
     for name, row in found["metrics"].items():
