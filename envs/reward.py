@@ -1,8 +1,9 @@
 r"""Reward: the negative cost of a decision, as a sum of named terms.
 
-Running costs are integrated over time, so a return does not depend on the decision period, but for
-the ripple's: a swing within a decision grows with its length. Each is mapped to 0 ... 1: with v the
-root mean square over the decision and s its scale below,
+Running costs are integrated over time: their weights are per 1 ms, whatever the decision period. A
+return still depends on it a little, since v below is taken over a whole decision: in a longer one a
+short peak counts less, and the torque swings further. Each cost is mapped to 0 ... 1: with v the
+root mean square over the decision (of the speed, its mean) and s its scale below,
 
     cost = v^2 / (v^2 + s^2)
 

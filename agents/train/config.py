@@ -62,8 +62,8 @@ class TrainConfig:
         "1",
         2,
         65536,
-        "decisions of each environment between two updates; 400 of 5 ms are a whole scenario, and "
-        "what starts and ends with it needs no guess of the critic",
+        "decisions of each environment between two updates; 400 of 5 ms are a whole scenario, at "
+        "whose time limit the critic's value stands for what would follow",
     )
     batch_size: int = number(12800, "1", 2, 10**7, "samples of a gradient step")
     n_epochs: int = number(2, "1", 1, 100, "passes over the samples an update")

@@ -14,8 +14,9 @@ from sensorless.machine.motor import Motor, Saturation
 Floats = NDArray[np.float64]
 
 
+@lru_cache(maxsize=256)
 def flux_map_record(s: Saturation) -> Array:
-    """The C struct ``flux_map_t`` of a saturation model, shape ()."""
+    """The C struct ``flux_map_t`` of a saturation model, shape (), read-only."""
     record = np.zeros((), dtype=FLUX_MAP)
     for name in (
         "a_d0",
@@ -36,6 +37,7 @@ def flux_map_record(s: Saturation) -> Array:
         record[name] = getattr(s, name)
     record["c_d"] = s.a_dq / (s.V + 2)
     record["c_q"] = s.a_dq / (s.U + 2)
+    record.flags.writeable = False
     return record
 
 
@@ -84,19 +86,28 @@ def flux(s: Saturation, i: Floats) -> Floats:
 
 def torque(motor: Motor, i: Floats) -> Floats:
     """Torque [N m] at currents (n, 2) [A]."""
-    psi = flux(motor.saturation, i)
-    return np.asarray(1.5 * motor.n_p * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0]))
+    return _torque(motor.saturation, motor.n_p, i)
 
 
-@lru_cache(maxsize=64)
+def _torque(s: Saturation, n_p: int, i: Floats) -> Floats:
+    psi = flux(s, i)
+    return np.asarray(1.5 * n_p * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0]))
+
+
 def mtpa(motor: Motor, n: int = 49) -> tuple[Floats, Floats]:
     """Maximum torque per ampere: (i_d, i_q) [A], each shape (n,), from zero to ``motor.i_max``."""
-    amplitude = np.linspace(0.0, motor.i_max, n)
+    return _mtpa(motor.saturation, motor.n_p, motor.i_max, n)
+
+
+@lru_cache(maxsize=512)
+def _mtpa(s: Saturation, n_p: int, i_max: float, n: int) -> tuple[Floats, Floats]:
+    """``mtpa`` by all that it depends on: machines that differ in the rest share it."""
+    amplitude = np.linspace(0.0, i_max, n)
     angle = np.linspace(0.0, 0.5 * np.pi, 181)[:-1]
     grid = np.stack(
         [-np.outer(amplitude, np.sin(angle)), np.outer(amplitude, np.cos(angle))], axis=-1
     )
-    tau = torque(motor, grid.reshape(-1, 2)).reshape(n, -1)
+    tau = _torque(s, n_p, grid.reshape(-1, 2)).reshape(n, -1)
     best = np.clip(np.argmax(tau, axis=1), 1, len(angle) - 2)
     rows = np.arange(n)
     left, mid, right = tau[rows, best - 1], tau[rows, best], tau[rows, best + 1]
