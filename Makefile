@@ -37,15 +37,15 @@ bench: $(READY) ## Measure speed, write build/bench.json
 bench-peers: $(READY) ## Measure speed beside other simulators
 	$(VENV)/bin/python benchmarks/peers.py
 
-reference: $(READY) ## Make results/reference anew (about 15 minutes with -j2)
+reference: $(READY) ## Rebuild results/reference (about 15 minutes with -j2)
 	@$(MAKE) --no-print-directory -f results/reference.mk
 
-clean: ## Remove all that was built, keep the libraries in .venv
+clean: ## Remove build outputs, keep the libraries in .venv
 	rm -rf build dist *.egg-info core/*/*.o sensorless/_core* $(READY)
 	rm -rf .mypy_cache .pytest_cache .ruff_cache
 	find . -path ./$(VENV) -prune -o -name __pycache__ -exec rm -rf {} +
 
-# The stamp. A change of the project file installs anew, a change of the core only compiles it.
+# Time stamp of the installation: a change of the project file reinstalls, one of the core compiles.
 $(READY): pyproject.toml setup.py $(CORE) $(if $(filter core,$(MAKECMDGOALS)),force)
 	@$(MAKE) --no-print-directory $(if $(filter pyproject.toml setup.py,$?),venv,extension)
 	@touch $@
@@ -55,7 +55,7 @@ $(READY): pyproject.toml setup.py $(CORE) $(if $(filter core,$(MAKECMDGOALS)),fo
 venv:
 	@$(PYTHON) -c 'import ensurepip, os, sys, sysconfig as s; sys.exit(sys.version_info < (3, 10) \
 	  or not os.path.exists(os.path.join(s.get_path("include"), "Python.h")))' 2>/dev/null || { \
-	  echo "error: $(PYTHON) has to be Python 3.10 or newer with venv and C headers" \
+	  echo "error: $(PYTHON) must be Python 3.10 or newer with venv and C headers" \
 	       "(Debian: apt-get install python3-venv python3-dev)" >&2; exit 1; }
 	@rm -f $(READY) sensorless/_core*.so
 	@if [ -e $(VENV)/.installing ] || ! $(VENV)/bin/python -c \

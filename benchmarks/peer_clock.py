@@ -1,4 +1,4 @@
-"""Steps per second of a loop, told as JSON; imports nothing but the standard library."""
+"""Steps per second of a loop, printed as JSON; imports nothing but the standard library."""
 
 import json
 import platform

@@ -129,7 +129,7 @@ def start(python: str, module: str, *words: str) -> "subprocess.Popen[str]":
 
 
 def parse(name: str, status: int, out: str, err: str) -> dict[str, Any]:
-    """What a runner told in its last line.
+    """Figures that a runner printed in its last line.
 
     Raises
     ------

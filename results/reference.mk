@@ -1,4 +1,4 @@
-# Makes the reference anew: `make reference` in the folder above. All work is done in build/reference,
+# Rebuilds the reference: `make reference` in the folder above. All work is done in build/reference,
 # where an interrupted run resumes; at the end the files of results/reference that are made here are
 # replaced. Delete a file of build/reference to have it made again.
 SENSORLESS ?= $(abspath .venv/bin/sensorless)

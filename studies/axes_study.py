@@ -3,7 +3,7 @@
     python studies/axes_study.py --steps 4000000 --seeds 1 2 3
 
 Budgets are decisions, not minutes, so a busy machine changes nothing. The JSON file is written
-after every run; the same command goes on where it stopped, and more seeds add to what is there.
+after every run: rerun the command to resume, or with more seeds to add to it.
 Power needs no axis of its own: torque current is positive when motoring, and a table of speed and
 torque current has their product in its span.
 """

@@ -3,11 +3,11 @@
 Usage: python studies/gains_study.py [--generations N] [--out results/studies/gains.json]
 
 Bandwidths, slopes, the current limit and the biases of the observers are searched on scenarios of
-`stress` and `nominal` from the tuning seeds; a generation meets scenarios of its own, the same for
-all candidates. A drive that follows its speed reference less closely than the start does pays for
-it: a slow speed loop is always easier to keep in lock. Start and every PROBE-th centre are judged
-on a set of their own; so are, in the end, the gains that are shipped, and the start with each gain
-of the best alone. The file is written after every generation; a second call goes on from it.
+`stress` and `nominal` from the tuning seeds; each generation has scenarios of its own, the same for
+all candidates. A slow speed loop is always easier to keep in lock, so a drive that follows its
+speed reference less closely than the start is penalised. The start and every PROBE-th centre are
+judged on a separate set; so are, at the end, the shipped gains, and the start with each gain of the
+best alone. The file is written after every generation: rerun the command to resume.
 """
 
 import argparse

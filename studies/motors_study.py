@@ -6,8 +6,8 @@ Every policy runs the suite `motors` on every shipped machine, none of which the
 ones under --policy are compared with the ones under --against in pairs. No worse: the Wilson
 interval of its lost rate does not lie above the other's, and torque deviation over the scenarios
 that both survived is at most 2 % above the other's, with the whole bootstrap interval. The file is
-written after every machine; the same command goes on where it stopped. The schedules made on the
-family are kept beside it, each with its command.
+written after every machine: rerun the command to resume. The schedules made on the family are kept
+beside it, each with its command.
 """
 
 import argparse

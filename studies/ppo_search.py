@@ -2,10 +2,10 @@
 
     python studies/ppo_search.py --trials 60 --steps 2000000
 
-Every trial trains each seed for the same number of decisions and is worth the mean objective of the
-best tables on scenarios that neither training nor validation used. All trials are in the journal:
-the same command goes on where it stopped, and any number of processes may work on one journal. The
-summary lists them, best first. Needs the extra ``tune``.
+Every trial trains each seed for the same number of decisions; its score is the mean objective of
+the best tables on scenarios that neither training nor validation used. All trials are in the
+journal: rerun the command to resume; several processes may share one journal. The summary lists
+them, best first. Needs the extra ``tune``.
 """
 
 import argparse
