@@ -1,12 +1,21 @@
 """Random drives of the paper's machine, and their run in the core."""
 
+from typing import Any
+
 import numpy as np
 
 from sensorless.core.api import SIGNAL_N, Array, sim_run
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.machine.motor import Motor
+
+
+class Alone(SimFactory):
+    """Drives without the twin, which has no say in their angle errors."""
+
+    def build(self, s: Scenarios, **how: Any) -> Array:
+        return super().build(s, **{**how, "twin": False})
 
 
 def drives(n: int = 64) -> Array:

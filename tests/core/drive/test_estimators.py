@@ -20,6 +20,7 @@ from sensorless.observers.coupled_design import voltage_drift
 from sensorless.observers.flux_design import APART
 from sensorless.policies.registry import make_policy
 from sensorless.units import RPM_TO_RAD_S
+from tests.helpers.drives import Alone
 
 Call = Callable[..., None]
 State = Callable[[Array], bytes]
@@ -130,7 +131,7 @@ def test_flux_observer_does_not_slip(motor: Motor, carrier: bool, n: int) -> Non
 
     Both where dead time is averaged and where it is switched. Without the cure: 40 to 50 degrees.
     """
-    factory = SimFactory(motor, DriveDesign(estimator="flux", carrier=carrier))
+    factory = Alone(motor, DriveDesign(estimator="flux", carrier=carrier))
     for name in ("eq25", "grid-flux-tuned", "logistic-flux-tuned", "reference-flux"):
         policy = make_policy(name, motor)
         policy.settings = {}

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +18,7 @@ from sensorless.machine.magnetics import flux
 from sensorless.machine.motor import Motor
 from sensorless.observers import flux_design
 from sensorless.policies.registry import make_policy
+from tests.helpers.drives import Alone
 
 Call = Callable[..., None]
 U_DC, TRANSISTOR, DIODE = 540.0, 1.1, 0.7
@@ -111,13 +111,6 @@ def test_dead_time_at_small_currents_is_that_of_the_edges(c: Call, motor: Motor)
         old.append(abs(complex(y[0, 0], y[0, 1]) - truth))
     rms = [float(np.sqrt(np.mean(np.square(x)))) for x in (new, old)]
     assert rms[0] < rms[1] / 3.0, rms
-
-
-class Alone(SimFactory):
-    """Drives without the twin, which has no say in their angle errors."""
-
-    def build(self, s: Scenarios, **how: Any) -> Array:
-        return super().build(s, **{**how, "twin": False})
 
 
 def test_unload_slips_where_it_does_on_the_switching_inverter(
