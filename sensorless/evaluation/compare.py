@@ -54,7 +54,15 @@ class Outcomes:
             total = x[rows].sum(axis=-1) / np.maximum(kept, 1)
             return np.asarray(np.where(kept > 0, total, 1.0))
 
-        return np.mean(lost, axis=-1), mean(self.torque_dev), mean(self.torque_ripple)
+        rate = np.asarray(lost.sum(axis=-1) / max(lost.shape[-1], 1))
+        return rate, mean(self.torque_dev), mean(self.torque_ripple)
+
+
+def counted(feasible: int, size: int) -> str:
+    """Number of scenarios in words."""
+    return (
+        f"{size} scenarios" if feasible == size else f"{feasible} feasible scenarios ({size} drawn)"
+    )
 
 
 def outcomes(
@@ -81,7 +89,9 @@ class Comparison:
     against: str
     """Name of the other one."""
     scenarios: int
-    """Number of those that are feasible for both."""
+    """Number of those that are feasible for both"""
+    size: int
+    """and of all."""
     ours: Cost
     theirs: Cost
     change: float
@@ -93,8 +103,8 @@ class Comparison:
 
     @property
     def word(self) -> str:
-        """How it compares: same, better, worse or level."""
-        if self.same:
+        """How it compares: same, better, worse or level, and level if nothing is feasible."""
+        if self.same and self.scenarios:
             return "same"
         low, high = self.interval
         return "better" if high < 0.0 else "worse" if low > 0.0 else "level"
@@ -102,7 +112,9 @@ class Comparison:
     @property
     def sentence(self) -> str:
         """The verdict."""
-        where = f"{self.scenarios} scenarios of {SUITE} that it was not made on"
+        if not self.scenarios:
+            return f"not to compare with {self.against}: no scenario of {SUITE} is feasible"
+        where = f"{counted(self.scenarios, self.size)} of {SUITE} that it was not made on"
         if self.same:
             return f"the same as {self.against}: every one of {where} ends alike"
         start = {
@@ -153,6 +165,7 @@ def contrast(ours: Outcomes, theirs: Outcomes, against: str) -> Comparison:
     return Comparison(
         against,
         len(rows),
+        len(feasible),
         ours.cost(feasible),
         theirs.cost(feasible),
         float(change(np.arange(len(rows)))) if len(rows) else 0.0,

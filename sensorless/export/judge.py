@@ -7,7 +7,7 @@ from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
-from sensorless.evaluation.compare import Comparison, compare, outcomes
+from sensorless.evaluation.compare import Comparison, compare, counted, outcomes
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, TablePolicy
 
@@ -23,7 +23,9 @@ class Judged:
 
     lost: int
     nominal: int
-    """Scenarios of ``SUITE`` that are feasible, of which ``lost`` were lost."""
+    """Scenarios of ``SUITE`` that are feasible, of which ``lost`` were lost,"""
+    drawn: int
+    """and of all."""
     eq25: Comparison
     """With Eq. 25 on the same machine and drive."""
 
@@ -34,15 +36,15 @@ class Judged:
             return f"no scenario of {SUITE} is feasible on this machine"
         if self.lost > MOST_LOST * self.nominal:
             return (
-                f"it loses {self.lost} of {self.nominal} scenarios of {SUITE}, more than "
-                f"{100 * MOST_LOST:g} %"
+                f"it loses {self.lost} of {counted(self.nominal, self.drawn)} of {SUITE}, more "
+                f"than {100 * MOST_LOST:g} %"
             )
         return f"it is {self.eq25.sentence}" if self.eq25.word == "worse" else ""
 
     @property
     def sentence(self) -> str:
         """The verdict."""
-        nominal = f"lost {self.lost} of {self.nominal} scenarios of {SUITE}"
+        nominal = f"lost {self.lost} of {counted(self.nominal, self.drawn)} of {SUITE}"
         return f"{self.eq25.sentence}; {nominal}"
 
     def facts(self) -> dict[str, Any]:
@@ -62,6 +64,7 @@ def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
     return Judged(
         int(nominal.lost.sum()),
         int(nominal.feasible.sum()),
+        len(nominal.feasible),
         compare(policy, eq25, "Eq. 25", factories),
     )
 

@@ -185,7 +185,7 @@ def make_policies(
 
 
 def table_named(spec: str, motor: Motor) -> KsTable:
-    """Table of a policy, for training to start from.
+    """Table of a policy, for training to start from: its numbers, whatever it was made for.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def table_named(spec: str, motor: Motor) -> KsTable:
         The policy has no table, or as in `make_policy`.
     """
     try:
-        policy = make_policy(spec, motor)
+        policy = make_policy(spec, motor, override=True)
     except UserError as error:
         raise UserError(f"start: {error}") from None
     if not isinstance(policy, TablePolicy):

@@ -1,5 +1,6 @@
 """The verdict about two schedules: right on made-up outcomes, and on drives that run."""
 
+import json
 import math
 
 import numpy as np
@@ -66,7 +67,15 @@ def test_what_is_not_feasible_does_not_count() -> None:
     half = Outcomes(np.arange(N) % 2 == 0, ours.lost, ours.torque_dev, ours.torque_ripple)
     found = contrast(half, theirs, "it")
     assert found.scenarios == N // 2
+    assert "200 feasible scenarios (400 drawn) of stress-1" in found.sentence
     assert found.theirs.torque_dev == pytest.approx(float(DEV[::2].mean()) + 0.01)
+
+
+def test_a_machine_that_can_do_nothing_is_not_judged() -> None:
+    none = Outcomes(NONE, NONE, DEV, DEV)
+    found = contrast(none, none, "it")
+    assert found.word == "level" and found.sentence.startswith("not to compare with it")
+    json.dumps(found.facts(), allow_nan=False)
 
 
 def test_on_drives(monkeypatch: pytest.MonkeyPatch) -> None:

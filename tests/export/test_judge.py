@@ -14,7 +14,7 @@ from sensorless.table.ks_table import KsTable
 from tests.helpers.command import run
 
 LEVEL = Comparison(
-    "Eq. 25", 400, Cost(0.0, 0.03, 0.01), Cost(0.0, 0.03, 0.01), 0.0, (-1e-3, 1e-3), False
+    "Eq. 25", 400, 400, Cost(0.0, 0.03, 0.01), Cost(0.0, 0.03, 0.01), 0.0, (-1e-3, 1e-3), False
 )
 WORSE = replace(LEVEL, change=1e-3, interval=(1e-4, 2e-3))
 BETTER = replace(LEVEL, change=-1e-3, interval=(-2e-3, -1e-4))
@@ -23,11 +23,12 @@ BETTER = replace(LEVEL, change=-1e-3, interval=(-2e-3, -1e-4))
 @pytest.mark.parametrize(
     ("judged", "objection"),
     [
-        (Judged(10, 200, LEVEL), ""),
-        (Judged(0, 200, BETTER), ""),
-        (Judged(11, 200, BETTER), "it loses 11 of 200 scenarios of nominal, more than 5 %"),
-        (Judged(0, 200, WORSE), "it is worse than Eq. 25"),
-        (Judged(0, 0, LEVEL), "no scenario of nominal is feasible"),
+        (Judged(10, 200, 200, LEVEL), ""),
+        (Judged(0, 200, 200, BETTER), ""),
+        (Judged(11, 200, 200, BETTER), "it loses 11 of 200 scenarios of nominal, more than 5 %"),
+        (Judged(0, 200, 200, WORSE), "it is worse than Eq. 25"),
+        (Judged(3, 42, 200, BETTER), "it loses 3 of 42 feasible scenarios (200 drawn) of nominal"),
+        (Judged(0, 0, 200, LEVEL), "no scenario of nominal is feasible"),
     ],
 )
 def test_what_is_refused(judged: Judged, objection: str) -> None:
@@ -38,7 +39,7 @@ def test_what_is_refused(judged: Judged, objection: str) -> None:
 def test_the_unfit_is_refused_and_written_by_force(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "judge_export", lambda *_: Judged(11, 200, WORSE))
+    monkeypatch.setattr(module, "judge_export", lambda *_: Judged(11, 200, 200, WORSE))
     words = ["export", "eq25", "--out", "out", "--no-fit"]
     done = run(*words, cwd=tmp_path)
     assert done.returncode == 2 and done.stderr.count("\n") == 1

@@ -17,7 +17,7 @@ from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.rollout import rollout
 from sensorless.machine.motor import Motor
 from sensorless.policies.bench import bench
-from sensorless.policies.registry import RULES
+from sensorless.policies.registry import RULES, table_named
 from sensorless.policies.tuned import Tuned
 from sensorless.policy import design_for
 from sensorless.table.ks_table import KsTable
@@ -106,6 +106,11 @@ def test_policies_of_two_machines_are_refused(tmp_path: Path) -> None:
         bench(specs)
     assert bench(specs, override=True).motor == PAPER
     assert len(bench(specs, override=True).policies(specs)) == 2
+
+
+def test_a_start_is_only_numbers_of_any_machine(tmp_path: Path) -> None:
+    spec = made(tmp_path, OTHER, FAST)
+    assert table_named(spec, PAPER).digest == linear_table(*EQ25_BAND).digest
 
 
 def test_a_schedule_of_many_machines_runs_on_any(tmp_path: Path) -> None:
