@@ -30,6 +30,7 @@ def design_smo(
     floor_rpm: float,
     switching: str,
     lag_cure: bool,
+    motoring: float,
     omega_max: float,
 ) -> dict[str, Any]:
     """Fields of ``smo_params_t``.
@@ -53,6 +54,8 @@ def design_smo(
         What corrects the model current, one of ``SWITCHING``.
     lag_cure : bool
         EMF from the exact steady-state relation.
+    motoring : float
+        Observer's q inductance as a motor over that as a generator; below 1 counts as 1.
     omega_max : float
         Bound on the speed estimate, electrical [rad/s].
 
@@ -80,6 +83,7 @@ def design_smo(
         "root": root,
         "climb": climb * motor.T_s,
         "lag_cure": float(lag_cure),
+        "L_q_rise": max(0.0, motoring - 1.0),
         "alpha_omega": low_pass(cross_hz, motor.T_s),
         "alpha_e": low_pass(emf_hz, motor.T_s),
         "e_floor": max(1.0, 0.5 * omega_floor * motor.psi_f),

@@ -54,6 +54,8 @@ CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t 
         flux_observe(&p->flux, &x->flux, &x->emf, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
                      lead, p->T_s);
     } else {
+        float share = pos.j > 0 ? 1.0f : pos.f;
+        L_q = smo_L_q(&p->smo, L_q, x->control.i.q * x->est.omega, share);
         smo_observe(&p->smo, &x->smo, &x->emf, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
                     p->T_s);
     }

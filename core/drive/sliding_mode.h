@@ -35,6 +35,7 @@ typedef struct {
     float root;        /* super-twisting: k_1 over the speed [V s/A^(1/2)] */
     float climb;       /* super-twisting: T_s k_2 over the square of the speed [V s^2] */
     float lag_cure;    /* 1: EMF from the exact steady-state relation, 0: EMF equal to z */
+    float L_q_rise;    /* rise of L_q from generator to motor, over that of a generator */
     float alpha_omega; /* low-pass on the speed inside the model [rad/s] times T_s, at most 1 */
     float alpha_e;     /* low-pass on the EMF [rad/s] times T_s, at most 1; 1 switches it off */
     float e_floor;     /* least EMF magnitude that the error is divided by [V] */
@@ -64,6 +65,17 @@ CORE_INLINE void smo_slide(const smo_params_t *p, smo_state_t *x, ab_t d, float 
     x->v.b = clamp_f(x->v.b + climb * s.b, -p->k, p->k);
     x->z.a = root * sqrt_f(abs_f(d.a)) * s.a + x->v.a;
     x->z.b = root * sqrt_f(abs_f(d.b)) * s.b + x->v.b;
+}
+
+/* L_q of the observer as a motor or a generator: power > 0 as a motor; share of the rise, 0 without
+ * torque current.
+ *
+ * Too large an L_q makes a generator unstable: the estimated speed stands in the cross term, and its
+ * error omega_err comes back as an angle of -(L_q - L_d) i_q omega_err / E, which takes damping from
+ * the PLL. As a motor the same term adds damping, and a low L_q only costs angle. */
+CORE_INLINE float smo_L_q(const smo_params_t *p, float L_q, float power, float share) {
+    float rise = power > 0.0f ? p->L_q_rise : 0.0f;
+    return L_q + rise * share * L_q;
 }
 
 /* One period. y: the estimate, advanced to k+1; i_ab: measured current at k [A]; u_ab: voltage

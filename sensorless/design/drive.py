@@ -45,6 +45,7 @@ class DriveDesign:
         math.inf, "Hz", 1, math.inf, "low-pass on the EMF; inf: none", endless=True
     )
     L_q_bias: float = number(0.7, "1", 0.3, 1.5, "SMO's q inductance over the apparent one")
+    L_q_motoring: float = number(0.9, "1", 0.3, 1.5, "the same as a motor, where that is more")
     smo_floor_rpm: float = number(
         40.0, "r/min", 0, 1e4, "speed below which the EMF is not used; 0: no warm start"
     )
@@ -56,9 +57,7 @@ class DriveDesign:
     )
     flux_gain: float = number(0.2, "1", 0, 5, "how fast the flux correction rises with speed")
     flux_L_q_bias: float = number(0.9, "1", 0.3, 1.5, "flux observer's L_q over the apparent one")
-    coupled_L_q_bias: float = number(
-        0.85, "1", 0.3, 1.5, "coupled observer's q inductance over the apparent one"
-    )
+    coupled_L_q_bias: float = number(0.85, "1", 0.3, 1.5, "coupled one's L_q over the apparent one")
     coupled_linear: bool = switch(
         False, "coupled observer's flux correction without the sigmoid, in proportion to the error"
     )
@@ -184,6 +183,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
         floor_rpm=design.smo_floor_rpm,
         switching=design.smo_switching,
         lag_cure=design.lag_cure,
+        motoring=design.L_q_motoring / design.L_q_bias,
         omega_max=omega_max,
     )
     hfi = design_hfi(

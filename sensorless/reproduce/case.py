@@ -23,6 +23,7 @@ PUBLISHED = DriveDesign(
     smo_gain=1.0,
     smo_cross_hz=math.inf,
     L_q_bias=1.0,
+    L_q_motoring=1.0,
     speed_hz=3.0,
     lag_cure=False,
     L_q_table=False,

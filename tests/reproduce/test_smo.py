@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from sensorless.core.api import Array
+from sensorless.core.api import CURVE_N, Array
 from sensorless.design.drive import DriveDesign, control_record
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.evaluation.steady import make_ideal, steady
@@ -25,12 +25,16 @@ SPEEDS = (300.0, 350.0, 600.0, 1000.0)
 LOADS = (-5.0, -2.0, 0.0, 3.0, 6.0)
 
 
-@pytest.mark.parametrize("L_q_bias", [0.7, 0.85, 1.0])
+@pytest.mark.parametrize(
+    ("generator", "motoring"), [(0.7, 0.7), (0.7, 0.9), (0.85, 0.7), (1.0, 1.0)]
+)
 @pytest.mark.parametrize("R_s", [0.8, 1.0, 1.2])
-def test_closed_form(motor: Motor, L_q_bias: float, R_s: float) -> None:
+def test_closed_form(motor: Motor, generator: float, motoring: float, R_s: float) -> None:
     """Angle error over speed, load, resistance and L_q error, at the currents that flow.
 
     err = atan2(w (psi_q - L_q_hat i_q) - dR i_d, w (psi_d - L_q_hat i_d) + dR i_q)
+
+    As a motor L_q_hat rises by the first node of its curve, and never falls.
     """
 
     def change(sims: Array) -> None:
@@ -38,12 +42,14 @@ def test_closed_form(motor: Motor, L_q_bias: float, R_s: float) -> None:
         sims["plant"]["R_s"] *= R_s
 
     rpm, tau = np.array(list(product(SPEEDS, LOADS))).T
-    run = steady(motor, replace(FIXED, L_q_bias=L_q_bias), rpm, tau, 0.0, settle=3.0, change=change)
+    design = replace(FIXED, L_q_bias=generator, L_q_motoring=motoring)
+    run = steady(motor, design, rpm, tau, 0.0, settle=3.0, change=change)
     assert run.held.all()
     i_d, i_q = run.i.T
     psi = flux(motor.saturation, run.i)
     w, dR = motor.n_p * rpm * RPM_TO_RAD_S, (R_s - 1.0) * motor.R_s
-    L_q_hat = L_q_bias * motor.L_q
+    share = np.clip(i_q * (CURVE_N - 1) / motor.i_max, 0.0, 1.0)
+    L_q_hat = (generator + share * max(0.0, motoring - generator)) * motor.L_q
     expected = np.arctan2(
         w * (psi[:, 1] - L_q_hat * i_q) - dR * i_d, w * (psi[:, 0] - L_q_hat * i_d) + dR * i_q
     )

@@ -142,6 +142,7 @@ def test_gain_beyond_the_range_is_refused(motor: Motor) -> None:
             floor_rpm=40.0,
             switching="sigmoid",
             lag_cure=True,
+            motoring=1.0,
             omega_max=800.0,
         )
 
