@@ -11,7 +11,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import KsTable
 
-TABLE, MLP, CONFIG = "table.json", "mlp.npz", "config.json"
+TABLE, MLP, CONFIG, VERDICT = "table.json", "mlp.npz", "config.json", "verdict.json"
 
 
 def load_run(

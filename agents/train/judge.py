@@ -4,7 +4,7 @@ import csv
 import json
 from pathlib import Path
 
-from sensorless.agents.loading import TABLE, load_run
+from sensorless.agents.loading import TABLE, VERDICT, load_run
 from sensorless.agents.train.run_folder import PROGRESS, reopen
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
@@ -14,8 +14,6 @@ from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import KsTable
-
-VERDICT = "verdict.json"
 
 
 def judge(folder: Path) -> str:

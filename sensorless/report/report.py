@@ -1,11 +1,13 @@
 """Judges a policy, draws figures, and writes one HTML page with the pictures beside it."""
 
+import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 
+from sensorless.agents.loading import VERDICT
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.envs.scenarios.words import scenario_from
 from sensorless.evaluation.evaluate import PolicyProgress, evaluate
@@ -205,6 +207,9 @@ class Report:
                 facts["training"] = f"{known['steps']} decisions, seed {known['seed']}"
         if not self.policy.sensored:
             facts["estimator"] = design_for(self.policy, self.design).estimator
+        verdict = Path(self.run) / VERDICT
+        if verdict.is_file():
+            facts["verdict"] = json.loads(verdict.read_text(encoding="utf-8"))["verdict"]
         facts["compared with"] = ", ".join(self.others)
         return facts
 

@@ -92,6 +92,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
         },
     )
     (folder / "progress.csv").write_text(CURVE)
+    (folder / "verdict.json").write_text('{"verdict": "better than its start"}')
     return folder
 
 
@@ -159,7 +160,13 @@ def test_commands_and_versions_are_there(run: Path, page: Page) -> None:
     assert "sensorless train --name <mine>" in page.text
     assert f"--suite handoff --seed 7 --size {SIZE} --details --set smo_pll_hz=21" in page.text
     assert "sensorless simulate --scenario stress-1:7:" in page.text
-    for text in ("torch, in training9.9", "numpy", "4000 decisions, seed 3", "45 nodes"):
+    for text in (
+        "torch, in training9.9",
+        "numpy",
+        "4000 decisions, seed 3",
+        "45 nodes",
+        "better than its start",
+    ):
         assert text in page.text
 
 

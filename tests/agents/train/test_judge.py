@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from sensorless.agents.loading import TABLE
-from sensorless.agents.train.judge import VERDICT, judge
+from sensorless.agents.loading import TABLE, VERDICT
+from sensorless.agents.train.judge import judge
 from sensorless.agents.train.run_folder import PROGRESS
 from sensorless.baselines.linear import linear_table
 from sensorless.table.ks_table import KsTable
