@@ -7,7 +7,8 @@ import numpy as np
 from benchmarks.peer_clock import rate, tell
 from sensorless.core.api import PLANT_STATE, SIGNAL_N, Array, sim_run
 from sensorless.core.machine import plant_run
-from sensorless.design.drive import DriveDesign, plant_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import plant_record
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor

@@ -10,14 +10,18 @@ from typing import Any
 
 from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.motor import Motor
-from sensorless.observers.hfi_design import error_slope, hf_current
+from sensorless.observers.flux_design import standstill_rate
+from sensorless.observers.hfi_design import error_slope
 from sensorless.observers.smo_design import low_pass
+from sensorless.observers.tracking import (
+    CHANGES,
+    flux_noise,
+    injection_noise,
+    rated_acceleration,
+    tracking,
+    voltage_drift,
+)
 
-CHANGES = 1.0
-"""Rated changes of the load, and full changes of the dead time's voltage, per second [1/s]."""
-SENSOR_LSB = 3.0
-"""Error of a current sample by noise, offset and gain, in steps of the converter. Injection uses
-second differences, whose error is one step."""
 INERTIA_SHARE = 2.0 / 3.0
 """Share of the torque that is fed forward: the mean of 1/3 and 1, for inertias of one to three
 times the machine's own."""
@@ -49,42 +53,23 @@ class Bandwidths:
     """of the injection's double pole"""
 
 
-def rated_acceleration(motor: Motor) -> float:
-    """Acceleration by rated torque on the machine's own inertia, electrical [rad/s^2]."""
-    return motor.n_p * motor.tau_rated / motor.J
-
-
-def converter_step(motor: Motor) -> float:
-    """One step of the current measurement [A]."""
-    return float(2.0 * motor.adc_range / 2**motor.adc_bits)
-
-
-def voltage_drift(motor: Motor) -> float:
-    """Rate at which uncompensated dead time turns the flux [rad/s]."""
-    return motor.u_dc * motor.dead_time / motor.T_s / motor.psi_f
-
-
 def bandwidths(motor: Motor, speed_hz: float) -> Bandwidths:
     """Steady-state Kalman gains of the two loops, for white noise and random steps.
 
-    Voltage model: an acceleration of ``rated_acceleration`` a changes ``CHANGES`` times a second;
-    each sample's flux angle has noise of sigma = L_q ``SENSOR_LSB`` steps / psi_f:
-    W^3 = a sqrt(CHANGES) / (sigma sqrt(T_s)).
-    Injection: a drift of ``voltage_drift`` v changes as often; its angle has noise of one step over
-    the slope of the injected current: W^2 = v sqrt(CHANGES) / (sigma sqrt(T_s)) / 2.
+    Voltage model: ``tracking`` with ``flux_noise``. Injection: a drift of ``voltage_drift`` v
+    changes as often as the acceleration; with ``injection_noise`` sigma,
+    W^2 = v sqrt(CHANGES) / (sigma sqrt(T_s)) / 2.
 
     Parameters
     ----------
     speed_hz : float
         Natural frequency of the speed loop [Hz].
     """
-    step, often = converter_step(motor), math.sqrt(CHANGES / motor.T_s)
-    by_flux = motor.L_q * SENSOR_LSB * step / motor.psi_f
-    by_injection = step / (hf_current(motor) * error_slope(motor.L_d, motor.L_q))
+    often = math.sqrt(CHANGES / motor.T_s)
     return Bandwidths(
-        flux=(rated_acceleration(motor) * often / by_flux) ** (1.0 / 3.0),
+        flux=tracking(motor, flux_noise(motor)),
         load=LOAD_OVER_SPEED * 2.0 * math.pi * speed_hz,
-        injection=math.sqrt(0.5 * voltage_drift(motor) * often / by_injection),
+        injection=math.sqrt(0.5 * voltage_drift(motor) * often / injection_noise(motor)),
     )
 
 
@@ -125,14 +110,13 @@ def design_coupled(
     acceleration, drift = rated_acceleration(motor), voltage_drift(motor)
     left = acceleration / at.flux**2
     low, high = (share * left for share in RISE)
-    b = 0.5 * motor.R_s * (motor.L_d + motor.L_q) / (motor.L_d * motor.L_q)
     layer = drift / (LAYER_SPEED * motor.omega_rated)
     return {
         "R_s": motor.R_s,
         "L_d": motor.L_d,
         "psi_d": {"y": flux_at_no_d_current(motor, line)},
         "psi_sq_min": (0.25 * motor.psi_f) ** 2,
-        "gain_0": b * motor.T_s,
+        "gain_0": standstill_rate(motor) * motor.T_s,
         "gain_w": DAMPING * motor.T_s,
         "layer": layer,
         "inv_layer": 0.0 if linear else 1.0 / layer,

@@ -4,13 +4,28 @@ import math
 from typing import Any
 
 from sensorless.machine.motor import Motor
-from sensorless.observers.coupled_design import voltage_drift
 from sensorless.observers.pll_design import pll_gains
+from sensorless.observers.tracking import voltage_drift
 
 APART = math.radians(5.0)
 """Angle at which injection, at full weight, holds a flux that the whole voltage of the dead time
 turns [rad]. An inverter with half again that dead time, of which the drive compensates half, then
 leaves 15 degrees at a quarter of the weight."""
+STANDSTILL_SHARE = 0.1
+"""Largest part of the correction that does not rise with speed, over rated electrical speed. The
+correction has twice this rate. At the hand-over, a fifth of rated speed, it may be as fast as the
+flux turns: with rate g, a voltage error of share v of the EMF turns the angle by delta with
+sin(delta) = g / omega (1 - cos(delta) + v) + v, which has no solution for large g / omega."""
+
+
+def standstill_rate(motor: Motor) -> float:
+    """Half the rate of the flux correction at standstill [1/s].
+
+    b = R_s (L_d + L_q) / (2 L_d L_q), the bound of doi 10.1109/TIA.2018.2858753, within
+    ``STANDSTILL_SHARE``.
+    """
+    b = 0.5 * motor.R_s * (motor.L_d + motor.L_q) / (motor.L_d * motor.L_q)
+    return min(b, STANDSTILL_SHARE * motor.omega_rated)
 
 
 def design_flux(
@@ -18,8 +33,8 @@ def design_flux(
 ) -> dict[str, Any]:
     """Fields of ``flux_params_t`` (doi 10.1109/TIA.2018.2858753).
 
-    The flux is corrected along the auxiliary flux with b + ``gain`` times the speed,
-    b = R_s (L_d + L_q) / (2 L_d L_q): the bound at standstill. Injection turns it at k rad/s a
+    The flux is corrected along the auxiliary flux with ``standstill_rate`` + ``gain`` times the
+    speed. Injection turns it at k rad/s a
     radian of lead and full weight. Dead time that nothing compensates turns it by
     ``voltage_drift``; k = voltage_drift / ``APART`` stops it there.
 
@@ -35,14 +50,13 @@ def design_flux(
         Bound on the speed estimate, electrical [rad/s].
     """
     k_p, k_i = pll_gains(pll_hz, 1.0, zeta=1.0)
-    b = 0.5 * motor.R_s * (motor.L_d + motor.L_q) / (motor.L_d * motor.L_q)
     return {
         "pll": {"k_p": k_p, "k_i": k_i, "omega_max": omega_max},
         "R_s": motor.R_s,
         "L_d": motor.L_d,
         "psi_f": motor.psi_f,
         "psi_sq_min": (0.25 * motor.psi_f) ** 2,
-        "gain_0": b * motor.T_s,
+        "gain_0": standstill_rate(motor) * motor.T_s,
         "gain_w": gain * motor.T_s,
         "k_turn": voltage_drift(motor) / APART * motor.T_s,
         "omega_floor": motor.rpm_to_electrical(floor_rpm),

@@ -16,6 +16,8 @@ from sensorless.errors import UserError
 REQUIRED: Any = dataclasses.MISSING
 """Default of a setting that must be given."""
 SWITCH = {"true": True, "false": False}
+AUTO = "auto"
+"""Word for a number that follows from the machine."""
 LARGEST = 1e300
 """Larger numbers count as infinite: a whole number may be too large for a double."""
 
@@ -45,6 +47,8 @@ class Setting:
     """Words of earlier versions, and those that replace them."""
     was: str = ""
     """Name of a setting of earlier versions that this one replaces."""
+    derived: bool = False
+    """Whether None, or the word ``AUTO``, leaves it to a formula."""
 
     @property
     def allowed(self) -> str:
@@ -54,6 +58,8 @@ class Setting:
         if self.kind is str:
             words = list(self.choices)
             return " or ".join(filter(None, (", ".join(words[:-1]), *words[-1:]))) or "text"
+        if self.derived:
+            return f"{dataclasses.replace(self, derived=False).allowed}, or {AUTO}"
         unit = "" if self.unit == "1" else f" {self.unit}"
         if self.high == math.inf:
             text = f"{'above' if self.above else 'at least'} {self.low:.12g}{unit}"
@@ -71,6 +77,8 @@ class Setting:
 
     def holds(self, value: object) -> bool:
         """Whether a value is of the kind of the setting and in its range."""
+        if self.derived and value is None:
+            return True
         if self.kind is bool:
             return isinstance(value, bool)
         if self.kind is str:
@@ -97,7 +105,7 @@ class Setting:
             Names the setting, the value, what it must be, and what it means.
         """
         if self.holds(value):
-            return self.kind(value)
+            return value if value is None else self.kind(value)
         if isinstance(value, str) and value in self.renamed:
             now = self.renamed[value]
             raise UserError(f"{where}{self.name}: {value!r} is now called {now!r}: write {now}")
@@ -115,7 +123,9 @@ class Setting:
     def parsed(self, text: str, where: str = "") -> Any:
         """Value of a text; errors as `checked`."""
         value: object = text
-        if self.kind is bool:
+        if self.derived and text == AUTO:
+            value = None
+        elif self.kind is bool:
             value = SWITCH.get(text, text)
         elif self.kind is not str:
             try:
@@ -155,6 +165,12 @@ def number(
     return field(default=default, metadata={"setting": setting})
 
 
+def derived(unit: str, low: float, high: float, meaning: str, *, endless: bool = False) -> Any:
+    """Field of a number that follows from the machine unless it is given."""
+    setting = Setting("", None, unit, low, high, meaning, kind=float, endless=endless, derived=True)
+    return field(default=None, metadata={"setting": setting})
+
+
 def switch(default: bool, meaning: str) -> Any:
     """Field that is true or false."""
     return word(default, meaning)
@@ -178,7 +194,9 @@ def word(
 def settings_of(cls: type) -> Mapping[str, Setting]:
     """Settings of a dataclass by name; other fields are left out."""
     return {
-        f.name: dataclasses.replace(f.metadata["setting"], name=f.name, kind=f.type)
+        f.name: dataclasses.replace(
+            s := f.metadata["setting"], name=f.name, kind=s.kind if s.derived else f.type
+        )
         for f in dataclasses.fields(cls)
         if "setting" in f.metadata
     }

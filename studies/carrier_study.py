@@ -18,7 +18,8 @@ from rich.table import Table
 
 from sensorless.core.api import CARRIER_NAMES, PLANT_STATE
 from sensorless.core.machine import carrier_run
-from sensorless.design.drive import DriveDesign, plant_record, sensor_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import plant_record, sensor_record
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.aggregate import paired, summary

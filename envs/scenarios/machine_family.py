@@ -19,7 +19,7 @@ from sensorless.machine.magnetics import Floats, cross_angle, flux, inverse_indu
 from sensorless.machine.motor import Motor
 from sensorless.units import RPM_TO_RAD_S
 
-NAME = "ipmsm-1"
+NAME = "ipmsm-2"
 """Name of these ranges and checks; if they change, the name has to change."""
 
 MOST_MACHINES = 256
@@ -38,27 +38,32 @@ class Range:
 
 
 RANGES = {
-    "n_p": Range(2.0, 5.0, "whole part: four to eight poles, the usual servo and fan machines"),
-    "n_rated_rpm": Range(1000.0, 2200.0, "mains machines; 33 to 147 Hz, 34 periods a turn or more"),
-    "u_dc": Range(300.0, 650.0, "rectified mains, 230 V to 460 V"),
-    "i_rated": Range(3.0, 16.0, "1 to 6 kW; the drive's slope limit is in A/s", log=True),
-    "emf": Range(0.45, 1.0, "no-load EMF at rated speed: reluctance-assisted to all magnet"),
-    "x_d": Range(0.2, 0.45, "d reactance of machines with buried magnets"),
-    "saliency": Range(1.4, 5.0, "L_q / L_d: below, injection sees nothing to lock on to", log=True),
-    "r": Range(0.02, 0.08, "resistance of machines of a few kW"),
+    "n_p": Range(2.0, 20.999, "whole part: four poles to a gearless hub's forty", log=True),
+    "n_rated_rpm": Range(120.0, 6000.0, "gearless drives to spindles", log=True),
+    "u_dc": Range(12.0, 660.0, "one lead battery to rectified 460 V mains", log=True),
+    "i_rated": Range(3.0, 400.0, "peak, battery tools to traction", log=True),
+    "emf": Range(0.35, 1.0, "no-load EMF at rated speed: reluctance-assisted to all magnet"),
+    "x_d": Range(0.1, 0.45, "d reactance of machines with buried magnets"),
+    "saliency": Range(1.36, 6.6, "L_q / L_d of published salient machines", log=True),
+    "r": Range(0.01, 0.1, "resistance: traction machine to a small one of 12 V", log=True),
     "sat_q": Range(0.0, 0.5, "share that the iron of q adds to 1 / L_q at rated current"),
     "sat_d": Range(0.0, 0.3, "share of the iron in 1 / L_d at no load"),
     "cross": Range(0.0, 0.45, "share of cross-saturation in 1 / L_q: up to 15 degrees at rated"),
+    "linear": Range(0.0, 1.0, "share that stands for ``LINEAR``"),
     "exponent": Range(1.0, 4.0, "whole part: how suddenly q saturates"),
     "loading": Range(0.75, 1.0, "current that rated torque needs: name plates round up"),
-    "start_time": Range(0.12, 0.45, "J omega / tau, rated [s]: bare shaft to fan", log=True),
+    "start_time": Range(0.03, 0.45, "J omega / tau, rated [s]: bare servo shaft to fan", log=True),
     "friction": Range(0.005, 0.03, "of rated torque at rated speed"),
     "i_max": Range(1.2, 1.5, "overload of a drive without derating"),
-    "carrier": Range(0.009, 0.013, "injected q current a radian of error over rated current"),
-    "dead_time": Range(1.5e-6, 2.5e-6, "IGBT inverters of this size [s]"),
+    "carrier": Range(0.009, 0.03, "injected q current a radian of error over rated", log=True),
+    "T_s": Range(5e-5, 2e-4, "PWM of 5 to 20 kHz [s]", log=True),
+    "dead_time": Range(0.002, 0.015, "over T_s: MOSFETs at 10 kHz to IGBTs", log=True),
 }
-T_S = 2e-4
-"""PWM period [s], that of the source paper."""
+MOST_TORQUE, LEAST_TORQUE = 1260.0, 0.4
+"""Rated torques [N m]; injection and control need ``PERIODS`` an electrical turn at rated speed."""
+PERIODS = 20.0
+LINEAR = 0.3
+"""Share of machines without saturation."""
 
 
 def family(seed: int, n: int) -> tuple[Motor, ...]:
@@ -94,7 +99,11 @@ def _drawn(name: str, d: Draws) -> Motor | None:
     x = {key: _number(d, limits) for key, limits in RANGES.items()}
     n_p, i_rated = int(x["n_p"]), x["i_rated"]
     omega = n_p * x["n_rated_rpm"] * RPM_TO_RAD_S
-    base = x["u_dc"] / math.sqrt(3.0) / omega
+    base, T_s = x["u_dc"] / math.sqrt(3.0) / omega, x["T_s"]
+    if 2.0 * math.pi / (omega * T_s) < PERIODS:
+        return None
+    if x["linear"] < LINEAR:
+        x |= {"sat_q": 0.0, "sat_d": 0.0, "cross": 0.0}
     psi_f, L_d = _rounded(x["emf"] * base), _rounded(x["x_d"] * base / i_rated)
     L_q = _rounded(L_d * x["saliency"])
     tables: dict[str, Any] = {
@@ -106,11 +115,11 @@ def _drawn(name: str, d: Draws) -> Motor | None:
                    "u_dc": x["u_dc"]},
         "saturation": _saturation(x, L_d, L_q, psi_f, i_rated),
         "drive": {
-            "T_s": T_S,
-            "u_inj": _rounded(2.0 * x["carrier"] * i_rated / (T_S * (1.0 / L_d - 1.0 / L_q))),
+            "T_s": T_s,
+            "u_inj": _rounded(2.0 * x["carrier"] * i_rated / (T_s * (1.0 / L_d - 1.0 / L_q))),
             "i_max": _rounded(x["i_max"] * i_rated),
             "i_trip": _rounded(3.0 * i_rated),
-            "dead_time": x["dead_time"],
+            "dead_time": _rounded(x["dead_time"] * T_s),
             "adc_range": _rounded(2.0 * i_rated),
             "adc_bits": 12,
         },
@@ -120,6 +129,8 @@ def _drawn(name: str, d: Draws) -> Motor | None:
     except UserError:  # a flux map without an inverse
         return None
     rated = float(np.interp(x["loading"] * i_rated, np.hypot(*line.T), tau))
+    if not LEAST_TORQUE <= rated <= MOST_TORQUE:
+        return None
     speed = x["n_rated_rpm"] * RPM_TO_RAD_S
     tables["rating"]["tau_rated"] = _rounded(rated)
     tables["machine"]["J"] = _rounded(x["start_time"] * rated / speed)

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import PROFILE_N, SIM, Array, lib, sim_start
-from sensorless.design.drive import DriveDesign, control_record, fill, plant_record, sensor_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record, fill, plant_record, sensor_record
 from sensorless.envs.counter_random import Floats, Seeds
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor

@@ -172,7 +172,7 @@ def new_command(
     design = DriveDesign()
     data = new_motor(
         name, sheet, u_dc=known["u_dc"], pwm_hz=known["pwm"], adc_range=adc_range,
-        adc_bits=adc_bits, dead_time=dead_time, u_inj=u_inj, pll_hz=design.hfi_pll_hz,
+        adc_bits=adc_bits, dead_time=dead_time, u_inj=u_inj, design=design,
     )  # fmt: skip
     motor = Motor.from_tables(plain(data), str(out))
     head = (

@@ -19,6 +19,7 @@ def motors_command() -> None:
     """
     from rich.table import Table
 
+    from sensorless.design.derived import derive
     from sensorless.design.drive import DriveDesign
     from sensorless.machine.motor import MOTORS, Motor
     from sensorless.policies.best import best
@@ -43,7 +44,7 @@ def motors_command() -> None:
             f"{motor.u_dc:g}",
             str(2 * motor.n_p),
             f"{motor.L_q / motor.L_d:.2f}",
-            examine(motor, DriveDesign().hfi_pll_hz).verdict.word,
+            examine(motor, derive(motor, DriveDesign()).hfi_pll_hz).verdict.word,
         )
     console.print(table)
     console.print("best schedules, by studies/best_schedules.py", highlight=False)

@@ -47,7 +47,8 @@ def settings_command(
 def facts(setting: Setting) -> dict[str, Any]:
     """All about a setting in JSON types; the end of an unlimited range is null."""
     out: dict[str, Any] = {"name": setting.name, "type": setting.kind.__name__}
-    out["default"] = text_of(setting.default) if setting.default == math.inf else setting.default
+    word = setting.default is None or setting.default == math.inf
+    out["default"] = text_of(setting.default) if word else setting.default
     if setting.kind in (int, float):
         out["unit"] = setting.unit
         out["low"] = setting.low

@@ -13,8 +13,9 @@ if TYPE_CHECKING:
 
 def say_if_unsuited(motor: "Motor", design: "DriveDesign") -> None:
     """Print the verdict of the check without its simulation, unless it is yes."""
+    from sensorless.design.derived import derive
     from sensorless.suitability.examine import examine
 
-    verdict = examine(motor, design.hfi_pll_hz).verdict
+    verdict = examine(motor, derive(motor, design).hfi_pll_hz).verdict
     if verdict.word != "yes":
         errors.print(f"[bold]{escape(motor.name)}[/]: {escape(str(verdict))}", highlight=False)

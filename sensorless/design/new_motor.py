@@ -2,8 +2,11 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
+from sensorless.design.derived import derive
+from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.machine.datasheet import Datasheet, Number, machine_numbers
 from sensorless.machine.motor import Motor
@@ -18,6 +21,8 @@ OVERLOAD, TRIP = 1.5, 3.0
 """Current limit of the control, and trip, over rated current; see also ``ADC_ROOM``."""
 ADC_ROOM = 0.9
 """Most current limit over the converter's range: leaves room for injection and ripple."""
+ROUNDS = 4
+"""Rounds of voltage and bandwidth; each changes by the sixth root of what the other did."""
 START_TIME = 0.2
 """J omega / tau at rated values, assumed where the inertia is unknown [s]."""
 
@@ -32,7 +37,7 @@ def new_motor(
     adc_bits: int = 12,
     dead_time: float | None = None,
     u_inj: float | None = None,
-    pll_hz: float,
+    design: DriveDesign,
 ) -> dict[str, Any]:
     """Tables of a motor file, see ``motor_file.tables``.
 
@@ -43,8 +48,8 @@ def new_motor(
     u_dc, pwm_hz, adc_range, adc_bits, dead_time, u_inj : float
         The inverter: link voltage [V], switching frequency [Hz], largest measurable current [A],
         resolution, dead time [s], injected voltage [V]; None: chosen, and the file says so.
-    pll_hz : float
-        Natural frequency of the injection loop that the injected voltage is chosen for [Hz].
+    design : DriveDesign
+        Its injection loop is what the injected voltage is chosen for.
 
     Raises
     ------
@@ -72,7 +77,9 @@ def new_motor(
     motor = Motor.from_tables(plain(tables(name, what, numbers)), name)
     require_saliency(motor)
     if u_inj is None:
-        volt = suggested_injection(motor, pll_hz)
+        for _ in range(ROUNDS):  # the loop's bandwidth follows from the voltage
+            volt = suggested_injection(motor, derive(motor, design).hfi_pll_hz)
+            motor = replace(motor, u_inj=volt)
         why = "chosen: angle noise and converter step at rated current, dead time, u_dc / 5"
         numbers["u_inj"] = Number(volt, why)
     return tables(name, what, numbers)

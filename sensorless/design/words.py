@@ -6,7 +6,7 @@ from typing import Any
 
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
-from sensorless.settings import refuse_old, settings_of
+from sensorless.settings import AUTO, refuse_old, settings_of
 
 OBSERVERS = {
     "smo": "SMO",
@@ -51,8 +51,10 @@ def asked_for(words: Sequence[str] | None) -> dict[str, Any]:
     return values
 
 
-def text_of(value: float | bool | str) -> str:
+def text_of(value: float | bool | str | None) -> str:
     """Value of a setting as --set takes it."""
+    if value is None:
+        return AUTO
     if isinstance(value, bool):
         return str(value).lower()
     return value if isinstance(value, str) else f"{value:.12g}"

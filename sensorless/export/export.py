@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from sensorless.decision import RUNNING, whole_periods
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.design.words import observer_name
 from sensorless.errors import UserError
 from sensorless.export.cmsis import cmsis_files

@@ -46,8 +46,13 @@ def currents(s: Saturation, psi: Floats) -> Floats:
     return flux_map_currents(flux_map_record(s), s.a_b > 0.0, psi)
 
 
-def inverse_inductance(s: Saturation, psi: Floats, step: float = 1e-6) -> Floats:
-    """Jacobian d(i_d, i_q)/d(psi_d, psi_q) [1/H], shape (n, 2, 2), by central differences."""
+def inverse_inductance(s: Saturation, psi: Floats, step: float | None = None) -> Floats:
+    """Jacobian d(i_d, i_q)/d(psi_d, psi_q) [1/H], shape (n, 2, 2), by central differences.
+
+    ``step`` [Vs] is by default a millionth of 1 Vs, or of the magnet's flux if that is less.
+    """
+    if step is None:
+        step = 1e-6 * min(1.0, s.i_f / s.a_d0 if s.i_f > 0.0 else 1.0)
     columns = []
     for axis in range(2):
         shift = np.zeros(2)

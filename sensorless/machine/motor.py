@@ -15,7 +15,7 @@ else:
     import tomli as tomllib
 
 from sensorless.errors import UserError
-from sensorless.settings import REQUIRED, number, read
+from sensorless.settings import REQUIRED, derived, number, read
 
 MOTORS = Path(__file__).parent / "motors"
 INF = math.inf
@@ -86,6 +86,7 @@ class Motor:
     dead_time: float = number(REQUIRED, "s", 0, 1e12, "dead time of a leg")
     adc_range: float = positive("A", "largest current that is measured")
     adc_bits: int = number(REQUIRED, "1", 4, 32, "bits of the current measurement")
+    speed_hz: float | None = derived("Hz", 0.1, 50, "speed loop that the application asks for")
     emf_5: float = number(0.0, "1", -0.5, 0.5, "5th harmonic of the no-load EMF over the first")
     emf_7: float = number(0.0, "1", -0.5, 0.5, "7th harmonic of the no-load EMF over the first")
     saliency_6: float = number(0.0, "1", -0.5, 0.5, "second saliency over the first")

@@ -8,7 +8,7 @@ import numpy as np
 
 from sensorless.core.api import PLANT, PLANT_NAMES, PLANT_STATE, Array
 from sensorless.core.machine import plant_run
-from sensorless.design.drive import SUB_STEPS
+from sensorless.design.records import SUB_STEPS
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats, flux, flux_map_record

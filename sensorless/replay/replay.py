@@ -8,7 +8,8 @@ from rich.table import Table
 
 from sensorless.core.api import REPLAY_NAMES, SIGNAL_N, Array, ObserverRun
 from sensorless.decision import decision_periods
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.design.words import observer_name
 from sensorless.errors import UserError
 from sensorless.files import write_atomic

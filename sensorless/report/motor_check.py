@@ -8,6 +8,7 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from rich.table import Table
 
+from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.files import write_atomic
@@ -50,7 +51,7 @@ class Check:
 
 def check(motor: Motor, design: DriveDesign, size: int = SIZE) -> Check:
     """Examine a machine, and simulate it unless the verdict is no; ``size`` 0: examine only."""
-    e = examine(motor, design.hfi_pll_hz)
+    e = examine(motor, derive(motor, design).hfi_pll_hz)
     if e.verdict.word == "no" or size == 0:
         return Check(e, None)
     policies = {"eq25": make_policy("eq25", motor)}

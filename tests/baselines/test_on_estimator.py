@@ -8,7 +8,8 @@ from typer.testing import CliRunner
 
 from sensorless.cli.app import app
 from sensorless.decision import decision_periods
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.rollout import rollout

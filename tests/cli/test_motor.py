@@ -184,7 +184,7 @@ def test_the_help_names_the_values_that_are_assumed() -> None:
         (limit, 1e3, long),
         (limit, 2e4, 0.02 / 2e4),
     ):
-        made = new_motor("mine", sheet, u_dc=volt, pwm_hz=pwm, pll_hz=15.0)
+        made = new_motor("mine", sheet, u_dc=volt, pwm_hz=pwm, design=DriveDesign())
         assert made["drive"]["dead_time"] == pytest.approx(dead_time)
         assert made["drive"]["adc_range"] == pytest.approx(2.0 * math.sqrt(2.0) * 4.3, rel=1e-4)
     assert f"{START_TIME:g} s from rest" in helps["inertia"]

@@ -11,7 +11,7 @@ from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.design.words import design_from
 from sensorless.errors import UserError
-from sensorless.settings import settings_of
+from sensorless.settings import AUTO, settings_of
 
 RUNNER = CliRunner()
 
@@ -32,10 +32,11 @@ def test_json_tells_what_a_design_is_made_of() -> None:
     facts = json.loads(RUNNER.invoke(app, ["settings", "--json"]).output)
     design = {f["name"]: f["default"] for f in facts}
     want = asdict(DriveDesign())
-    assert design == {**want, "smo_emf_hz": "inf"}
+    automatic = {name: AUTO for name, value in want.items() if value is None}
+    assert design == {**want, **automatic, "smo_emf_hz": "inf"} and "speed_hz" in automatic
     assert all(f["meaning"] for f in facts)
     (pll,) = [f for f in facts if f["name"] == "smo_pll_hz"]
-    assert (pll["type"], pll["unit"], pll["low"], pll["high"]) == ("float", "Hz", 1, 200)
+    assert (pll["type"], pll["unit"], pll["low"], pll["high"]) == ("float", "Hz", 1, 1000)
     words = [f"{name}={str(value).lower()}" for name, value in design.items() if name[0] != "L"]
     assert design_from(words) == DriveDesign()
     assert design_from(["smo_emf_hz=inf"]).smo_emf_hz == math.inf

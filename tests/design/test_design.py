@@ -8,14 +8,8 @@ import numpy as np
 import pytest
 
 from sensorless.design.control import design_curves, operating_line, torque_constant
-from sensorless.design.drive import (
-    ESTIMATORS,
-    RENAMED,
-    DriveDesign,
-    control_record,
-    plant_record,
-    sensor_record,
-)
+from sensorless.design.drive import ESTIMATORS, RENAMED, DriveDesign
+from sensorless.design.records import control_record, plant_record, sensor_record
 from sensorless.design.words import OBSERVERS, observer_name
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor, Saturation

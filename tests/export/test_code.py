@@ -10,7 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.errors import UserError
 from sensorless.export.code import c_float
 from sensorless.export.core_files import core_files

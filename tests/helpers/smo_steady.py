@@ -9,7 +9,8 @@ import numpy as np
 
 from sensorless.core.api import Array, struct_dtype
 from sensorless.core.machine import plant_run
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.observers.smo_design import super_twisting

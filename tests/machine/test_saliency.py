@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.errors import UserError
 from sensorless.machine.magnetics import cross_angle, mtpa
 from sensorless.machine.motor import Motor, Saturation

@@ -9,7 +9,8 @@ import pytest
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.core.api import Array
 from sensorless.design.carried import carried, record
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
@@ -152,7 +153,7 @@ def test_a_default_that_has_changed_is_said_but_not_refused(tmp_path: Path) -> N
     then = {**asdict(DriveDesign()), "hfi_pll_hz": 12.5, "speed_hz": 3.0}
     table.save(path, {**table.provenance, "design": then})
     found = bench([spec])
-    assert found.notes == (f"{spec} was made with other defaults: hfi_pll_hz (12.5, now 15)",)
+    assert found.notes == (f"{spec} was made with other defaults: hfi_pll_hz (12.5, now auto)",)
     assert found.policy(spec).settings["hfi_pll_hz"] == DriveDesign().hfi_pll_hz
     assert not bench([spec], None, ["hfi_pll_hz=12.5"], override=True).notes
 

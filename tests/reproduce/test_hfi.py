@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.errors import UserError
 from sensorless.evaluation.steady import make_ideal, steady
 from sensorless.identify.cross_coupling import (

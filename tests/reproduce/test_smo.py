@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from sensorless.core.api import CURVE_N, Array
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.evaluation.steady import make_ideal, steady
 from sensorless.evaluation.trace import lost_cause, trace

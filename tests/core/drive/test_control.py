@@ -11,7 +11,9 @@ import pytest
 
 from sensorless.core.api import Array, struct_dtype
 from sensorless.design.control import operating_line
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.derived import derive
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 
@@ -260,7 +262,7 @@ def test_speed_step_without_limits_does_not_overshoot(c: Call, motor: Motor) -> 
     """The IP form follows a critically damped second order: 2 % within 5.9 / w, no overshoot."""
     p, x = params(motor, i_q_slew=1e6, mtpa=False), np.zeros(1, dtype=STATE)
     k_t, speed = 1.5 * motor.n_p**2 * motor.psi_f, []
-    omega, hertz = 0.0, DESIGN.speed_hz
+    omega, hertz = 0.0, derive(motor, DESIGN).speed_hz
     for _ in range(int(1.5 / motor.T_s)):
         step(c, motor, p, x, 0j, omega=omega, omega_ref=20.0, u_dc=AMPLE)
         omega += motor.T_s * k_t * float(x["i_ref"]["q"][0]) / motor.J

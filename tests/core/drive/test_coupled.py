@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from sensorless.core.api import Array, struct_dtype
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.derived import derive
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.observers.coupled_design import bandwidths
 
@@ -93,7 +95,7 @@ def loop(p: Array, omega: float = 0.0, T_s: float = T_S) -> Floats:
 
 def test_poles(linear: Motor) -> None:
     """Those that the design asks for: (s + W)^2 (s + r) and, apart from them, (s + Omega)^2."""
-    at = bandwidths(linear, DriveDesign().speed_hz)
+    at = bandwidths(linear, derive(linear, DriveDesign()).speed_hz)
     matrix = loop(params(linear))
     wanted = [-at.flux, -at.flux, -at.load]
     assert np.poly(matrix[:3, :3]) == pytest.approx(np.poly(wanted), rel=1e-5)
@@ -104,8 +106,9 @@ def test_poles(linear: Motor) -> None:
 @pytest.mark.parametrize("name", ["paper", "ipmsm_2200w", "pmsyrm_5600w"])
 def test_the_drift_moves_the_poles_little(name: str) -> None:
     """All are damped by more than 0.6, none is slower than half the load's."""
-    poles = np.linalg.eigvals(loop(params(Motor.load(name)), T_s=Motor.load(name).T_s)[:5, :5])
-    at = bandwidths(Motor.load(name), DriveDesign().speed_hz)
+    motor = Motor.load(name)
+    poles = np.linalg.eigvals(loop(params(motor), T_s=motor.T_s)[:5, :5])
+    at = bandwidths(motor, derive(motor, DriveDesign()).speed_hz)
     assert np.all(-poles.real / np.abs(poles) > 0.6)
     assert np.all(np.abs(poles) > 0.5 * at.load)
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from sensorless.core.api import SIGNAL_N, Array, sim_run, struct_dtype
-from sensorless.design.drive import ESTIMATORS, DriveDesign, control_record
+from sensorless.design.drive import ESTIMATORS, DriveDesign
+from sensorless.design.records import control_record
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.envs.scenarios.suites import suite
@@ -16,8 +17,8 @@ from sensorless.evaluation.metrics.catalogue import angle_err_max_deg
 from sensorless.evaluation.rollout import rollout
 from sensorless.evaluation.steady import make_ideal, steady
 from sensorless.machine.motor import Motor, Saturation
-from sensorless.observers.coupled_design import voltage_drift
 from sensorless.observers.flux_design import APART
+from sensorless.observers.tracking import voltage_drift
 from sensorless.policies.registry import make_policy
 from sensorless.units import RPM_TO_RAD_S
 from tests.helpers.drives import Alone

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from sensorless.core.api import CONTROL, Array, lib, pointer, struct_dtype
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.machine.motor import Motor
 
 STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")

@@ -11,7 +11,8 @@ import pytest
 
 from sensorless.core.api import struct_dtype
 from sensorless.core.machine import plant_run
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.machine.magnetics import cross_angle, flux, inverse_inductance
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.plant.case import PlantCase

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sensorless.core.api import lib, pointer, struct_dtype
-from sensorless.design.drive import control_record
+from sensorless.design.records import control_record
 from sensorless.machine.motor import Motor
 from sensorless.observers.smo_design import SWITCHING, super_twisting
 from tests.helpers.smo_steady import ESTIMATE, EXACT, STATE, Call, angles, linear, params

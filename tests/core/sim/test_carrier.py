@@ -10,7 +10,7 @@ from scipy.integrate import quad
 
 from sensorless.core.api import CARRIER_NAMES, PLANT, PLANT_STATE, SENSOR, Array
 from sensorless.core.machine import carrier_run
-from sensorless.design.drive import plant_record
+from sensorless.design.records import plant_record
 from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.motor import Motor, Saturation
 

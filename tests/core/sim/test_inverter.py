@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sensorless.core.api import SENSOR, Array
-from sensorless.design.drive import sensor_record
+from sensorless.design.records import sensor_record
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 

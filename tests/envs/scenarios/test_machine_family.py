@@ -7,7 +7,15 @@ import pytest
 
 from sensorless.design.control import operating_line
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.scenarios.machine_family import MOST_MACHINES, RANGES, family, family_digest
+from sensorless.envs.scenarios.machine_family import (
+    LEAST_TORQUE,
+    MOST_MACHINES,
+    MOST_TORQUE,
+    PERIODS,
+    RANGES,
+    family,
+    family_digest,
+)
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
@@ -54,8 +62,11 @@ def test_numbers_are_in_their_ranges_and_belong_together(
         "start_time": motor.J * speed / motor.tau_rated,
         "friction": motor.B * speed / motor.tau_rated,
         "i_max": motor.i_max / motor.i_rated,
-        **{name: getattr(motor, name) for name in ("n_rated_rpm", "u_dc", "i_rated", "dead_time")},
+        **{name: getattr(motor, name) for name in ("n_rated_rpm", "u_dc", "i_rated", "T_s")},
+        "dead_time": motor.dead_time / motor.T_s,
     }
+    assert LEAST_TORQUE <= motor.tau_rated <= MOST_TORQUE
+    assert 2.0 * math.pi / (motor.omega_rated * motor.T_s) >= PERIODS
     for name, value in found.items():
         assert 0.998 * RANGES[name].low <= value <= 1.002 * RANGES[name].high, name
     psi = flux(motor.saturation, np.zeros((1, 2)))

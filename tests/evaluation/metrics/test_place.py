@@ -72,7 +72,7 @@ def test_a_drive_that_never_lived_was_nowhere() -> None:
 @pytest.fixture(scope="module")
 def stressed() -> Rollout:
     return rollout(
-        make_policy("hfi", MOTOR),
+        make_policy("smo", MOTOR),  # without injection: loses those at rest
         stress_1_scenarios(MOTOR, np.arange(24, dtype=np.uint64)),
         FACTORY,
     )

@@ -1,0 +1,56 @@
+"""How fast an estimator should follow: acceleration against noise, from the machine file.
+
+An acceleration of ``rated_acceleration`` a changes ``CHANGES`` times a second at random, and each
+sample of the angle has white noise of standard deviation sigma. The steady-state Kalman filter of
+angle, speed and acceleration then has three poles of magnitude W,
+
+    W^3 = a sqrt(CHANGES) / (sigma sqrt(T_s))
+
+(Kalata's tracking index, doi 10.1109/TAES.1984.310438). docs/gains.md lists all that follows.
+"""
+
+import math
+
+from sensorless.machine.motor import Motor
+from sensorless.observers.hfi_design import error_slope, hf_current
+
+CHANGES = 1.0
+"""Rated changes of the load, and full changes of the dead time's voltage, per second [1/s]."""
+SENSOR_LSB = 3.0
+"""Error of a current sample by noise, offset and gain, in steps of the converter. Injection uses
+second differences, whose error is one step."""
+
+LEAST_SLOPE = 1e-6
+"""Stands for a slope of the error signal that is zero or negative: no saliency, no signal."""
+
+
+def rated_acceleration(motor: Motor) -> float:
+    """Acceleration by rated torque on the machine's own inertia, electrical [rad/s^2]."""
+    return motor.n_p * motor.tau_rated / motor.J
+
+
+def converter_step(motor: Motor) -> float:
+    """One step of the current measurement [A]."""
+    return float(2.0 * motor.adc_range / 2**motor.adc_bits)
+
+
+def voltage_drift(motor: Motor) -> float:
+    """Rate at which uncompensated dead time turns the flux [rad/s]."""
+    return motor.u_dc * motor.dead_time / motor.T_s / motor.psi_f
+
+
+def flux_noise(motor: Motor) -> float:
+    """Noise of the flux angle of a sample [rad]: L_q ``SENSOR_LSB`` steps over psi_f."""
+    return motor.L_q * SENSOR_LSB * converter_step(motor) / motor.psi_f
+
+
+def injection_noise(motor: Motor) -> float:
+    """Noise of the injection's angle of a sample [rad]: a step over the slope of its answer."""
+    slope = max(error_slope(motor.L_d, motor.L_q), LEAST_SLOPE)
+    return converter_step(motor) / (hf_current(motor) * slope)
+
+
+def tracking(motor: Motor, noise: float) -> float:
+    """W of this module's formula [rad/s] for angles with ``noise`` [rad]."""
+    steps = math.sqrt(CHANGES / motor.T_s)
+    return float((rated_acceleration(motor) * steps / noise) ** (1.0 / 3.0))

@@ -1,0 +1,117 @@
+"""Numbers of the drive that follow from the machine where the user gives none.
+
+docs/gains.md has the reasons and what each constant does on machines from 0.4 to 1260 N m.
+"""
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from sensorless.design.control import operating_line
+from sensorless.design.drive import DriveDesign
+from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_inductance
+from sensorless.machine.motor import Motor
+from sensorless.observers.tracking import (
+    flux_noise,
+    injection_noise,
+    rated_acceleration,
+    tracking,
+    voltage_drift,
+)
+from sensorless.units import RPM_TO_RAD_S
+
+DIP = 0.1
+"""Dip of the speed after a step of rated torque, over rated speed. The IP speed loop with a double
+pole at w dips by tau / (J w e)."""
+LOOP_SHARE = 1.0 / 18.0
+"""Largest natural frequency of the speed loop over the bandwidth of the flux: faster, and the loop
+makes torque of the estimate's lag and noise."""
+PHASE_LOSS = (0.45, math.pi / 4.0)
+"""Phase that 1.5 periods of delay may take from the current loop at its crossover, 2 alpha, with
+the inductances that it is designed for and with the smallest of the operating line [rad]."""
+CURRENT_OVER = (2.4, 30.0)
+"""Bandwidth of the current loop over rated electrical speed, or over the speed loop: more is not
+needed and passes noise."""
+INJECTION_SHARE = 0.87
+"""Injection's PLL over ``tracking``: it has no state for the acceleration, so it needs none of the
+lead that the filter of three states spends noise on."""
+EMF_OVER, ERROR_OVER = 4.0 / 3.0, 5.0 / 3.0
+"""PLL on the EMF, and on weighed errors, over injection's: the EMF's angle has less noise."""
+LEFT_DEAD_TIME, LEFT_RESISTANCE = 0.75, 1.0 / 3.0
+"""What is not known of the voltage: of the dead time's, which may be 1.5 times as large as the file
+says and is compensated by 0.75, and of the resistive voltage at rated current, from a cold to a
+hot winding."""
+FLOOR_MOST = 0.1
+"""Largest speed floor over rated speed: half of the speed at which Eq. 25 leaves injection."""
+
+
+@dataclass(frozen=True)
+class Derived:
+    """Settings of ``DriveDesign`` that it leaves to the machine, all as numbers."""
+
+    speed_hz: float
+    i_q_slew: float
+    current_hz: float
+    hfi_pll_hz: float
+    smo_pll_hz: float
+    smo_cross_hz: float
+    error_pll_hz: float
+    flux_pll_hz: float
+    smo_floor_rpm: float
+
+
+def derive(motor: Motor, design: DriveDesign) -> Derived:
+    """Every number of ``Derived``: that of the design, or else by its formula."""
+    given = {f.name: getattr(design, f.name) for f in fields(Derived)}
+    if given["speed_hz"] is None:
+        given["speed_hz"] = motor.speed_hz
+    speed = _first(given["speed_hz"], speed_loop(motor))
+    injection = INJECTION_SHARE * tracking(motor, injection_noise(motor)) / (2.0 * math.pi)
+    emf = _first(given["smo_pll_hz"], EMF_OVER * injection)
+    formulas = {
+        "speed_hz": speed,
+        "i_q_slew": 4.0 * math.pi * speed * motor.i_rated,
+        "current_hz": current_loop(motor, speed),
+        "hfi_pll_hz": injection,
+        "smo_pll_hz": emf,
+        "smo_cross_hz": emf,
+        "error_pll_hz": ERROR_OVER * injection,
+        "flux_pll_hz": tracking(motor, flux_noise(motor)) / (2.0 * math.pi),
+        "smo_floor_rpm": speed_floor(motor),
+    }
+    return Derived(**{name: _first(given[name], formulas[name]) for name in formulas})
+
+
+def speed_loop(motor: Motor) -> float:
+    """Natural frequency of the speed loop [Hz]: ``DIP`` after a rated load, or ``LOOP_SHARE``.
+
+    The slope limit of the torque current is then 2 w i_rated, with which this loop answers a step
+    of rated torque: it acts on what asks for more, steps of the reference.
+    """
+    for_dip = rated_acceleration(motor) / (math.e * DIP * motor.omega_rated)
+    return min(for_dip, LOOP_SHARE * tracking(motor, flux_noise(motor))) / (2.0 * math.pi)
+
+
+def current_loop(motor: Motor, speed_hz: float) -> float:
+    """Bandwidth of the current loop [Hz] from delay, ``PHASE_LOSS``, and need, ``CURRENT_OVER``."""
+    line = operating_line(motor, True)
+    line = line[np.hypot(*line.T) <= (1.0 + 1e-9) * motor.i_max]
+    half = float(apparent_q_inductance(motor, np.array([[0.0, 0.5 * motor.i_rated]]))[0])
+    gamma = inverse_inductance(motor.saturation, flux(motor.saturation, line))
+    rise = max(1.0, float(np.max(motor.L_d * gamma[:, 0, 0])), float(np.max(half * gamma[:, 1, 1])))
+    by_delay = min(PHASE_LOSS[0], PHASE_LOSS[1] / rise) / (3.0 * motor.T_s)
+    over_speed, over_loop = CURRENT_OVER
+    by_need = max(over_speed * motor.omega_rated, over_loop * 2.0 * math.pi * speed_hz)
+    return min(by_delay, by_need) / (2.0 * math.pi)
+
+
+def speed_floor(motor: Motor) -> float:
+    """Speed [r/min] whose EMF is as large as the voltage that the drive does not know."""
+    unknown = LEFT_DEAD_TIME * voltage_drift(motor)
+    unknown += LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
+    return min(unknown, FLOOR_MOST * motor.omega_rated) / motor.n_p / RPM_TO_RAD_S
+
+
+def _first(given: float | None, formula: float) -> float:
+    return formula if given is None else given
