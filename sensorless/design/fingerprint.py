@@ -6,7 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from sensorless.core.api import Array
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.machine.motor import Motor
 
 OBSERVER = {"smo": "smo", "unwrapped": "smo", "errors": "smo", "flux": "flux", "coupled": "coupled"}
