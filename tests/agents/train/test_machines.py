@@ -13,9 +13,11 @@ from typer.testing import CliRunner
 from sensorless.agents.loading import load_run, provenance
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import training_env
+from sensorless.agents.train.judge import judge
 from sensorless.agents.train.run_folder import design_and_motor
 from sensorless.agents.train.train import resume, train
 from sensorless.agents.validation import validate, validate_all
+from sensorless.baselines.linear import linear_table
 from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.privileged import N_PRIVILEGED
@@ -121,6 +123,9 @@ def test_a_run_goes_on_with_its_own_machines(
     resume(TrainConfig(steps=512), folder)
     assert len((folder / "progress.csv").read_text().splitlines()) > before
     assert json.loads((folder / "config.json").read_text())["train"]["machines"] == 3
+    known = KsTable.load(folder / "table.json").provenance
+    linear_table(0.6, 0.9).save(folder / "table.json", known)
+    assert "of 9 scenarios of stress-1" in judge(folder), "three a machine, of eight asked for"
     ranges = {**machine_family.RANGES, "x_d": machine_family.Range(0.25, 0.4, "another family")}
     monkeypatch.setattr(machine_family, "RANGES", ranges)
     with pytest.raises(
