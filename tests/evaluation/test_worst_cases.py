@@ -17,7 +17,7 @@ from sensorless.evaluation.trace import lost_cause, trace
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies, make_policy
 
-MOTOR, DESIGN = Motor.load("paper"), DriveDesign(estimator="smo")
+MOTOR, DESIGN = Motor.load("paper"), DriveDesign(estimator="smo", L_q_motoring=0.7)
 """A drive that loses some scenarios."""
 
 
@@ -80,7 +80,7 @@ def test_simulate_replays_and_draws(tmp_path: Path) -> None:
     picture = tmp_path / "case.png"
     case = entry("stress-1", 7, 33, "hfi")["worst"][0]
     words = ["simulate", "--scenario", case["scenario"], "--policy", "hfi", "--plot", str(picture)]
-    words += ["--set", "estimator=smo"]
+    words += ["--set", "estimator=smo", "--set", "L_q_motoring=0.7"]
     done = CliRunner().invoke(app, words)
     assert done.exit_code == 0, done.output
     assert f"lost ({case['lost_cause']})" in done.stdout

@@ -22,7 +22,7 @@ from sensorless.policies.registry import make_policy
 
 MOTOR = Motor.load("paper")
 RATED = MOTOR.omega_rated / MOTOR.n_p
-FACTORY = SimFactory(MOTOR, DriveDesign(estimator="smo"))
+FACTORY = SimFactory(MOTOR, DriveDesign(estimator="smo", L_q_motoring=0.7))
 
 
 def told(speed: list[float], torque: list[float], live: int, **fields: float) -> Rollout:
