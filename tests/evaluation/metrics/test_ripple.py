@@ -175,7 +175,7 @@ def test_a_drive_that_never_came_there_has_no_ripple_of_the_window() -> None:
 
 
 def test_the_window_tells_a_hard_switch_from_a_blend_and_a_drive_from_its_twin() -> None:
-    """Between estimators that differ by the bias of L_q as a motor; else a hard switch is no worse."""
+    """Where the estimators differ, by a low L_q as a motor; else a hard switch is no worse."""
     scenarios = suite("handoff", MOTOR, 3, 30)
     factory = SimFactory(MOTOR, DriveDesign(estimator="smo", L_q_motoring=0.7))
     found = {
