@@ -12,6 +12,7 @@ import numpy as np
 
 from sensorless.errors import UserError
 from sensorless.identify.machine.electric import Stator
+from sensorless.identify.machine.hold import quarter
 from sensorless.identify.machine.log import Part
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.source import VOLTAGE, Command, Source, volts
@@ -27,8 +28,8 @@ ALIGN = (0.5, 0.25, 0.12, 0.06)
 With more than psi_f / (L_q - L_d) the reluctance turns the rotor off the current."""
 OFF_AXIS = 0.12
 """Largest angle between current and d axis that counts as aligned [rad]."""
-TURN, REST, DECAY = 0.25, 0.4, 0.1
-"""Times of an alignment: a quarter of its turn, at rest, without voltage [s]."""
+REST, DECAY = 0.4, 0.1
+"""Times of an alignment: at rest, without voltage [s]."""
 
 
 @dataclass(frozen=True)
@@ -105,10 +106,12 @@ def find_probe(source: Source, stator: Stator, plate: Nameplate) -> Probe:
     raise UserError("inductance: pulses of half the voltage give hardly any current; check T_s")
 
 
-def align_commands(stator: Stator, i: float, stretch: float = 1.0) -> list[Command]:
+def align_commands(
+    stator: Stator, plate: Nameplate, i: float, stretch: float = 1.0
+) -> list[Command]:
     """Pull the magnet to a right angle, then slowly to phase a, and let the current decay."""
     u = stator.R_s * i + float(stator.inverter.lost(np.array([i + 0j]))[0].real)
-    turn = stretch * TURN
+    turn = stretch * quarter(plate, stator.R_s * i)
     speed = -0.5 * np.pi / turn
     return [
         volts(turn, u, 0.5 * np.pi),
@@ -144,7 +147,7 @@ def align(source: Source, stator: Stator, plate: Nameplate) -> Aligned:
     for share in ALIGN:
         for stretch in (1.0, 3.0):
             current = share * plate.i_rated
-            source.run("align", align_commands(stator, current, stretch))
+            source.run("align", align_commands(stator, plate, current, stretch))
             probe = probe or find_probe(source, stator, plate)
             part = source.run("axis", probe_commands(probe, plate.T_s))
             axis = fit_axis(part, stator)

@@ -60,11 +60,13 @@ class Stator:
     def emf(self, part: Part) -> tuple[Complex, Complex]:
         """Currents (n,) [A] and the mean voltages (n - 1,) [V] behind the resistance between them.
 
-        The current between two samples is their mean.
+        The current between two samples is their mean. A leg switches once before and once after
+        the middle of the period, so the lost voltage is the mean of those at the two samples.
         """
         i = self.sensors.current(part)
-        mid = 0.5 * (i[1:] + i[:-1])
-        return i, np.asarray(part.u[:-1] - self.inverter.lost(mid) - self.R_s * mid)
+        lost = self.inverter.lost(i)
+        drop = 0.5 * (lost[1:] + lost[:-1]) + 0.5 * self.R_s * (i[1:] + i[:-1])
+        return i, np.asarray(part.u[:-1] - drop)
 
 
 def windows(part: Part, tail: float, T_s: float) -> list[slice]:

@@ -19,7 +19,11 @@ from sensorless.machine.magnetics import Floats
 LEVELS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.1)
 """Currents over rated."""
 SETTLE, WINDOW, TURN = 0.25, 0.1, 0.25
-"""Time at a level before its mean is taken, length of the mean, and time of a quarter turn [s]."""
+"""Time at a level before its mean is taken, length of it, least time of a quarter turn [s]."""
+GROWTH, GROWTH_TIME = 1.25, 0.4
+"""Ratio by which the voltage of the ramp grows, and the time for it [s]."""
+EMF_SHARE = 0.3
+"""EMF of the slow turn over the voltage across the resistance at rated current."""
 ENOUGH = 0.7
 """Share of the levels that have to settle."""
 STEADY = 0.004
@@ -60,14 +64,7 @@ def measure_resistance(source: Source, plate: Nameplate, sensors: Sensors) -> Re
     UserError
         The current does not reach rated current, or never settles.
     """
-    ramp = source.run(
-        "ramp",
-        [
-            volts(1.0, 0.0, end=0.1 * plate.u_base, until=plate.i_rated),
-            volts(2.0, 0.1 * plate.u_base, end=0.6 * plate.u_base, until=plate.i_rated),
-        ],
-    )
-    i, u = sensors.current(ramp).real, ramp.u.real
+    i, u = _ramp(source, plate, sensors)
     if i.max() < 0.9 * plate.i_rated:
         raise UserError(
             f"resistance: {i.max():.3g} A at {u.max():.3g} V, not rated current; check the wiring "
@@ -75,17 +72,40 @@ def measure_resistance(source: Source, plate: Nameplate, sensors: Sensors) -> Re
         )
     order = np.maximum.accumulate(i)
     levels = [float(u[np.argmax(order >= min(f * plate.i_rated, order[-1]))]) for f in LEVELS]
+    turn = quarter(plate, (levels[0] - levels[-1]) / (LEVELS[0] - LEVELS[-1]))
     for stretch in (1.0, 3.0, 9.0):
         means = np.concatenate(
             [
                 _held(source, plate, sensors, levels, stretch),
-                _turned(source, plate, sensors, levels, stretch),
+                _turned(source, plate, sensors, levels, stretch, turn),
             ]
         )
         steady = means[:, 3] < STEADY * plate.i_rated
         if np.mean(steady) >= ENOUGH:
             return fit_resistance(means[steady, :3], sensors, plate)
     raise UserError("resistance: the rotor does not come to rest; free it from its load")
+
+
+def _ramp(source: Source, plate: Nameplate, sensors: Sensors) -> tuple[Floats, Floats]:
+    """Raise the voltage until rated current flows; currents and voltages along phase a.
+
+    It waits at a small current, where the rotor turns to phase a, and then grows by a fixed ratio.
+    """
+    base, until = plate.u_base, plate.i_rated
+    first = source.run("ramp", [volts(2.0, 0.0, end=0.2 * base, until=0.1 * until)])
+    u = max(float(first.u.real[-1]), 1e-3 * base)
+    commands = [volts(0.5, u)]
+    while u < 0.6 * base:
+        commands.append(volts(GROWTH_TIME, u, end=GROWTH * u, until=until))
+        u *= GROWTH
+    part = source.run("ramp", commands)
+    return sensors.current(part).real, part.u.real
+
+
+def quarter(plate: Nameplate, u: float) -> float:
+    """Time of a quarter turn [s] whose EMF stays well below the voltage u [V] across R_s."""
+    speed = EMF_SHARE * max(u, 1e-4 * plate.u_base) / plate.u_base * plate.omega
+    return max(TURN, 0.5 * np.pi / speed)
 
 
 def _held(
@@ -110,13 +130,17 @@ def _held(
 
 
 def _turned(
-    source: Source, plate: Nameplate, sensors: Sensors, levels: list[float], stretch: float
+    source: Source,
+    plate: Nameplate,
+    sensors: Sensors,
+    levels: list[float],
+    stretch: float,
+    turn: float,
 ) -> Floats:
     """Turn the rotor by half a turn, then hold the levels with the other sign.
 
     The turn is slow: a current that jumped to the other side would find the rotor balanced there.
     """
-    turn = stretch * TURN
     speed = np.pi / turn
     source.run(
         "turn",

@@ -1,9 +1,9 @@
 """Flux linkage over current from voltage pulses at rest (doi 10.1109/TIA.2016.2644624).
 
-A voltage along a direction reverses whenever the current along it reaches a limit, once each way,
-so that the torque of the pulse has no mean. The flux linkage is the integral of the voltage behind
-the resistance. It starts from the small current's inductance and has to come back there at the end;
-what is left over is spread evenly in time.
+A voltage along a direction reverses whenever the current along it reaches a limit, so that neither
+the magnet's torque nor the speed that it gives has a mean. The flux linkage is the integral of the
+voltage behind the resistance. It starts from the small current's inductance and has to come back
+there at the end; what is left over is spread evenly in time.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,14 +24,22 @@ from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.source import Command, Source, volts
 from sensorless.machine.magnetics import Floats
 
-GROUPS = ((0.0, 0.0), (90.0, 90.0), (45.0, -45.0), (67.5, -67.5), (25.0, -25.0))
-"""Directions of the pulses from the d axis [deg]; the second of a pair undoes the turn of the
-first."""
+GROUPS = (
+    (0.0, 180.0), (90.0, -90.0), (45.0,), (-45.0,), (67.5,), (-67.5,), (25.0,), (-25.0,)
+)  # fmt: skip
+"""Directions of the pulses from the d axis [deg], those that follow each other at a time.
+
+The largest current is the other way round: where it weakens the magnet, in both quadrants."""
 REACH = 1.05
 """Current at which the voltage reverses, over rated current."""
+LOBES = (0.5**0.5, 1.0, 0.5**0.5, 1e-3)
+"""Currents at which the voltage reverses over ``REACH``.
+
+The impulse of a lobe of current grows with its height squared: the first gives the rotor a speed,
+the second turns it round, the third stops it where it was."""
 STEP = 0.1
 """Change of the current in a period that is aimed at, over rated current."""
-MOST_VOLTAGE = 0.75
+MOST_VOLTAGE = 0.9
 """Of the pulses, over the largest phase voltage."""
 
 
@@ -70,7 +78,7 @@ def measure_pulses(
     """Align, find the axis, pulse, for each pair of directions."""
     out = []
     for group in GROUPS:
-        source.run("align", align_commands(stator, aligned.current, aligned.stretch))
+        source.run("align", align_commands(stator, plate, aligned.current, aligned.stretch))
         axis = fit_axis(source.run("axis", probe_commands(aligned.probe, plate.T_s)), stator)
         part = source.run("pulse", list(_commands(group, axis, stator, plate)))
         out.append(_integrated(part, axis, stator))
@@ -78,29 +86,28 @@ def measure_pulses(
 
 
 def _commands(
-    group: tuple[float, float], axis: Axis, stator: Stator, plate: Nameplate
+    group: tuple[float, ...], axis: Axis, stator: Stator, plate: Nameplate
 ) -> Iterator[Command]:
-    for phi, sign in zip(np.deg2rad(group), (1.0, -1.0), strict=True):
+    for phi in np.deg2rad(group):
         gamma = axis.mean + axis.half * np.cos(2.0 * phi)
         u = STEP * plate.i_rated / (gamma * plate.T_s)
         least = 4.0 * stator.R_s * plate.i_rated + 2.0 * stator.inverter.u_lost
-        u = sign * min(max(u, least), MOST_VOLTAGE * plate.u_base)
-        time = 5.0 * plate.i_rated / (gamma * abs(u))
+        u = min(max(u, least), MOST_VOLTAGE * plate.u_base)
+        time = 10.0 * plate.i_rated / (gamma * u)
         theta = float(axis.theta + phi)
         reach = REACH * plate.i_rated
-        yield volts(time, u, theta, until=reach)
-        yield volts(2.0 * time, -u, theta, until=reach)
-        yield volts(time, u, theta, until=1e-3 * reach)
+        for number, share in enumerate(LOBES):
+            yield volts(time, (-1.0) ** number * u, theta, until=share * reach)
     yield volts(2.0 * plate.T_s, 0.0)
 
 
 def _integrated(part: Part, axis: Axis, stator: Stator) -> Group:
-    """Pulses of a part, three commands each, without the decay after them."""
+    """Pulses of a part, each of as many commands as lobes, without the decay after them."""
     i, e = stator.emf(part)
     turn = np.exp(-1j * axis.theta)
     segment = part["segment"]
     last = int(segment.max())
-    bounds = [int(np.argmax(segment >= k)) for k in range(0, last + 1, 3)]
+    bounds = [int(np.argmax(segment >= k)) for k in range(0, last + 1, len(LOBES))]
     n = bounds[-1] + 1
     path = turn * np.r_[0.0, np.cumsum(e[: n - 1]) * stator.T_s]
     return Group(i[:n] * turn, path, tuple(bounds), (axis.L_d, axis.L_q), stator.T_s)

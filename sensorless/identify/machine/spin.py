@@ -123,7 +123,7 @@ def measure_spin(
     """
     L = float(np.sqrt(aligned.axis.L_d * aligned.axis.L_q))
     gains = Gains(stator.R_s, L, BANDWIDTH / plate.T_s)
-    begin = align_commands(stator, aligned.current, aligned.stretch)
+    begin = align_commands(stator, plate, aligned.current, aligned.stretch)
     first = None
     for ramp in RAMPS:
         source.run("align", begin)
@@ -293,7 +293,11 @@ def fit_mechanics(
             inside = slice(edge[0], edge[-1])
             speed = np.add.reduceat(omega[inside], edge[:-1] - edge[0]) / np.diff(edge) / plate.n_p
             slope = np.polyfit(0.5 * T_s * (edge[1:] + edge[:-1]), speed, 1)[0]
-            rows.append((slope, speed.mean(), 1.0, tau[inside].mean()))
+            # psi is that of a steady state; the voltage that changes it is not torque
+            along = np.add.reduceat(psi.real[inside], edge[:-1] - edge[0]) / np.diff(edge)
+            change = np.polyfit(0.5 * T_s * (edge[1:] + edge[:-1]), along, 1)[0]
+            lacks = 1.5 * plate.n_p * np.abs(i[inside]).mean() * change / omega[inside].mean()
+            rows.append((slope, speed.mean(), 1.0, tau[inside].mean() - lacks))
     if len(rows) < 6:
         return Mechanics(0.0, np.inf, 0.0, 0.0, np.inf)
     matrix, t = np.array(rows)[:, :3], np.array(rows)[:, 3]
