@@ -20,6 +20,10 @@ LEVELS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.1)
 """Currents over rated."""
 SETTLE, WINDOW, TURN = 0.25, 0.1, 0.25
 """Time at a level before its mean is taken, length of it, least time of a quarter turn [s]."""
+WAITS = (0.02, 0.1)
+"""Currents over rated at which the ramp waits for the rotor."""
+WAIT_SLOPE, WAIT_TIME = 0.003, 6.0
+"""Slope of the ramp between them over the largest phase voltage [1/s], most time for it [s]."""
 GROWTH, GROWTH_TIME = 1.25, 0.4
 """Ratio by which the voltage of the ramp grows, and the time for it [s]."""
 EMF_SHARE = 0.3
@@ -89,14 +93,19 @@ def measure_resistance(source: Source, plate: Nameplate, sensors: Sensors) -> Re
 def _ramp(source: Source, plate: Nameplate, sensors: Sensors) -> tuple[Floats, Floats]:
     """Raise the voltage until rated current flows; currents and voltages along phase a.
 
-    It waits at a small current, where the rotor turns to phase a, and then grows by a fixed ratio.
+    A rotor that starts far from phase a swings there with an EMF that the small resistance does not
+    hold back. So the current first waits while it is small, twice, and then grows by a fixed ratio.
     """
-    base, until = plate.u_base, plate.i_rated
-    first = source.run("ramp", [volts(2.0, 0.0, end=0.2 * base, until=0.1 * until)])
-    u = max(float(first.u.real[-1]), 1e-3 * base)
-    commands = [volts(0.5, u)]
+    base, i = plate.u_base, plate.i_rated
+    part = source.run("ramp", [volts(2.0, 0.0, end=0.2 * base, until=WAITS[0] * i)])
+    for wait in WAITS[1:]:
+        u = max(float(part.u.real[-1]), 1e-3 * base)
+        end = u + WAIT_TIME * WAIT_SLOPE * base
+        part = source.run("ramp", [volts(1.5, u), volts(WAIT_TIME, u, end=end, until=wait * i)])
+    u = max(float(part.u.real[-1]), 1e-3 * base)
+    commands = [volts(2.0, u)]
     while u < 0.6 * base:
-        commands.append(volts(GROWTH_TIME, u, end=GROWTH * u, until=until))
+        commands.append(volts(GROWTH_TIME, u, end=GROWTH * u, until=i))
         u *= GROWTH
     part = source.run("ramp", commands)
     return sensors.current(part).real, part.u.real

@@ -7,7 +7,9 @@ EMF is not, so neither dead time nor resistance enters. The part across the curr
 tau = 3/2 n_p Im(conj(psi) i), and J d omega_m/dt = tau - B omega_m - tau_0.
 """
 
+import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -41,7 +43,14 @@ HOLD = 0.4
 BANDWIDTH = 0.06
 """Of the current control, times the PWM period."""
 ROUNDS = 30
-PIECES = 4
+SLOWEST = 0.25
+"""Least speed over the largest at which the torque is measured."""
+STILL = 0.03
+"""Most change of a constant speed over the largest: the damping moves it a little."""
+ENDS = 3
+"""Sixths of a turn over which the speed at the end of a stretch is averaged."""
+TURNS = 3.2
+"""Least electrical turns at a speed."""
 FLUTTER = 0.15
 """Most change of the flux at constant speed over its mean: beyond, the rotor does not follow."""
 
@@ -75,6 +84,10 @@ class Mechanics:
     """friction that does not depend on speed [N m]"""
     residual: float
     """RMS of the torque left over [N m]"""
+
+
+NO_MECHANICS = Mechanics(0.0, math.inf, 0.0, 0.0, math.inf)
+"""Too little was measured."""
 
 
 @dataclass(frozen=True)
@@ -180,7 +193,7 @@ class _Turning:
         return self.amps(time, (a, b), self.i)
 
     def hold(self, omega: float, periods: float = 3.0) -> Command:
-        time = max(HOLD, periods * 2.0 * np.pi / self.swing)
+        time = max(HOLD, periods * 2.0 * np.pi / self.swing, TURNS * 2.0 * np.pi / omega)
         return self.amps(time, (omega, omega), self.i)
 
 
@@ -203,13 +216,14 @@ def _second(plate: Nameplate, J: float, aligns: float, careful: float) -> list[C
         out, last, even = [], t.i, (omega, omega)
         for share in CURRENTS:
             out += [t.amps(period, even, last, share * aligns)]
-            out += [t.amps(HOLD, even, share * aligns)]
+            out += [t.amps(max(HOLD, TURNS * 2.0 * np.pi / omega), even, share * aligns)]
             last = share * aligns
         return [*out, t.amps(period, even, last, t.i), t.hold(omega, 1.0)]
 
     return [
         *_begin(t.i),
-        ramp(0.0, high), t.hold(high), ramp(high, low), t.hold(low), *magnet(low),
+        ramp(0.0, high), t.hold(high), ramp(high, low), t.hold(low), ramp(low, high),
+        t.hold(high), ramp(high, low), t.hold(low), *magnet(low),
         ramp(low, high), t.hold(high), *magnet(high), ramp(high, 0.0),
     ]  # fmt: skip
 
@@ -277,37 +291,49 @@ def magnet(psi: Complex, i: Complex, curves: Curves) -> Floats:
 def fit_mechanics(
     i: Complex, psi: Complex, omega: Floats, segment: Floats, plate: Nameplate, T_s: float
 ) -> Mechanics:
-    """Least squares of the torque on acceleration, speed and one, over ``PIECES`` of every command.
+    """Least squares of the torque on acceleration, speed and one.
 
-    A piece of a ramp is at least a swing of the rotor long; its acceleration is the slope of a line
-    through the means of the speed over sixths of a turn.
+    Means over stretches from the middle of a command at constant speed to that of the next: at both
+    ends the rotor has the same angle to the current, so its speed is the current's.
     """
     tau = 1.5 * plate.n_p * (psi.conj() * i).imag
     turned = np.cumsum(np.abs(omega)) * T_s
+    first = np.flatnonzero(np.diff(np.floor(turned / (np.pi / 3.0)))) + 1
+    first = first[omega[first] > SLOWEST * omega.max()]
+    if len(first) < 4 * ENDS:
+        return NO_MECHANICS
+    cuts = np.searchsorted(first, _cuts(omega, segment))
+    cuts = np.unique(np.clip(np.r_[0, cuts, len(first) - 1], 0, len(first) - 1))
     rows = []
-    for command in np.unique(segment):
-        for piece in np.array_split(np.flatnonzero(segment == command), PIECES):
-            edge = piece[np.flatnonzero(np.diff(np.floor(turned[piece] / (np.pi / 3.0)))) + 1]
-            if len(edge) < 5:
-                continue
-            inside = slice(edge[0], edge[-1])
-            speed = np.add.reduceat(omega[inside], edge[:-1] - edge[0]) / np.diff(edge) / plate.n_p
-            slope = np.polyfit(0.5 * T_s * (edge[1:] + edge[:-1]), speed, 1)[0]
-            # psi is that of a steady state; the voltage that changes it is not torque
-            along = np.add.reduceat(psi.real[inside], edge[:-1] - edge[0]) / np.diff(edge)
-            change = np.polyfit(0.5 * T_s * (edge[1:] + edge[:-1]), along, 1)[0]
-            lacks = 1.5 * plate.n_p * np.abs(i[inside]).mean() * change / omega[inside].mean()
-            rows.append((slope, speed.mean(), 1.0, tau[inside].mean() - lacks))
-    if len(rows) < 6:
-        return Mechanics(0.0, np.inf, 0.0, 0.0, np.inf)
-    matrix, t = np.array(rows)[:, :3], np.array(rows)[:, 3]
-    fast = matrix[:, 1] > 0.25 * matrix[:, 1].max()
-    matrix, t = matrix[fast], t[fast]
-    x, *_ = np.linalg.lstsq(matrix, t, rcond=None)
+    for a, b in pairwise(cuts):
+        if b - a < 2 * ENDS:
+            continue
+        speeds = [omega[first[k] : first[k + ENDS]].mean() / plate.n_p for k in (a, b - ENDS)]
+        rows_in = slice(first[a], first[b])
+        time = (first[b - ENDS] + first[b] - first[a] - first[a + ENDS]) * 0.5 * T_s
+        mean = omega[rows_in].mean() / plate.n_p
+        rows.append(((speeds[1] - speeds[0]) / time, 1.0, mean, tau[rows_in].mean()))
+    known = 3 if len(rows) > 5 else 2  # a short spin does not tell the frictions apart
+    if len(rows) <= known:
+        return NO_MECHANICS
+    table = np.array(rows)
+    matrix, t = table[:, :known], table[:, 3]
+    x = np.linalg.lstsq(matrix, t, rcond=None)[0]
     left = t - matrix @ x
-    spread = np.linalg.pinv(matrix.T @ matrix)[0, 0] * (left @ left) / max(len(t) - 3, 1)
-    J, B, tau_0 = (float(v) for v in x)
+    spread = np.linalg.pinv(matrix.T @ matrix)[0, 0] * (left @ left) / (len(t) - known)
+    J, tau_0, B = (float(v) for v in np.r_[x, 0.0][:3])
     return Mechanics(J, float(np.sqrt(spread)), B, tau_0, rms(left))
+
+
+def _cuts(omega: Floats, segment: Floats) -> Floats:
+    """Rows at a third and two thirds of every command at constant speed."""
+    out = []
+    for command in np.unique(segment):
+        rows = np.flatnonzero(segment == command)
+        a, b = (x.mean() for x in np.array_split(omega[rows], 2))
+        if abs(a - b) < STILL * omega.max():
+            out += [rows[len(rows) // 3], rows[2 * len(rows) // 3]]
+    return np.array(out, dtype=float)
 
 
 def blocks(x: Complex, n: int) -> Complex:
