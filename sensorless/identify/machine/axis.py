@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sensorless.errors import UserError
-from sensorless.identify.machine.electric import Stator
+from sensorless.identify.machine.electric import Stator, windows
 from sensorless.identify.machine.hold import quarter
 from sensorless.identify.machine.log import Part
 from sensorless.identify.machine.nameplate import Nameplate
@@ -22,12 +22,14 @@ PEAK = 0.15
 MOST_VOLTAGE = 0.5
 """Of the pulses, over the largest phase voltage."""
 REPEATS = 4
-ALIGN = (0.5, 0.25, 0.12, 0.06)
+ALIGN = (0.5, 0.35, 0.25, 0.18, 0.12, 0.08)
 """Direct currents that are tried to turn the magnet, over rated current.
 
 With more than psi_f / (L_q - L_d) the reluctance turns the rotor off the current."""
-OFF_AXIS = 0.12
-"""Largest angle between current and d axis that counts as aligned [rad]."""
+OFF_AXIS = 0.08
+"""Angle between current and d axis that counts as aligned; twice that, if none is better [rad]."""
+MOVES = 0.02
+"""Change of the current over itself at which the rotor still moves."""
 REST, DECAY = 0.4, 0.1
 """Times of an alignment: at rest, without voltage [s]."""
 
@@ -107,14 +109,17 @@ def find_probe(source: Source, stator: Stator, plate: Nameplate) -> Probe:
 
 
 def align_commands(
-    stator: Stator, plate: Nameplate, i: float, stretch: float = 1.0
+    stator: Stator, plate: Nameplate, i: float, stretch: float = 1.0, side: float = 1.0
 ) -> list[Command]:
-    """Pull the magnet to a right angle, then slowly to phase a, and let the current decay."""
+    """Pull the magnet to a right angle, then slowly to phase a, and let the current decay.
+
+    ``side``: of which sign the right angle is.
+    """
     u = stator.R_s * i + float(stator.inverter.lost(np.array([i + 0j]))[0].real)
     turn = stretch * quarter(plate, stator.R_s * i)
-    speed = -0.5 * np.pi / turn
+    speed = -side * 0.5 * np.pi / turn
     return [
-        volts(turn, u, 0.5 * np.pi),
+        volts(turn, u, side * 0.5 * np.pi),
         Command(VOLTAGE, turn, u, omega=(0.0, speed)),
         Command(VOLTAGE, turn, u, omega=(speed, 0.0)),
         volts(stretch * REST, u, 0.0),
@@ -134,6 +139,13 @@ class Aligned:
     axis: Axis
 
 
+def _moves(part: Part, stator: Stator, stretch: float) -> float:
+    """Change of the current [A] in the last half of the rest: the EMF of a rotor that moves."""
+    rest = windows(part, 0.5 * stretch * REST, stator.T_s)[-2]
+    first, last = np.array_split(stator.sensors.current(part)[rest], 2)
+    return float(abs(first.mean() - last.mean()))
+
+
 def align(source: Source, stator: Stator, plate: Nameplate) -> Aligned:
     """Find a direct current that turns the magnet to phase a, and the rotor there.
 
@@ -143,19 +155,31 @@ def align(source: Source, stator: Stator, plate: Nameplate) -> Aligned:
         No current aligns the rotor.
     """
     probe = None
-    axis = None
-    for share in ALIGN:
-        for stretch in (1.0, 3.0):
+    tried: list[tuple[float, Aligned]] = []
+    for rank, share in enumerate(ALIGN):
+        for stretch in (1.0, 3.0, 9.0):
             current = share * plate.i_rated
-            source.run("align", align_commands(stator, plate, current, stretch))
-            probe = probe or find_probe(source, stator, plate)
-            part = source.run("axis", probe_commands(probe, plate.T_s))
-            axis = fit_axis(part, stator)
-            if abs(axis.theta) < OFF_AXIS:
-                return Aligned(probe, current, stretch, axis)
-    assert axis is not None
+            axes = []
+            for side in (1.0, -1.0):  # a rotor in between shows from one of them
+                part = source.run("align", align_commands(stator, plate, current, stretch, side))
+                moves = _moves(part, stator, stretch) > MOVES * current
+                probe = probe or find_probe(source, stator, plate)
+                axes.append(fit_axis(source.run("axis", probe_commands(probe, plate.T_s)), stator))
+                if moves or abs(axes[-1].theta) > OFF_AXIS:
+                    break
+            tried.append((abs(axes[-1].theta), Aligned(probe, current, stretch, axes[-1])))
+            if len(axes) == 2 and not moves and abs(axes[1].theta) <= OFF_AXIS:
+                if rank == 0 or share == ALIGN[-1]:
+                    return tried[-1][1]
+                # the next larger current failed: this one is close to it
+                return Aligned(probe, ALIGN[rank + 1] * plate.i_rated, stretch, axes[-1])
+            if not moves:
+                break
+    off, best = min(tried, key=lambda x: x[0])
+    if off < 2.0 * OFF_AXIS:
+        return best
     raise UserError(
-        f"rotor: no direct current turns it to phase a (it stays {np.rad2deg(axis.theta):.0f} "
-        f"degrees off; L_q / L_d = {axis.L_q / axis.L_d:.3g}); free the shaft, and check that the "
-        "machine has magnets and saliency"
+        f"rotor: no direct current turns it to phase a (it stays {np.rad2deg(off):.0f} degrees "
+        f"off; L_q / L_d = {best.axis.L_q / best.axis.L_d:.3g}); free the shaft, and check that "
+        "the machine has magnets and saliency"
     )

@@ -31,7 +31,7 @@ EMF_SHARE = 0.3
 ENOUGH = 0.7
 """Share of the levels that have to settle."""
 STEADY = 0.004
-"""Most change of the current within a window over rated current."""
+"""Most change of the current within a window over rated current; more in the longest windows."""
 ZEROS = np.geomspace(0.002, 0.3, 120)
 """Ends of the lost voltage's slope over rated current that are tried."""
 
@@ -84,7 +84,7 @@ def measure_resistance(source: Source, plate: Nameplate, sensors: Sensors) -> Re
                 _turned(source, plate, sensors, levels, stretch, turn),
             ]
         )
-        steady = means[:, 3] < STEADY * plate.i_rated
+        steady = means[:, 3] < STEADY * max(1.0, stretch / 3.0) * plate.i_rated
         if np.mean(steady) >= ENOUGH:
             return fit_resistance(means[steady, :3], sensors, plate)
     raise UserError("resistance: the rotor does not come to rest; free it from its load")

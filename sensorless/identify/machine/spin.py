@@ -24,7 +24,7 @@ from sensorless.machine.magnetics import Floats
 
 RAMP_CURRENT = 0.5
 """While the speed changes, over rated."""
-CURRENTS = (1.0, 0.7)
+CURRENTS = (0.8, 0.6)
 """While the magnet is measured, over the current that aligns: more turns the rotor off it."""
 SLOW, FAST = 0.2, 0.45
 """Speeds over rated."""
