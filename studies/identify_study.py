@@ -126,7 +126,8 @@ def main() -> None:
     parser.add_argument("--scenarios", type=int, default=100, help="of each machine driven")
     parser.add_argument("--out", type=Path, default=Path("results/studies/identify.json"))
     args = parser.parse_args()
-    machines, runs = [], {}
+    machines: list[dict[str, Any]] = []
+    runs: dict[str, Any] = {}
     for j, motor in enumerate(family(args.seed, args.size)):
         errors, found = identified(motor, args.seed + j, args.details)
         machines.append({"machine": motor.name, **errors})

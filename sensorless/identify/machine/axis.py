@@ -6,7 +6,7 @@ directions, each as often backwards as forwards, give the three numbers by least
 except for half a turn. A direct current before them turns the magnet to phase a and settles that.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -154,12 +154,12 @@ def align(source: Source, stator: Stator, plate: Nameplate) -> Aligned:
     UserError
         No current aligns the rotor.
     """
-    probe = None
+    probe: Probe | None = None
     tried: list[tuple[float, Aligned]] = []
     for rank, share in enumerate(ALIGN):
         for stretch in (1.0, 3.0, 9.0):
             current = share * plate.i_rated
-            axes = []
+            axes: list[Axis] = []
             for side in (1.0, -1.0):  # a rotor in between shows from one of them
                 part = source.run("align", align_commands(stator, plate, current, stretch, side))
                 moves = _moves(part, stator, stretch) > MOVES * current
@@ -167,12 +167,13 @@ def align(source: Source, stator: Stator, plate: Nameplate) -> Aligned:
                 axes.append(fit_axis(source.run("axis", probe_commands(probe, plate.T_s)), stator))
                 if moves or abs(axes[-1].theta) > OFF_AXIS:
                     break
-            tried.append((abs(axes[-1].theta), Aligned(probe, current, stretch, axes[-1])))
-            if len(axes) == 2 and not moves and abs(axes[1].theta) <= OFF_AXIS:
-                if rank == 0 or share == ALIGN[-1]:
-                    return tried[-1][1]
-                # the next larger current failed: this one is close to it
-                return Aligned(probe, ALIGN[rank + 1] * plate.i_rated, stretch, axes[-1])
+            assert probe is not None
+            found = Aligned(probe, current, stretch, axes[-1])
+            tried.append((abs(found.axis.theta), found))
+            if len(axes) == 2 and not moves and abs(found.axis.theta) <= OFF_AXIS:
+                # where a larger current has failed, this one is close to it: take the next smaller
+                least = rank == 0 or share == ALIGN[-1]
+                return found if least else replace(found, current=ALIGN[rank + 1] * plate.i_rated)
             if not moves:
                 break
     off, best = min(tried, key=lambda x: x[0])

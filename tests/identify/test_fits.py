@@ -1,0 +1,128 @@
+"""The fits of an identification against closed forms."""
+
+import numpy as np
+import pytest
+
+from sensorless.errors import UserError
+from sensorless.identify.machine.axis import Probe, fit_axis, probe_commands
+from sensorless.identify.machine.curves import fit_curves
+from sensorless.identify.machine.electric import Inverter, Sensors, Stator
+from sensorless.identify.machine.hold import fit_resistance
+from sensorless.identify.machine.log import NUMBERS, Part
+from sensorless.identify.machine.mechanics import fit_mechanics
+from sensorless.identify.machine.model import fit_model
+from sensorless.identify.machine.nameplate import Nameplate
+from sensorless.identify.machine.pulses import Samples
+from sensorless.identify.machine.result import at_rest
+from sensorless.identify.machine.spin import magnet
+from sensorless.machine.magnetics import currents, flux
+from sensorless.machine.motor import Motor
+
+PAPER = Motor.load("paper")
+PLATE = Nameplate.of(PAPER)
+
+
+def held(R: float, u_lost: float, gain: float = 1.0, ratio: float = 1.0) -> np.ndarray:
+    """Means of voltage and channels at direct currents above the slope of the lost voltage."""
+    i = PAPER.i_rated * np.array([1.0, 0.7, 0.4, 0.1, -0.1, -0.4, -0.7, -1.0])
+    u = R * i + 4.0 / 3.0 * u_lost * np.sign(i)
+    return np.stack([u, gain * i, -0.5 * gain * ratio * i], axis=-1)
+
+
+def test_resistance_and_lost_voltage_come_apart() -> None:
+    found = fit_resistance(held(2.5, 6.0), Sensors(), PLATE)
+    assert found.R_s == pytest.approx(2.5, rel=1e-9)
+    assert found.inverter.u_lost == pytest.approx(6.0, rel=1e-9)
+    assert found.residual < 1e-9
+
+
+def test_gain_errors_are_halved_but_what_is_common_is_in_the_resistance() -> None:
+    found = fit_resistance(held(2.5, 6.0, gain=1.02, ratio=0.96 / 1.02), Sensors(), PLATE)
+    assert found.sensors.ratio == pytest.approx(0.96 / 1.02)
+    assert found.R_s == pytest.approx(2.5 / np.sqrt(1.02 * 0.96), rel=1e-9)
+
+
+def test_a_source_without_resistance_is_refused() -> None:
+    with pytest.raises(UserError, match="resistance"):
+        fit_resistance(held(-1.0, 6.0), Sensors(), PLATE)
+
+
+@pytest.mark.parametrize("theta", [-1.2, 0.0, 0.4])
+def test_pulses_tell_axis_and_inductances(theta: float) -> None:
+    L_d, L_q, T_s = 0.03, 0.05, 1e-4
+    u = np.concatenate(
+        [
+            np.full(round(c.time / T_s), c.start * np.exp(1j * (c.theta or 0.0)))
+            for c in probe_commands(Probe(40.0, 2), T_s)
+        ]
+    )
+    turn = np.exp(1j * theta)
+    u_dq = u / turn
+    i = turn * np.r_[0.0, np.cumsum(u_dq.real / L_d + 1j * u_dq.imag / L_q)[:-1]] * T_s
+    rows = np.zeros((len(u), len(NUMBERS)))
+    rows[:, 1], rows[:, 2] = u.real, u.imag
+    rows[:, 4], rows[:, 5] = i.real, -0.5 * i.real + 0.5 * np.sqrt(3.0) * i.imag
+    found = fit_axis(Part("axis", rows), Stator(Sensors(), Inverter(), 0.0, T_s))
+    assert (found.theta, found.L_d, found.L_q) == pytest.approx((theta, L_d, L_q), rel=1e-9)
+
+
+def test_lost_voltage_of_three_legs() -> None:
+    inverter = Inverter(6.0, 0.01)
+    assert inverter.lost(np.array([2.0 + 0j]))[0] == pytest.approx(8.0)
+    assert inverter.lost(np.array([2.0j]))[0] == pytest.approx(6.0 * 2.0j / np.sqrt(3.0))
+    assert inverter.lost(np.array([0.005 + 0j]))[0] == pytest.approx(3.0)
+
+
+def measured(motor: Motor, noise: float = 0.0) -> tuple[Samples, float]:
+    """Flux linkages of a machine over a disc of rated current, and its magnet flux."""
+    size, angle = np.meshgrid(np.linspace(0.05, 1.0, 12), np.linspace(-np.pi, np.pi, 24))
+    i = (motor.i_rated * size * np.exp(1j * angle)).ravel()
+    psi = flux(motor.saturation, np.stack([i.real, i.imag], axis=-1))
+    psi_f = float(flux(motor.saturation, np.zeros((1, 2)))[0, 0])
+    i = i + noise * np.random.default_rng(1).normal(size=len(i))
+    return Samples(i, psi[:, 0] - psi_f + 1j * psi[:, 1], 0.0, 0.0), psi_f
+
+
+@pytest.mark.parametrize("name", ["paper", "ipmsm_2200w"])
+def test_the_model_comes_back(name: str) -> None:
+    motor = Motor.load(name)
+    s, psi_f = measured(motor)
+    found = fit_model(s, psi_f, motor.i_rated)
+    assert max(found.rms_percent(motor.i_rated)) < 0.01
+    L_d, L_q, magnet_flux = at_rest(found.saturation, motor.i_rated)
+    assert magnet_flux == pytest.approx(psi_f)
+    assert (L_d, L_q) == pytest.approx(at_rest(motor.saturation, motor.i_rated)[:2], rel=1e-3)
+
+
+def test_noise_on_a_linear_machine_is_no_saturation() -> None:
+    motor = Motor.load("ipmsm_2200w")
+    s, psi_f = measured(motor, noise=0.01 * motor.i_rated)
+    found = fit_model(s, psi_f, motor.i_rated).saturation
+    assert (found.a_dd, found.a_qq, found.a_dq, found.a_b) == (0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("lag", [-0.5, 0.0, 0.3])
+def test_the_magnet_is_found_at_any_load_angle(lag: float) -> None:
+    s, psi_f = measured(PAPER)
+    curves = fit_curves(s, PAPER.i_rated)
+    i = 0.4 * PAPER.i_rated * np.exp(1j * lag)
+    psi = flux(PAPER.saturation, np.array([[i.real, i.imag]]))[0] @ (1.0, 1j)
+    frame = np.exp(1j * 1.1)
+    found = magnet(np.array([psi * frame]), np.array([i * frame]), curves)
+    assert found[0] == pytest.approx(psi_f, rel=2e-3)
+    assert currents(PAPER.saturation, np.array([[psi_f, 0.0]]))[0, 0] == pytest.approx(0, abs=1e-6)
+
+
+def test_inertia_comes_apart_from_friction() -> None:
+    T_s, J, B, tau_0 = 1e-4, 0.01, 0.02, 0.3
+    half = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 4000))
+    still = np.ones(4000)
+    omega = np.r_[0.0 * still, 200 * half, 200 * still, 200 - 150 * half, 50 * still]
+    omega = np.r_[omega, 50 + 150 * half, 200 * still]
+    segment = np.repeat(np.arange(7.0), 4000)
+    speed = omega / PLATE.n_p
+    tau = J * np.gradient(speed, T_s) + B * speed + tau_0
+    i = np.full(len(tau), 2.0 + 0j)
+    psi = 0.5 - 1j * tau / (1.5 * PLATE.n_p * 2.0)
+    found = fit_mechanics(i, psi, omega, segment, PLATE, T_s)
+    assert (found.J, found.B, found.tau_0) == pytest.approx((J, B, tau_0), rel=0.01)

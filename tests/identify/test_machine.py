@@ -1,0 +1,80 @@
+"""The whole procedure on the simulated drive, and once more from what it measured."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from sensorless.cli.app import app
+from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.errors import UserError
+from sensorless.identify.machine.nameplate import Nameplate
+from sensorless.identify.machine.procedure import Identified, identify_machine
+from sensorless.identify.machine.result import motor_tables
+from sensorless.identify.machine.simulated import Simulated, real_drive
+from sensorless.identify.machine.source import Recorded
+from sensorless.machine.motor import Motor
+
+MOTOR = Motor.load("ipmsm_2200w")
+
+
+@pytest.fixture(scope="module")
+def measured() -> tuple[Simulated, Identified]:
+    source = Simulated(MOTOR, real_drive(MOTOR, 3))
+    return source, identify_machine(source, Nameplate.of(MOTOR))
+
+
+def test_a_drive_with_errors_finds_its_machine(measured: tuple[Simulated, Identified]) -> None:
+    gain = float(np.sqrt(np.prod(real_drive(MOTOR, 3).gain[0])))
+    found = Motor.from_tables(motor_tables(measured[1]), "identified")
+    assert found.R_s * gain == pytest.approx(MOTOR.R_s, rel=0.003)
+    assert found.L_q * gain == pytest.approx(MOTOR.L_q, rel=0.03)
+    assert found.L_d * gain == pytest.approx(MOTOR.L_d, rel=0.03)
+    assert found.psi_f == pytest.approx(MOTOR.psi_f, rel=0.01)
+    assert found.J == pytest.approx(MOTOR.J, rel=0.05)
+    assert found.u_dc == MOTOR.u_dc and found.n_p == MOTOR.n_p
+
+
+def test_an_exact_drive_finds_its_machine_exactly() -> None:
+    ideal = dataclasses.replace(MOTOR, adc_bits=24, u_transistor=0.0, u_diode=0.0)
+    s = Scenarios.nominal(ideal, np.array([1], np.uint64), 1.0)
+    s.noise[:] = s.dead_time[:] = 0.0
+    found = identify_machine(Simulated(ideal, s), Nameplate.of(ideal))
+    assert found.resistance.R_s == pytest.approx(MOTOR.R_s, rel=1e-4)
+    assert found.spin.psi_f == pytest.approx(MOTOR.psi_f, rel=1e-3)
+    assert found.spin.mechanics.J == pytest.approx(MOTOR.J, rel=0.01)
+    assert 1.0 / found.map_fit.saturation.a_d0 == pytest.approx(MOTOR.L_d, rel=2e-3)
+    assert 1.0 / found.map_fit.saturation.a_q0 == pytest.approx(MOTOR.L_q, rel=2e-3)
+
+
+def test_the_log_gives_the_same_machine(measured: tuple[Simulated, Identified]) -> None:
+    again = identify_machine(Recorded(measured[0].parts), Nameplate.of(MOTOR))
+    assert motor_tables(again) == motor_tables(measured[1])
+
+
+def test_the_procedure_knows_the_name_plate_alone(
+    measured: tuple[Simulated, Identified],
+) -> None:
+    unknown = dataclasses.replace(MOTOR, R_s=1.0, L_d=0.1, L_q=0.2, psi_f=9.0, J=1.0, B=1.0)
+    again = identify_machine(Recorded(measured[0].parts), Nameplate.of(unknown))
+    assert motor_tables(again) == motor_tables(measured[1])
+
+
+def test_a_shaft_that_does_not_turn_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    stuck = dataclasses.replace(MOTOR, J=1e9)
+    with pytest.raises(UserError, match=r"spin|rotor"):
+        identify_machine(Simulated(stuck, real_drive(stuck, 3)), Nameplate.of(stuck))
+
+
+def test_a_wrong_current_on_the_name_plate_is_refused() -> None:
+    plate = dataclasses.replace(Nameplate.of(MOTOR), i_rated=2.0 * MOTOR.adc_range)
+    with pytest.raises(UserError, match="current"):
+        identify_machine(Simulated(MOTOR, real_drive(MOTOR, 3)), plate)
+
+
+def test_the_command_shows_every_quantity() -> None:
+    done = CliRunner().invoke(app, ["identify", "machine", "--motor", "ipmsm_2200w"])
+    assert done.exit_code == 0, done.output
+    for word in ("R_s", "lost voltage", "L_d", "L_q", "psi_f", "saturation", "linear"):
+        assert word in done.output
