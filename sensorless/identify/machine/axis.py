@@ -109,9 +109,14 @@ def find_probe(source: Source, stator: Stator, plate: Nameplate) -> Probe:
 
 
 def align_commands(
-    stator: Stator, plate: Nameplate, i: float, stretch: float = 1.0, side: float = 1.0
+    stator: Stator,
+    plate: Nameplate,
+    i: float,
+    stretch: float = 1.0,
+    side: float = 1.0,
+    at: float = 0.0,
 ) -> list[Command]:
-    """Pull the magnet to a right angle, then slowly to phase a, and let the current decay.
+    """Pull the magnet to a right angle, then slowly to ``at`` [rad], and let the current decay.
 
     ``side``: of which sign the right angle is.
     """
@@ -119,10 +124,10 @@ def align_commands(
     turn = stretch * quarter(plate, stator.R_s * i)
     speed = -side * 0.5 * np.pi / turn
     return [
-        volts(turn, u, side * 0.5 * np.pi),
+        volts(turn, u, at + side * 0.5 * np.pi),
         Command(VOLTAGE, turn, u, omega=(0.0, speed)),
         Command(VOLTAGE, turn, u, omega=(speed, 0.0)),
-        volts(stretch * REST, u, 0.0),
+        volts(stretch * REST, u, at),
         volts(DECAY, 0.0),
     ]
 

@@ -8,6 +8,7 @@ there at the end; what is left over is spread evenly in time.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -32,6 +33,8 @@ GROUPS = (
 The largest current is the other way round: where it weakens the magnet, in both quadrants."""
 REACH = 1.05
 """Current at which the voltage reverses, over rated current."""
+PLACES = (0.0, np.pi / 6.0)
+"""Places of the rotor [rad]: saliency that turns six times as fast has opposite signs there."""
 LOBES = (0.5**0.5, 1.0, 0.5**0.5, 1e-3)
 """Currents at which the voltage reverses over ``REACH``.
 
@@ -75,10 +78,11 @@ class Samples:
 def measure_pulses(
     source: Source, stator: Stator, plate: Nameplate, aligned: Aligned
 ) -> list[Group]:
-    """Align, find the axis, pulse, for each pair of directions."""
+    """Align, find the axis, pulse, at each place for each group of directions."""
     out = []
-    for group in GROUPS:
-        source.run("align", align_commands(stator, plate, aligned.current, aligned.stretch))
+    for at, group in product(PLACES, GROUPS):
+        pull = align_commands(stator, plate, aligned.current, aligned.stretch, at=at)
+        source.run("align", pull)
         axis = fit_axis(source.run("axis", probe_commands(aligned.probe, plate.T_s)), stator)
         part = source.run("pulse", list(_commands(group, axis, stator, plate)))
         out.append(_integrated(part, axis, stator))
