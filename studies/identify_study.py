@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from sensorless.design.control import operating_line
-from sensorless.design.drive import DriveDesign, control_record
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.envs.scenarios.machine_family import NAME, family
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
