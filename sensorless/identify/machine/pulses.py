@@ -35,6 +35,8 @@ REACH = 1.05
 """Current at which the voltage reverses, over rated current."""
 PLACES = (0.0, np.pi / 6.0)
 """Places of the rotor [rad]: saliency that turns six times as fast has opposite signs there."""
+LEFT, OUTLIER = 0.05, 3.0
+"""Most flux left over at the end of a pulse over its largest, or over the groups' median."""
 LOBES = (0.5**0.5, 1.0, 0.5**0.5, 1e-3)
 """Currents at which the voltage reverses over ``REACH``.
 
@@ -128,6 +130,10 @@ def samples(groups: Sequence[Group], psi_f: float, turn: float, rounds: int = 4)
         Electrical acceleration over psi x i, 3/2 n_p^2 / J [rad/s^2 per V s A]; 0: none.
     """
     parts = [_moved(g, psi_f, turn, rounds) for g in groups]
+    worst = np.array([part[2].max() for part in parts])
+    # a group that began on a rotor in motion does not come back to where it began
+    sound = worst <= max(LEFT, OUTLIER * float(np.median(worst)))
+    parts = [part for part, keep in zip(parts, sound, strict=True) if keep]
     i, psi, left, theta = (np.concatenate(x) for x in zip(*parts, strict=True))
     return Samples(i, psi, rms(left), float(np.abs(theta).max()))
 
