@@ -29,7 +29,7 @@ def test_summary_counts_what_is_within_the_bars() -> None:
     assert found["R_s"]["within"] == 1 and found["R_s"]["worst"] == pytest.approx(0.031)
 
 
-@pytest.mark.parametrize("name", ["identify", "identify-details"])
+@pytest.mark.parametrize("name", ["identify", "identify-details", "identify-held-out"])
 def test_the_record_says_what_its_machines_say(name: str) -> None:
     record = json.loads((ROOT / f"results/studies/{name}.json").read_text(encoding="utf-8"))
     assert STUDY.summary(record["machines"]) == record["summary"]
