@@ -62,7 +62,7 @@ def injection_signal(motor: Motor, pll_hz: float) -> InjectionSignal:
     lsb = adc_step(motor)
     sigma = math.hypot(NOISE * motor.i_rated, lsb / math.sqrt(12.0))
     band = 0.53 * 2.0 * math.pi * pll_hz
-    tiny = np.finfo(float).tiny
+    tiny = 1e-300  # its inverse is finite, in degrees too
     per_ampere = np.rad2deg(1.0 / np.maximum(slope, tiny))
     return InjectionSignal(
         i=i,

@@ -3,13 +3,19 @@
 import inspect
 import math
 import re
+import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import get_args, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 from sensorless.cli.app import app
 from sensorless.cli.motor_new import new_command
@@ -24,6 +30,7 @@ from sensorless.machine.motor import MOTORS, Motor, Saturation
 from tests.helpers.command import run
 from tests.helpers.machines import MEASURED_MAP
 
+DATA = Path(__file__).parents[1] / "data"
 SHEET = {
     "name": "mine", "out": "mine.toml", "poles": "6", "speed": "1500", "torque": "14",
     "current": "4.3", "ke": "209.7", "r": "7.2", "l-d": "0.072", "l-q": "0.102",
@@ -50,6 +57,21 @@ def test_a_sheet_becomes_the_machine_it_describes(tmp_path: Path) -> None:
     assert 'psi_f = "data sheet: Ke = 209.7 V/krpm line to line rms"' in text
     assert 'dead_time = "assumed: usual for IGBTs' in text
     assert len(re.findall(r"^\w+ += ", text, re.MULTILINE)) == 2 + 2 * 18, "a source each"
+
+
+def sheets() -> dict[str, Any]:
+    return tomllib.loads((DATA / "datasheets.toml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("name", sheets())
+def test_real_machines_pass_or_are_refused_for_a_reason(name: str, tmp_path: Path) -> None:
+    sheet = sheets()[name]
+    given = {"name": name, "out": "mine.toml", "size": "0", **sheet["options"]}
+    done = run("motor", "new", *(w for k, v in given.items() for w in (f"--{k}", v)), cwd=tmp_path)
+    said = " ".join((done.stdout + done.stderr).split())
+    suits = sheet["verdict"].startswith(("yes", "with limits"))
+    assert (done.returncode == 0) is (tmp_path / "mine.toml").exists() is suits
+    assert (f"suitable: {sheet['verdict']}" if suits else sheet["verdict"]) in said
 
 
 def test_what_is_missing_is_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
