@@ -2,53 +2,66 @@
 
 import json
 import math
+from dataclasses import asdict
 from typing import Annotated, Any
 
 import typer
 from rich.markup import escape
 from rich.table import Table
 
-from sensorless.cli.options import console
+from sensorless.cli.options import MotorOption, console
 from sensorless.design.words import text_of
 from sensorless.settings import Setting
 
 
 def settings_command(
+    motor: MotorOption = "paper",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
     """List every setting of the drive design that --set changes.
 
     Each has a name, a default, a unit, a range or choices, and a meaning. Numbers without a unit
-    are plain; a switch is true or false.
+    are plain; a switch is true or false. What is "auto" follows from the machine: the number is
+    that of --motor, and docs/gains.md has the formula.
 
     For example:
 
         sensorless settings
+        sensorless settings --motor mine.toml
         sensorless settings --json
         sensorless simulate --set speed_hz=4 --set mtpa=false
     """
+    from sensorless.design.derived import derive
     from sensorless.design.drive import DriveDesign
+    from sensorless.machine.motor import Motor
     from sensorless.settings import settings_of
 
     known = settings_of(DriveDesign).values()
+    values = asdict(derive(Motor.load(motor), DriveDesign()))
     if as_json:
-        console.print_json(json.dumps([facts(setting) for setting in known]), indent=1)
+        console.print_json(json.dumps([facts(s, values.get(s.name)) for s in known]), indent=1)
         return
     table = Table(box=None)
     for heading in ("name", "default", "unit", "range", "meaning or choices"):
         table.add_column(heading, no_wrap=heading != "meaning or choices")
     for s in known:
         choices = "".join(f"\n{word}: {doc}" for word, doc in s.choices.items())
-        cells = (s.name, text_of(s.default), unit_of(s), range_of(s), s.meaning + choices)
+        default = text_of(s.default) + (f" = {values[s.name]:.4g}" if s.derived else "")
+        cells = (s.name, default, unit_of(s), range_of(s), s.meaning + choices)
         table.add_row(*map(escape, cells))
     console.print(table)
 
 
-def facts(setting: Setting) -> dict[str, Any]:
-    """All about a setting in JSON types; the end of an unlimited range is null."""
+def facts(setting: Setting, value: float | None) -> dict[str, Any]:
+    """All about a setting in JSON types; the end of an unlimited range is null.
+
+    ``value`` is what an automatic setting is on the machine.
+    """
     out: dict[str, Any] = {"name": setting.name, "type": setting.kind.__name__}
     word = setting.default is None or setting.default == math.inf
     out["default"] = text_of(setting.default) if word else setting.default
+    if setting.derived:
+        out["value"] = value
     if setting.kind in (int, float):
         out["unit"] = setting.unit
         out["low"] = setting.low

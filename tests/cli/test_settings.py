@@ -8,9 +8,11 @@ import pytest
 from typer.testing import CliRunner
 
 from sensorless.cli.app import app
+from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.design.words import design_from
 from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
 from sensorless.settings import AUTO, settings_of
 
 RUNNER = CliRunner()
@@ -40,6 +42,14 @@ def test_json_tells_what_a_design_is_made_of() -> None:
     words = [f"{name}={str(value).lower()}" for name, value in design.items() if name[0] != "L"]
     assert design_from(words) == DriveDesign()
     assert design_from(["smo_emf_hz=inf"]).smo_emf_hz == math.inf
+
+
+def test_automatic_settings_are_those_of_the_machine() -> None:
+    """The wheel machine accelerates eight times as fast as the paper's: faster loops."""
+    text = RUNNER.invoke(app, ["settings", "--motor", "formula_wheel", "--json"]).output
+    value = {f["name"]: f["value"] for f in json.loads(text) if "value" in f}
+    assert value == asdict(derive(Motor.load("formula_wheel"), DriveDesign()))
+    assert value["hfi_pll_hz"] > 2.0 * derive(Motor.load("paper"), DriveDesign()).hfi_pll_hz
 
 
 def test_an_old_setting_is_refused_with_the_one_that_took_its_place() -> None:
