@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from sensorless.design.new_motor import LOW_VOLTAGE
 from sensorless.envs.counter_random import Draws, Floats, Seeds, combine
 from sensorless.envs.scenarios.ranges import (
     DEAD_TIME,
@@ -80,6 +81,7 @@ def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     the controller's values by a tolerance and by their temperature; the magnet is warmed by the
     winding. The EMF has 5th and 7th harmonics, the rotor a second saliency, the iron a loss, the
     transistors and diodes a threshold voltage, and the DC link the ripple of a mains rectifier.
+    Below ``LOW_VOLTAGE`` the inverter has MOSFETs, which have none.
     """
     s = stress_1_scenarios(motor, seeds)
     s.detailed[:] = True
@@ -90,7 +92,8 @@ def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     s.emf_5, s.emf_7 = d.uniform(-EMF_5, EMF_5), d.uniform(-EMF_7, EMF_7)
     s.saliency_6 = d.uniform(-SALIENCY_6, SALIENCY_6)
     s.p_iron = d.uniform(*IRON) * motor.tau_rated * motor.omega_rated / motor.n_p
-    s.u_transistor, s.u_diode = d.uniform(*U_TRANSISTOR), d.uniform(*U_DIODE)
+    bipolar = motor.u_dc >= LOW_VOLTAGE
+    s.u_transistor, s.u_diode = bipolar * d.uniform(*U_TRANSISTOR), bipolar * d.uniform(*U_DIODE)
     s.ripple, s.ripple_phase = d.uniform(*RIPPLE), d.uniform(-np.pi, np.pi)
     s.ripple_hz = np.where(d.chance(0.5), 300.0, 360.0)
     return s

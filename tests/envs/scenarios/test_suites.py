@@ -1,6 +1,6 @@
 """Suites: any part of one is what it is in the whole."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -111,3 +111,13 @@ def test_unload_draws_speeds_and_errors() -> None:
     assert s.psi_f.min() < 0.95 and s.psi_f.max() > 1.05 and s.R_s.max() > 1.35
     assert s.dead_time.max() > 1.4 * MOTOR.dead_time and s.dead_time.min() < 0.35 * MOTOR.dead_time
     assert not s.tau[:, 2:].any() and (s.tau[:, 1] != 0.0).all()
+
+
+def test_only_inverters_of_high_voltage_have_thresholds() -> None:
+    """A MOSFET has a resistance; the row is otherwise that of the same machine on the mains."""
+    hub = Motor.load("ebike_hub")
+    low, high = (suite("stress", m, 3, 8) for m in (hub, replace(hub, u_dc=400.0)))
+    for name in ("u_transistor", "u_diode"):
+        assert not getattr(low, name).any() and (getattr(high, name) > 0.5).all()
+    np.testing.assert_array_equal(low.p_iron, high.p_iron)
+    np.testing.assert_array_equal(low.emf_5, high.emf_5)
