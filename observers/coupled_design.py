@@ -68,9 +68,14 @@ def bandwidths(motor: Motor, speed_hz: float) -> Bandwidths:
     often = math.sqrt(CHANGES / motor.T_s)
     return Bandwidths(
         flux=tracking(motor, flux_noise(motor)),
-        load=LOAD_OVER_SPEED * 2.0 * math.pi * speed_hz,
+        load=load_pole(speed_hz),
         injection=math.sqrt(0.5 * voltage_drift(motor) * often / injection_noise(motor)),
     )
+
+
+def load_pole(speed_hz: float) -> float:
+    """Pole of the load [rad/s] for a speed loop of this natural frequency [Hz]."""
+    return LOAD_OVER_SPEED * 2.0 * math.pi * speed_hz
 
 
 def flux_at_no_d_current(motor: Motor, line: Floats) -> Floats:
@@ -82,7 +87,7 @@ def design_coupled(
     motor: Motor,
     line: Floats,
     *,
-    speed_hz: float,
+    at: Bandwidths,
     linear: bool,
     u_dt: float,
     inv_i_comp: float,
@@ -95,8 +100,8 @@ def design_coupled(
     ----------
     line : array, shape (CURVE_N, 2)
         Currents of the operating line [A].
-    speed_hz : float
-        Natural frequency of the speed loop [Hz].
+    at : Bandwidths
+        Those of ``bandwidths``, or others.
     linear : bool
         Correct the flux in proportion to its error, without the sigmoid.
     u_dt, inv_i_comp : float
@@ -106,7 +111,6 @@ def design_coupled(
     omega_max : float
         Bound on the speed estimate, electrical [rad/s].
     """
-    at = bandwidths(motor, speed_hz)
     acceleration, drift = rated_acceleration(motor), voltage_drift(motor)
     left = acceleration / at.flux**2
     low, high = (share * left for share in RISE)

@@ -12,6 +12,7 @@ from sensorless.design.control import operating_line
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_inductance
 from sensorless.machine.motor import Motor
+from sensorless.observers.coupled_design import bandwidths
 from sensorless.observers.tracking import (
     flux_noise,
     injection_noise,
@@ -58,6 +59,8 @@ class Derived:
     smo_cross_hz: float
     error_pll_hz: float
     flux_pll_hz: float
+    coupled_flux_hz: float
+    coupled_injection_hz: float
     smo_floor_rpm: float
 
 
@@ -69,6 +72,7 @@ def derive(motor: Motor, design: DriveDesign) -> Derived:
     speed = _first(given["speed_hz"], speed_loop(motor))
     injection = INJECTION_SHARE * tracking(motor, injection_noise(motor)) / (2.0 * math.pi)
     emf = _first(given["smo_pll_hz"], EMF_OVER * injection)
+    coupled = bandwidths(motor, speed)
     formulas = {
         "speed_hz": speed,
         "i_q_slew": 4.0 * math.pi * speed * motor.i_rated,
@@ -78,6 +82,8 @@ def derive(motor: Motor, design: DriveDesign) -> Derived:
         "smo_cross_hz": emf,
         "error_pll_hz": ERROR_OVER * injection,
         "flux_pll_hz": tracking(motor, flux_noise(motor)) / (2.0 * math.pi),
+        "coupled_flux_hz": coupled.flux / (2.0 * math.pi),
+        "coupled_injection_hz": coupled.injection / (2.0 * math.pi),
         "smo_floor_rpm": speed_floor(motor),
     }
     return Derived(**{name: _first(given[name], formulas[name]) for name in formulas})

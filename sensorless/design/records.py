@@ -14,7 +14,7 @@ from sensorless.errors import UserError
 from sensorless.machine.magnetics import flux_map_record
 from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import require_saliency
-from sensorless.observers.coupled_design import design_coupled
+from sensorless.observers.coupled_design import Bandwidths, design_coupled, load_pole
 from sensorless.observers.flux_design import design_flux
 from sensorless.observers.hfi_design import design_hfi, hf_current
 from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
@@ -85,7 +85,11 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
     coupled = design_coupled(
         motor,
         line,
-        speed_hz=by.speed_hz,
+        at=Bandwidths(
+            flux=2.0 * math.pi * by.coupled_flux_hz,
+            load=load_pole(by.speed_hz),
+            injection=2.0 * math.pi * by.coupled_injection_hz,
+        ),
         linear=design.coupled_linear,
         u_dt=control["u_dt"],
         inv_i_comp=control["inv_i_dt"],
