@@ -22,12 +22,14 @@ from sensorless.cli.settings import settings_command
 from sensorless.cli.simulate import simulate_command
 from sensorless.cli.train import train_command
 from sensorless.cli.tune import tune_command
+from sensorless.cli.tune_gains import tune_gains_command
 
 PANELS: dict[str, dict[str, Callable[..., None]]] = {
     "Look": {"demo": demo_command, "simulate": simulate_command, "reproduce": reproduce_command},
     "Make a schedule": {
         "train": train_command,
         "tune": tune_command,
+        "tune gains": tune_gains_command,
         "distill": distill_command,
     },
     "Judge it": {"evaluate": evaluate_command, "report": report_command},

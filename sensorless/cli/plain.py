@@ -25,7 +25,14 @@ class Command(TyperCommand):
 
 
 class Group(TyperGroup):
-    """A group of commands with plain flags."""
+    """A group of commands with plain flags; a name may be two words, like ``tune gains``."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Command of the first two words, or else of the first."""
+        two = " ".join(args[:2])
+        if two in self.commands:
+            return two, self.commands[two], args[2:]
+        return super().resolve_command(ctx, args)
 
     def get_params(self, ctx: Any) -> Any:
         """Options, ``--help`` among them."""

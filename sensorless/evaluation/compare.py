@@ -100,6 +100,8 @@ class Comparison:
     """95 %, of ``change``; NaN for fewer than two scenarios"""
     same: bool
     """Every scenario ended alike."""
+    where: str = SUITE
+    """What they are drawn from."""
 
     @property
     def word(self) -> str:
@@ -113,8 +115,8 @@ class Comparison:
     def sentence(self) -> str:
         """The verdict."""
         if not self.scenarios:
-            return f"not to compare with {self.against}: no scenario of {SUITE} is feasible"
-        where = f"{counted(self.scenarios, self.size)} of {SUITE} that it was not made on"
+            return f"not to compare with {self.against}: no scenario of {self.where} is feasible"
+        where = f"{counted(self.scenarios, self.size)} of {self.where} that it was not made on"
         if self.same:
             return f"the same as {self.against}: every one of {where} ends alike"
         start = {
@@ -133,7 +135,7 @@ class Comparison:
         """All of it in JSON types."""
         values = asdict(self)
         values["interval"] = [x if np.isfinite(x) else None for x in self.interval]
-        return {"verdict": self.sentence, "suite": SUITE, "seed": SEED, **values}
+        return {"verdict": self.sentence, "suite": values.pop("where"), "seed": SEED, **values}
 
 
 def compare(
@@ -150,8 +152,8 @@ def compare(
     return contrast(ours, theirs, against)
 
 
-def contrast(ours: Outcomes, theirs: Outcomes, against: str) -> Comparison:
-    """Compare the outcomes of the same scenarios."""
+def contrast(ours: Outcomes, theirs: Outcomes, against: str, where: str = SUITE) -> Comparison:
+    """Compare the outcomes of the same scenarios, drawn from ``where``."""
     feasible = ours.feasible & theirs.feasible
     rows = np.flatnonzero(feasible)
 
@@ -171,4 +173,5 @@ def contrast(ours: Outcomes, theirs: Outcomes, against: str) -> Comparison:
         float(change(np.arange(len(rows)))) if len(rows) else 0.0,
         interval_of(change, len(rows), SEED),
         same,
+        where,
     )

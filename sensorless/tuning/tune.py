@@ -28,6 +28,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES, rule_named
 from sensorless.policies.tuned import Tuned
 from sensorless.tuning.batch import costs
+from sensorless.tuning.evolution import evolution
 from sensorless.versions import versions
 
 if TYPE_CHECKING:
@@ -218,23 +219,10 @@ def _judge(search: _Search, values: dict[str, float]) -> None:
 
 def _cma(rule: Rule, seed: int) -> "CMAEvolutionStrategy":
     """Search over the unit cube, from the defaults."""
-    try:
-        import cma
-    except ImportError:
-        raise UserError("tune needs the library cma; run: pip install 'sensorless[tune]'") from None
     start = [(p.default - low) / (high - low) for p in rule.parameters for low, high in (p.search,)]
-    rng = np.random.default_rng(seed)
-    options = {
-        "bounds": [0.0, 1.0],
-        "randn": lambda rows, columns: rng.standard_normal((rows, columns)),
-        "seed": np.nan,
-        "verbose": -9,
-        "verb_log": 0,
-        "tolflatfitness": 20,
-    }
     if len(start) == 1:  # the library needs two dimensions; the second has no effect
         start = [*start, 0.5]
-    return cma.CMAEvolutionStrategy(np.clip(start, 0.02, 0.98), SIGMA, options)
+    return evolution(np.clip(start, 0.02, 0.98).tolist(), SIGMA, seed)
 
 
 def _ask(es: "CMAEvolutionStrategy", rule: Rule) -> tuple[list[Floats], list[dict[str, float]]]:

@@ -50,9 +50,11 @@ def is_file(word: str) -> bool:
 def check_sensorless(words: list[str], whole: bool) -> None:
     """Command, options and the names among their values exist; a whole one lacks no argument."""
     command: Any = typer.main.get_command(app)
-    while words and words[0] in getattr(command, "commands", {}):
-        command = command.commands[words[0]]
-        words = words[1:]
+    while words and (known := getattr(command, "commands", {})):
+        n = next((n for n in (2, 1) if " ".join(words[:n]) in known), 0)
+        if not n:
+            break
+        command, words = known[" ".join(words[:n])], words[n:]
     assert not words or not hasattr(command, "commands") or words[0].startswith("-"), words[0]
     try:
         given = command.make_context("sensorless", words, resilient_parsing=not whole).params

@@ -77,7 +77,17 @@ def settling_s(r: Rollout) -> Floats:
 
     NaN without a step, or if one of them has not settled when its window ends.
     """
-    omega = r.mean("omega_m")
+    return _settling(r, "omega_m")
+
+
+def settling_twin_s(r: Rollout) -> Floats:
+    """``settling_s`` of the sensored twin: that of the speed loop alone [s]."""
+    return _settling(r, "omega_m_twin")
+
+
+def _settling(r: Rollout, name: str) -> Floats:
+    """(n,) longest settling time of a speed [s]."""
+    omega = r.mean(name)
     steps = _speed_steps(r)
     out = np.full(steps.height.shape, np.nan)
     for j in _used(steps):
