@@ -1,6 +1,7 @@
 """From a machine and a design to the parameters of the C core."""
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,12 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
     UserError
         The machine has no saliency, or a number overflows 32 bits.
     """
+    return designed(motor, design).copy()
+
+
+@lru_cache(maxsize=64)
+def designed(motor: Motor, design: DriveDesign) -> Array:
+    """``control_record``, shared: not to be changed."""
     require_saliency(motor)
     by = derive(motor, design)
     omega_max = min(design.speed_bound * motor.omega_rated, float(np.finfo(np.float32).max))
@@ -124,6 +131,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
         },
     )
     require_finite(record, motor)
+    record.flags.writeable = False
     return record
 
 

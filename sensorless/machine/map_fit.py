@@ -108,6 +108,7 @@ class _Trial:
 def _descend(data: _Data, exponents: list[int]) -> tuple[float, _Trial]:
     """Change one exponent at a time, as long as that helps."""
     cost, trial = _fit(data, exponents, SHAPES)
+    known: set[tuple[object, ...]] = set()
     moved = True
     while moved:
         moved = False
@@ -117,6 +118,10 @@ def _descend(data: _Data, exponents: list[int]) -> tuple[float, _Trial]:
                 if tried[k] == value:
                     continue
                 tried[k] = value
+                start = (*tried, *trial.shape)
+                if start in known:  # no better than what is now the best
+                    continue
+                known.add(start)
                 found = _fit(data, tried, [tuple(trial.shape)])
                 if found[0] < 0.9999 * cost:
                     (cost, trial), moved = found, True
@@ -130,6 +135,8 @@ def _fit(
     """Best coefficients for these exponents, starting from each of the bridge's shapes."""
     parts = _parts(data.psi, exponents)
     both = np.r_[data.weight, data.weight]
+    matrix = both[:, None] * np.c_[parts, np.zeros(len(both))]
+    largest = np.abs(matrix).max(axis=0)
     wanted = both * np.r_[data.i[:, 0], data.i[:, 1]]
     floor = np.zeros(7)
     for k, axis in ((0, 0), (3, 1)):
@@ -140,10 +147,11 @@ def _fit(
         n = data.psi[:, 0] - psi_n
         s_w = np.sqrt(n * n + k_q * data.psi[:, 1] ** 2) ** exponents[4]
         g = s_w / (1.0 + a_bp * s_w)
-        bridge = np.r_[g * n, k_q * g * data.psi[:, 1]]
-        matrix = both[:, None] * np.c_[parts, bridge]
+        bridge = np.concatenate([g * n, k_q * g * data.psi[:, 1]])
+        matrix[:, 6] = both * bridge
+        largest[6] = np.abs(matrix[:, 6]).max()
         x = floor + nnls(matrix, wanted - matrix @ floor)[0]
-        small = np.abs(matrix).max(axis=0) * x < NOTHING * np.abs(wanted).max()
+        small = largest * x < NOTHING * np.abs(wanted).max()
         x = np.where(small, floor, x)
         return x, matrix @ x - wanted
 
