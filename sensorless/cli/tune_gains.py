@@ -81,8 +81,10 @@ def tune_gains_command(
         sensorless tune gains --motor pmsyrm_5600w --out gains.json
         sensorless tune gains --estimator smo --set speed_hz=2
     """
-    from sensorless.design.words import asked_for, design_from
-    from sensorless.files import check_writable, write_atomic
+    from sensorless.design.drive import DriveDesign
+    from sensorless.design.words import asked_for
+    from sensorless.errors import UserError
+    from sensorless.files import check_writable
     from sensorless.machine.motor import Motor
     from sensorless.tuning.gains.choice import gains_of
     from sensorless.tuning.gains.record import record_of
@@ -90,12 +92,14 @@ def tune_gains_command(
     from sensorless.tuning.gains.verdict import judged
 
     check_writable(out)
-    machine, words = Motor.load(motor), list(settings or ())
+    machine, asked = Motor.load(motor), asked_for(settings)
     if estimator is not None:
-        words.append(f"estimator={estimator}")
-    design = design_from(words)
+        asked |= asked_for([f"estimator={estimator}", *(settings or ())])
+    if estimator not in (None, asked.get("estimator")):
+        raise UserError(f"estimator: {estimator}, but --set names another one; leave one out")
+    design = DriveDesign(**asked)
     chooser = _rule(policy, machine)
-    gains = gains_of(machine, design, asked_for(words))
+    gains = gains_of(machine, design, asked)
     say_if_unsuited(machine, design)
     columns = [TextColumn("tuning gains"), BarColumn(), TextColumn("{task.percentage:.0f} %")]
     columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
@@ -121,17 +125,25 @@ def tune_gains_command(
         "command": shlex.join(["sensorless", *sys.argv[1:]]),
         **record_of(machine, design, policy, found, size, seed),
     }
-    if not found.interrupted:
-        record["judged"] = judged(machine, design, chooser, found)
-    if out is not None:
-        write_atomic(out, json.dumps(record, indent=1, allow_nan=False) + "\n")
-    _show(record)
-    if out is not None:
-        console.print(f"wrote {out}", highlight=False, soft_wrap=True)
+    _write(record, out)
+    _show_gains(record)
     if found.interrupted:
         errors.print(f"interrupted after {found.tried} of {evaluations} sets of gains")
         raise typer.Exit(130)
+    record["judged"] = judged(machine, design, chooser, found)
+    _write(record, out)
+    _show_judged(record["judged"].get("suites", {}))
+    if out is not None:
+        console.print(f"wrote {out}", highlight=False, soft_wrap=True)
     say_verdict(record["judged"]["verdict"])
+
+
+def _write(record: dict[str, Any], out: Path | None) -> None:
+    """Write the record, if anybody wants it."""
+    from sensorless.files import write_atomic
+
+    if out is not None:
+        write_atomic(out, json.dumps(record, indent=1, allow_nan=False) + "\n")
 
 
 def _rule(name: str, motor: Any) -> "Policy":
@@ -147,8 +159,8 @@ def _rule(name: str, motor: Any) -> "Policy":
     return made
 
 
-def _show(record: dict[str, Any]) -> None:
-    """Print the gains, what they bring, and the words to use them."""
+def _show_gains(record: dict[str, Any]) -> None:
+    """Print the gains, and the words to use them."""
     from sensorless.design.drive import DriveDesign
     from sensorless.settings import settings_of
 
@@ -160,15 +172,13 @@ def _show(record: dict[str, Any]) -> None:
         table.add_row(name, unit, f"{start:.4g}", f"{value:.4g}", f"{value / start:.2f}")
     console.print(table)
     if tuned:
-        _show_judged(record.get("judged", {}))
         words = " ".join(f"--set {word}" for word in record["words"])
         console.print(f"settings: {words}", markup=False, highlight=False, soft_wrap=True)
 
 
-def _show_judged(judged: dict[str, Any]) -> None:
+def _show_judged(suites: dict[str, Any]) -> None:
     """Print start and tuned gains side by side on each suite."""
     table = Table("on unseen scenarios", box=None)
-    suites = judged.get("suites", {})
     for name in suites:
         table.add_column(f"{name}: start", justify="right")
         table.add_column("tuned", justify="right")

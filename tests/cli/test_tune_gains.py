@@ -75,6 +75,8 @@ def test_ctrl_c_writes_the_best(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         (["--evaluations", "2"], "evaluations"),
         (["--policy", "flux_observer"], "brings a drive"),
         (["--set", "speed_hz=0"], "speed_hz"),
+        (["--set", "estimator=smo", "--estimator", "flux"], "leave one out"),
+        (["--seed", str(2**63)], "seed"),
         (["--out", "no/such/folder/a.json"], "no/such/folder"),
     ],
 )

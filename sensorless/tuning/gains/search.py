@@ -80,7 +80,7 @@ def search(
     Raises
     ------
     UserError
-        Too few evaluations or scenarios, or the library cma is missing.
+        Evaluations, scenarios or seed out of range, or the library cma is missing.
     KeyboardInterrupt
         Before the start has been judged; later, an interrupt ends the search with its best.
     """
@@ -90,6 +90,8 @@ def search(
         raise UserError(f"evaluations: {evaluations}; give {es.popsize} to 1000000")
     if not 8 <= size <= 100_000:
         raise UserError(f"size: {size}; give 8 to 100000 scenarios")
+    if not 0 <= seed < 2**63:
+        raise UserError(f"seed: {seed}; give 0 to 2^63 - 1")
 
     def run(values: Gains, generation: int, n: int) -> Measured:
         draw = int(combine(seed, generation)[0]) >> 1
