@@ -68,9 +68,10 @@ def tune_gains_command(
 
     It changes the gains of the estimator, the speed loop and the current loop by factors of at most
     three, and minimises 10 lost_rate + torque deviation + torque ripple on scenarios of stress-1
-    and nominal that training and evaluation never see. Not worse than at the start may be: the RMS
-    angle error, the share of scenarios whose speed is not held, the dip of the speed after a load
-    step, and the settling time of the speed loop. What --set names stays as it is.
+    and nominal that training and evaluation never see. The drive stays as exact and as fast as at
+    the start: no larger RMS angle error, no more scenarios whose speed is not held, no larger dip
+    of the speed after a load step, no longer settling of the speed loop. What --set
+    names stays as it is.
 
     It prints the --set words of the best gains found. The last line says whether they are better
     than the start on 400 scenarios that tuning has not seen. Ctrl-C keeps the best

@@ -83,6 +83,8 @@ def test_what_the_start_keeps_has_its_price() -> None:
     loose = measured([0] * 4, 0.1)
     loose.numbers["not_held"][1:] = 1.0
     assert not_held_rate(loose, start) == 0.75 and excess(loose, start) == pytest.approx(7.5)
+    saved = measured([1] * 4, 0.1)  # the start loses what now only swings
+    assert excess(loose, saved) == 0.0
 
 
 def bowl(motor: Motor, design: DriveDesign, policy: Policy, scenarios: Sized) -> Measured:

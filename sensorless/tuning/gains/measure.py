@@ -109,8 +109,11 @@ def rise(name: str, found: Measured, start: Measured) -> float:
 def excess(found: Measured, start: Measured, margin: float = 0.0) -> float:
     """How much less these gains keep than the start, in units of the objective; 0: nothing.
 
+    What is not held counts where both kept lock: a drive that only swings is no worse than lost.
     ``margin`` is what each of ``KEPT`` has to be better than the start's.
     """
-    loose = max(0.0, not_held_rate(found, start) - not_held_rate(start, start))
+    both = start.feasible & ~start.lost & ~found.lost
+    ours, theirs = (both & (x.numbers["not_held"] > 0.0) for x in (found, start))
+    loose = max(0, int(ours.sum()) - int(theirs.sum())) / max(int(start.feasible.sum()), 1)
     slack = sum(max(0.0, rise(name, found, start) + margin) for name in KEPT)
     return LOST_WEIGHT * loose + PRICE * slack

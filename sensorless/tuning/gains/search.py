@@ -26,7 +26,7 @@ SUITES = {"stress-1": 0.75, "nominal": 0.25}
 ROLE = "tune"
 SIGMA = 0.15
 """First step of the search: 15 % of every gain."""
-MARGIN = 0.01
+MARGIN = 0.002
 """What the search wants of everything that has to be kept, so that it is kept elsewhere too."""
 CHECK = 3
 """Generations between two judgements of the centre."""

@@ -50,6 +50,9 @@ def judged(motor: Motor, design: DriveDesign, policy: Policy, found: Search) -> 
         for name, found in facts["kept"].items()
         if found["interval"][0] is not None and found["interval"][0] > 0.0
     ]
+    ours_loose, loose = (round(not_held_rate(x, start) * facts["scenarios"]) for x in (ours, start))
+    if ours_loose > loose:
+        risen.append(f"{ours_loose} not held instead of {loose}")
     if risen:
         facts["verdict"] += f"; but {' and '.join(risen)}"
     return facts
