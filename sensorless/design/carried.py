@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.design.fingerprint import fingerprint
 from sensorless.design.words import text_of
@@ -87,17 +88,20 @@ def carried(provenance: Mapping[str, Any], where: str) -> Carried:
         for key in ("set", "design")
     )
     changed = {}
+    motor = _motor(provenance, where)
     if given:
         design = DriveDesign(**read(DriveDesign, given, f"{where}: set: "))
         settings = dataclasses.asdict(design)
+        now = numbers(settings, motor)
         changed = {
-            name: (whole[name], settings[name])
+            name: (whole[name], now[name])
             for name in settings
-            if name in whole and name not in given and not same(whole[name], settings[name])
+            if whole.get(name) is not None
+            and name not in given
+            and not same(whole[name], now[name])
         }
     else:
         settings = {"estimator": UNRECORDED} | read(DriveDesign, whole, f"{where}: design: ")
-    motor = _motor(provenance, where)
     named = provenance.get("motor", "?"), provenance.get("motor_digest")
     made_for = (str(named[0]), str(named[1])) if named[1] is not None else None
     if motor is not None:
@@ -106,10 +110,18 @@ def carried(provenance: Mapping[str, Any], where: str) -> Carried:
     return Carried(settings, motor, made_for, changed, gains if isinstance(gains, dict) else {})
 
 
+def numbers(settings: Mapping[str, Any], motor: Motor | None) -> dict[str, Any]:
+    """Settings whose automatic numbers are those of a machine, to five digits."""
+    if motor is None or None not in settings.values():
+        return dict(settings)
+    by = dataclasses.asdict(derive(motor, DriveDesign(**settings)))
+    return {k: float(f"{by[k]:.5g}") if v is None else v for k, v in settings.items()}
+
+
 def same(a: object, b: object) -> bool:
     """Whether two values of a setting are equal; numbers to the digits that texts show."""
-    numbers = isinstance(a, float | int) and isinstance(b, float | int)
-    return math.isclose(a, b, rel_tol=1e-5) if numbers else a == b  # type: ignore[arg-type]
+    both = isinstance(a, float | int) and isinstance(b, float | int)
+    return math.isclose(a, b, rel_tol=1e-4) if both else a == b  # type: ignore[arg-type]
 
 
 def _finite(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -154,9 +166,12 @@ def refuse_settings(
     UserError
         Names the schedule by ``word``, its value and the one asked for.
     """
+    settings = numbers(known.settings, known.motor)
     for name, value in asked.items():
-        if name in known.settings and not same(known.settings[name], value):
+        if name not in settings or value == known.settings[name]:
+            continue
+        if not same(settings[name], value):
             raise UserError(
                 f"set: {name}={text_of(value)} was asked for, but {word} was made with "
-                f"{name}={text_of(known.settings[name])}: leave it out, or {way_out}"
+                f"{name}={text_of(settings[name])}: leave it out, or {way_out}"
             )

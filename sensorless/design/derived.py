@@ -43,6 +43,12 @@ LEFT_DEAD_TIME, LEFT_RESISTANCE = 0.75, 1.0 / 3.0
 """What is not known of the voltage: of the dead time's, which may be 1.5 times as large as the file
 says and is compensated by 0.75, and of the resistive voltage at rated current, from a cold to a
 hot winding."""
+SHARE, LEAST_DEAD_TIME = 0.75, 0.25
+"""Share of the file's dead time that is compensated, and the least that an inverter may have."""
+HAND_OVER = 0.2
+"""Speed at which Eq. 25 leaves injection, over rated."""
+TOO_MUCH = 0.2
+"""Voltage that may be compensated too much, over the EMF at the hand-over."""
 FLOOR_MOST = 0.1
 """Largest speed floor over rated speed: half of the speed at which Eq. 25 leaves injection."""
 
@@ -62,6 +68,7 @@ class Derived:
     coupled_flux_hz: float
     coupled_injection_hz: float
     smo_floor_rpm: float
+    dead_time_share: float
 
 
 def derive(motor: Motor, design: DriveDesign) -> Derived:
@@ -85,6 +92,7 @@ def derive(motor: Motor, design: DriveDesign) -> Derived:
         "coupled_flux_hz": coupled.flux / (2.0 * math.pi),
         "coupled_injection_hz": coupled.injection / (2.0 * math.pi),
         "smo_floor_rpm": speed_floor(motor),
+        "dead_time_share": dead_time_share(motor),
     }
     return Derived(**{name: _first(given[name], formulas[name]) for name in formulas})
 
@@ -117,6 +125,12 @@ def speed_floor(motor: Motor) -> float:
     unknown = LEFT_DEAD_TIME * voltage_drift(motor)
     unknown += LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
     return min(unknown, FLOOR_MOST * motor.omega_rated) / motor.n_p / RPM_TO_RAD_S
+
+
+def dead_time_share(motor: Motor) -> float:
+    """Share of the dead time's voltage that is compensated: ``SHARE``, or as ``TOO_MUCH`` says."""
+    emf = HAND_OVER * motor.omega_rated
+    return min(SHARE, LEAST_DEAD_TIME + TOO_MUCH * emf / max(voltage_drift(motor), 1e-9))
 
 
 def _first(given: float | None, formula: float) -> float:

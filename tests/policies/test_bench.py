@@ -153,7 +153,7 @@ def test_a_default_that_has_changed_is_said_but_not_refused(tmp_path: Path) -> N
     then = {**asdict(DriveDesign()), "hfi_pll_hz": 12.5, "speed_hz": 3.0}
     table.save(path, {**table.provenance, "design": then})
     found = bench([spec])
-    assert found.notes == (f"{spec} was made with other defaults: hfi_pll_hz (12.5, now auto)",)
+    assert found.notes == (f"{spec} was made with other defaults: hfi_pll_hz (12.5, now 14.934)",)
     assert found.policy(spec).settings["hfi_pll_hz"] == DriveDesign().hfi_pll_hz
     assert not bench([spec], None, ["hfi_pll_hz=12.5"], override=True).notes
 

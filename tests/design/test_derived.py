@@ -1,0 +1,76 @@
+"""Gains from the machine: closed forms, limits, and what a user gives wins."""
+
+import math
+import re
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sensorless.design.derived import DIP, derive
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.machine_family import family
+from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_inductance, mtpa
+from sensorless.machine.motor import MOTORS, Motor
+
+PAPER = Motor.load("paper")
+MACHINES = [*(Motor.load(path.stem) for path in sorted(MOTORS.glob("*.toml"))), *family(9, 16)]
+PAGE = Path(__file__).parents[2] / "docs/gains.md"
+
+
+@pytest.mark.parametrize("motor", MACHINES, ids=lambda m: m.name)
+def test_the_current_loop_keeps_45_degrees_with_the_smallest_inductance(motor: Motor) -> None:
+    """Integrator of bandwidth 2 alpha r and a delay of 1.5 periods: margin pi/2 - 3 alpha r T_s."""
+    line = np.stack(mtpa(motor), axis=-1)
+    designed = apparent_q_inductance(motor, np.array([[0.0, 0.5 * motor.i_rated]]))[0]
+    steep = inverse_inductance(motor.saturation, flux(motor.saturation, line))[:, 1, 1].max()
+    turn = 3.0 * 2.0 * math.pi * derive(motor, DriveDesign()).current_hz * motor.T_s
+    assert math.degrees(math.pi / 2.0 - turn * max(1.0, designed * steep)) > 44.9
+
+
+def test_a_rated_load_dips_the_speed_as_asked() -> None:
+    """IP loop on the inertia alone: the dip after a step of the load is ``DIP`` of rated speed."""
+    light = replace(Motor.load("ipmsm_2200w"), speed_hz=None)
+    w = 2.0 * math.pi * derive(light, DriveDesign()).speed_hz
+    t = np.linspace(0.0, 10.0 / w, 20001)
+    dip = light.tau_rated / light.J * t * np.exp(-w * t)  # impulse response of s / (s + w)^2
+    assert dip.max() * light.n_p / light.omega_rated == pytest.approx(DIP, rel=1e-3)
+
+
+@pytest.mark.parametrize("motor", MACHINES, ids=lambda m: m.name)
+def test_every_number_is_in_the_range_of_its_setting(motor: Motor) -> None:
+    """So that what is derived can be given, and gives the same."""
+    values = asdict(derive(motor, DriveDesign()))
+    assert asdict(derive(motor, DriveDesign(**values))) == values
+
+
+def test_noise_slows_and_acceleration_quickens() -> None:
+    """W^3 = a / (sigma sqrt(T_s)): twice the converter step, or an eighth of the inertia."""
+    base, coarse, light = (
+        derive(m, DriveDesign())
+        for m in (PAPER, replace(PAPER, adc_range=8.0 * PAPER.adc_range),
+                  replace(PAPER, J=PAPER.J / 8.0))
+    )  # fmt: skip
+    for name in ("hfi_pll_hz", "smo_pll_hz", "flux_pll_hz", "error_pll_hz"):
+        assert getattr(coarse, name) == pytest.approx(0.5 * getattr(base, name))
+        assert getattr(light, name) == pytest.approx(2.0 * getattr(base, name))
+
+
+def test_what_is_given_wins() -> None:
+    """The design over the motor file, the motor file over the formula."""
+    own = replace(PAPER, speed_hz=1.5)
+    assert derive(own, DriveDesign()).speed_hz == 1.5
+    assert derive(own, DriveDesign(speed_hz=4.0)).speed_hz == 4.0
+    slope = derive(own, DriveDesign()).i_q_slew / derive(PAPER, DriveDesign()).i_q_slew
+    assert slope == pytest.approx(1.5 / derive(PAPER, DriveDesign()).speed_hz)
+    assert derive(own, DriveDesign(smo_pll_hz=33.0)).smo_cross_hz == 33.0
+
+
+def test_the_page_has_the_numbers_of_the_paper_s_machine() -> None:
+    values = asdict(derive(PAPER, DriveDesign()))
+    rows = re.findall(r"^\| (`.*`) \|.*\| ([\d.]+)[^|]*\|$", PAGE.read_text("utf-8"), re.MULTILINE)
+    found = {name: float(text) for names, text in rows for name in re.findall(r"`(\w+)`", names)}
+    assert set(found) == set(values)
+    for name, number in found.items():
+        assert values[name] == pytest.approx(number, rel=0.006), name
