@@ -8,9 +8,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from sensorless.design.control import operating_line
 from sensorless.design.drive import DriveDesign
-from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_inductance
+from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_inductance, mtpa
 from sensorless.machine.motor import Motor
 from sensorless.observers.coupled_design import bandwidths
 from sensorless.observers.tracking import (
@@ -109,8 +108,7 @@ def speed_loop(motor: Motor) -> float:
 
 def current_loop(motor: Motor, speed_hz: float) -> float:
     """Bandwidth of the current loop [Hz] from delay, ``PHASE_LOSS``, and need, ``CURRENT_OVER``."""
-    line = operating_line(motor, True)
-    line = line[np.hypot(*line.T) <= (1.0 + 1e-9) * motor.i_max]
+    line = np.stack(mtpa(motor), axis=-1)
     half = float(apparent_q_inductance(motor, np.array([[0.0, 0.5 * motor.i_rated]]))[0])
     gamma = inverse_inductance(motor.saturation, flux(motor.saturation, line))
     rise = max(1.0, float(np.max(motor.L_d * gamma[:, 0, 0])), float(np.max(half * gamma[:, 1, 1])))

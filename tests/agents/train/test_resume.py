@@ -66,7 +66,7 @@ def test_curve_goes_on_and_the_best_table_stays(finished: Path) -> None:
 
 def test_resume_refuses_other_settings(finished: Path) -> None:
     before = rows(finished)
-    with pytest.raises(UserError, match="hfi_pll_hz=40 was asked.*14.934: .*train anew"):
+    with pytest.raises(UserError, match=r"hfi_pll_hz=40 was asked.*14.934: .*train anew"):
         resume(SMALL, finished, asked={"hfi_pll_hz": 40.0})
     assert rows(finished) == before
 
