@@ -2,7 +2,9 @@
 
 import gc
 import os
+import subprocess
 from collections.abc import Iterator
+from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # two threads of torch on a busy machine are slower
 os.environ.setdefault("MPLBACKEND", "Agg")  # figures without a screen
@@ -20,6 +22,7 @@ from sensorless.pil.tools import missing_packages
 from sensorless.plots import figure
 from sensorless.table.ks_table import Axis, KsTable
 from tests.helpers.machines import MEASURED_MAP
+from tests.helpers.objects import Failed, Objects
 from tests.helpers.scenarios import lasting
 
 
@@ -76,6 +79,25 @@ def full_dpi() -> Iterator[int]:
         full = figure.DPI
         patch.setattr(figure, "DPI", full // 3)
         yield full
+
+
+@pytest.fixture(scope="session", autouse=True)
+def core_objects(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Objects]:
+    """Self tests on export compile the same core with the same flags once."""
+    objects = Objects(tmp_path_factory.mktemp("core"))
+    whole = selftest.compile_program
+
+    def compile_program(
+        compiler: list[str], sources: list[Path], program: Path
+    ) -> subprocess.CompletedProcess[str]:
+        core = [path for path in sources if path.parent.name == "core"]
+        made = objects.of(core[0].parent, [*compiler, *selftest.FLAGS])
+        rest = [path for path in sources if path not in core]
+        return made if isinstance(made, Failed) else whole(compiler, [*rest, *made], program)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(selftest, "compile_program", compile_program)
+        yield objects
 
 
 @pytest.fixture

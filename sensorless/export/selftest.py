@@ -31,6 +31,14 @@ def find_compiler() -> list[str] | None:
     return None
 
 
+def compile_program(
+    compiler: list[str], sources: list[Path], program: Path
+) -> subprocess.CompletedProcess[str]:
+    """Compile and link sources, as an exported folder asks for it."""
+    command = [*compiler, *FLAGS, "-o", str(program), *map(str, sources)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
 def run_selftest(folder: Path) -> SelfTest:
     """Build outside of ``folder`` and run.
 
@@ -54,8 +62,7 @@ def run_selftest(folder: Path) -> SelfTest:
     ]
     with tempfile.TemporaryDirectory() as build:
         program = Path(build) / "selftest"
-        command = [*compiler, *FLAGS, "-o", str(program), *map(str, sources)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = compile_program(compiler, sources, program)
         if done.returncode == 0:
             done = subprocess.run([program], capture_output=True, text=True, check=False)
     text = (done.stderr or done.stdout).strip().splitlines()

@@ -15,6 +15,7 @@ from sensorless.export.export import Exported, export
 from sensorless.export.vectors import drive_vectors
 from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import Axis, KsTable
+from tests.helpers.objects import Objects, flags
 
 GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 
@@ -33,12 +34,16 @@ def test_the_self_test_ran_on_export(exported: Exported) -> None:
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize("level", ["-O0", "-O2", "-O3"])
-def test_make_selftest_passes_without_a_warning(copied: Path, compiler: str, level: str) -> None:
+def test_make_selftest_passes_without_a_warning(
+    copied: Path, compiler: str, level: str, core_objects: Objects
+) -> None:
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler}: not found")
     done = selftest(copied, f"CC={compiler}", f"CFLAGS={level}")
     assert done.returncode == 0 and not done.stderr, done.stderr
     assert "self test passed" in done.stdout
+    command = [compiler, *flags(copied / "Makefile", "FLAGS", "WARNINGS"), level]
+    core_objects.keep(copied / "core", command, copied / "build" / "core")
 
 
 @GCC

@@ -2,6 +2,7 @@
 
 import hashlib
 import shutil
+import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from sensorless.pil import identity, tools
 from sensorless.pil import pil as loop
 from sensorless.pil.pil import Report, pil
 from sensorless.table.ks_table import KsTable
+from tests.helpers.objects import Failed, Objects, flags
 
 
 @pytest.fixture(scope="session")
@@ -35,13 +37,29 @@ def same_everywhere(exported: Path) -> list[Path]:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def kept_objects(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Build]:
+def kept_objects(
+    tmp_path_factory: pytest.TempPathFactory, core_objects: Objects
+) -> Iterator[Build]:
     """``build`` that takes objects of earlier images where the same sources are compiled again."""
     kept = tmp_path_factory.mktemp("objects")
 
+    def host(exported: Path, folder: Path, level: str, cc: str) -> Path:
+        """As the makefile does it; ``test_bad_inputs`` has one that the makefile builds."""
+        how = [cc, *flags(FIRMWARE / "Makefile", "BITS", "WARNINGS"), *level.split()]
+        core = core_objects.of(exported / "core", how)
+        assert not isinstance(core, Failed), core.stderr
+        own = [exported / "ks_table_data.c", exported / "ks_table_q15.c"]
+        own += [exported / "test" / "faults.c"]
+        own += [FIRMWARE / f"{name}.c" for name in ("pil", "pil_stages", "port_host")]
+        include = [f"-I{path}" for path in (exported, exported / "core", exported / "test")]
+        folder.mkdir()
+        words = [*how, *include, f"-I{FIRMWARE}", *map(str, [*own, *core])]
+        subprocess.run([*words, "-o", str(folder / "host")], check=True)
+        return folder / "host"
+
     def build(exported: Path, folder: Path, what: str, level: str = "-O2", cc: str = "cc") -> Path:
-        if what != "image":
-            return tools.build(exported, folder, what, level, cc)
+        if what == "host":
+            return host(exported, folder, level, cc)
         headers = [*(exported / "core").glob("*.h"), *FIRMWARE.glob("*.h")]
         sources = same_everywhere(exported)
         digest = hashlib.sha256(level.encode())

@@ -1,0 +1,50 @@
+"""Objects of the exported core, compiled once by every compiler with the same flags."""
+
+import hashlib
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+Failed = subprocess.CompletedProcess
+
+
+def flags(makefile: Path, *names: str) -> list[str]:
+    """Words of variables that a makefile sets, one after another."""
+    text = makefile.read_text(encoding="utf-8")
+    found = [re.findall(rf"^{name}\s*[:?]=(.*)", text, re.MULTILINE) for name in names]
+    return [word for (line,) in found for word in line.split()]
+
+
+@dataclass(frozen=True)
+class Objects:
+    """Objects in a folder, by the text of the sources, the compiler and its flags."""
+
+    folder: Path
+
+    def place(self, core: Path, command: list[str]) -> Path:
+        """Where the objects of a folder ``core`` are kept under a command, if they are."""
+        program = Path(shutil.which(command[0]) or command[0]).resolve()
+        digest = hashlib.sha256(repr([program, *command[1:]]).encode())
+        for path in sorted(core.glob("*.[ch]")):
+            digest.update(path.name.encode() + path.read_bytes())
+        return self.folder / digest.hexdigest()
+
+    def of(self, core: Path, command: list[str]) -> "list[Path] | Failed[str]":
+        """Objects of all sources in ``core``, or how the compiler failed."""
+        place = self.place(core, command)
+        if not place.is_dir():
+            place.mkdir()
+            sources = map(str, sorted(core.glob("*.c")))
+            done = subprocess.run(
+                [*command, "-c", *sources], cwd=place, capture_output=True, text=True, check=False
+            )
+            if done.returncode:
+                shutil.rmtree(place)
+                return done
+        return sorted(place.glob("*.o"))
+
+    def keep(self, core: Path, command: list[str], made: Path) -> None:
+        """Keep objects that ``make`` has made of ``core`` with this command."""
+        shutil.copytree(made, self.place(core, command), dirs_exist_ok=True)
