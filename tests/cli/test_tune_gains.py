@@ -49,11 +49,15 @@ def test_it_prints_the_words_and_the_verdict(
 
 
 def test_it_says_when_nothing_is_better(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(searching, "judge", Mock())
+    def costly(known: Search, values: dict[str, float], *_: object) -> None:
+        known.centres.append(searching.Centre(0.0, 1.0, values))
+
+    monkeypatch.setattr(searching, "judge", costly)
     done = RUN.invoke(app, [*WORDS, "--estimator", "smo"])
     assert done.exit_code == 0, done.output
     assert "smo_pll_hz" in done.stdout and "--set" not in done.stdout
-    assert "nothing better" in done.stdout.splitlines()[-1]
+    last = done.stdout.splitlines()[-1]
+    assert "nothing better" in last and "without that, objective 0.000 instead of" in last
 
 
 def test_ctrl_c_writes_the_best(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

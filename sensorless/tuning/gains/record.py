@@ -55,7 +55,7 @@ def record_of(
         "population": found.population,
         "tried": found.tried,
         "interrupted": found.interrupted,
-        "centres": found.centres,
+        "centres": [dataclasses.asdict(centre) for centre in found.centres],
         "provenance": record(tuned, motor),
         "versions": {**versions(), "cma": version("cma")},
     }

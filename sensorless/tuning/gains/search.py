@@ -37,6 +37,16 @@ Progress = Callable[[float, float, float], None]
 """Called with the share done, and the objectives of the best found so far and of the start."""
 
 
+@dataclass(frozen=True)
+class Centre:
+    """A centre of the search, judged."""
+
+    objective: float
+    unkept: float
+    """``excess`` over the start"""
+    gains: Gains
+
+
 @dataclass
 class Search:
     """Result of a search, and its state on the way."""
@@ -48,8 +58,8 @@ class Search:
     start_value: float = np.inf
     tried: int = 0
     population: int = 0
-    centres: list[dict[str, object]] = field(default_factory=list)
-    """Every centre judged: objective, what it keeps less than the start, gains."""
+    centres: list[Centre] = field(default_factory=list)
+    """Every centre judged."""
     interrupted: bool = False
 
 
@@ -133,7 +143,7 @@ def search(
 def judge(known: Search, values: Gains, found: Measured, start: Measured) -> None:
     """Keep these gains if they cost less than the best so far and keep what the start keeps."""
     value, lacking = cost(found, start).objective, excess(found, start)
-    known.centres.append({"objective": value, "unkept": lacking, "gains": values})
+    known.centres.append(Centre(value, lacking, values))
     if value < known.best_value and lacking == 0.0:
         known.best, known.best_value = values, value
 

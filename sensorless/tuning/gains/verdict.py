@@ -28,10 +28,15 @@ START = "the gains that it started from"
 def judged(motor: Motor, design: DriveDesign, policy: Policy, found: Search) -> dict[str, Any]:
     """Verdict, and the numbers of tuned gains and start by suite, in JSON types."""
     if not found.best:
-        return {
-            "verdict": f"the same as {START}: nothing better that is as exact and as fast was "
+        sentence = (
+            f"the same as {START}: nothing better that is as exact, as fast and as well held was "
             f"found in {found.tried} sets of gains"
-        }
+        )
+        cheapest = min((c.objective for c in found.centres), default=math.inf)
+        if cheapest < found.start_value:
+            sentence += f"; without that, objective {cheapest:.3f} instead of "
+            sentence += f"{found.start_value:.3f}"
+        return {"verdict": sentence}
     runs: dict[str, list[Measured]] = {"start": [], "tuned": []}
     drives = {"start": design, "tuned": with_gains(design, found.best)}
     for name, share in SUITES.items():
