@@ -51,6 +51,8 @@ def c(tmp_path_factory: pytest.TempPathFactory) -> Call:
     lib = ctypes.CDLL(str(out))
 
     def number(value: Any) -> Any:
+        if isinstance(value, ctypes.c_void_p):
+            return value
         if isinstance(value, np.ndarray):
             return ctypes.c_void_p(value.ctypes.data)
         return ctypes.c_int(value) if isinstance(value, int) else ctypes.c_float(value)

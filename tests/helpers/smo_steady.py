@@ -1,6 +1,7 @@
 """A sliding-mode observer in an exact steady state, one period after the other."""
 
 import cmath
+import ctypes
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -106,22 +107,16 @@ def angles(
     x, y = np.zeros(1, dtype=STATE), np.zeros(1, dtype=ESTIMATE)
     y["pll"]["omega"], x["omega_f"], y["pll"]["theta"] = omega, omega, 0.1
     out, miss = np.empty(periods), np.empty(periods)
+    seen, i_hat = y["pll"]["theta"], x["i_hat"]["a"]
+    i_ab, u_ab = np.empty(2, np.float32), np.empty(2, np.float32)
+    arrays = [ctypes.c_void_p(array.ctypes.data) for array in (p, x, y, i_ab, u_ab)]
+    numbers = (motor.L_q if L_q is None else L_q, omega, 0.0, motor.T_s)
     for k in range(periods):
         theta = math.remainder(omega * motor.T_s * k, 2.0 * math.pi)
         now = i * cmath.exp(1j * theta)
         was = u * cmath.exp(1j * (theta - omega * motor.T_s))
-        out[k] = math.degrees(math.remainder(theta - float(y["pll"]["theta"][0]), 2.0 * math.pi))
-        c(
-            "smo_observe",
-            p,
-            x,
-            y,
-            np.array([now.real, now.imag], np.float32),
-            np.array([was.real, was.imag], np.float32),
-            motor.L_q if L_q is None else L_q,
-            omega,
-            0.0,
-            motor.T_s,
-        )
-        miss[k] = x["i_hat"]["a"][0] - now.real
+        out[k] = math.degrees(math.remainder(theta - float(seen[0]), 2.0 * math.pi))
+        i_ab[0], i_ab[1], u_ab[0], u_ab[1] = now.real, now.imag, was.real, was.imag
+        c("smo_observe", *arrays, *numbers)
+        miss[k] = i_hat[0] - now.real
     return out[-500:], miss[-500:]
