@@ -70,7 +70,7 @@ def design_control(
     Speed: critically damped closed loop of natural frequency ``speed_hz`` [Hz] on the inertia,
     k_p = 2 w J / k_t, k_i = w^2 J / k_t with k_t of ``torque_constant``. Current: internal-model
     control of bandwidth ``current_hz`` [Hz] (doi 10.1109/28.663477) with the q inductance at half
-    the rated current. Field weakening: at rated speed its integrator, du/di_d = w L_d, has four
+    the rated current. Field weakening: at rated speed its integrator, du/di_d = w L_d, has five
     times the bandwidth of the speed loop that asks for torque, at most a fifth of the current
     loop's.
 
@@ -103,7 +103,7 @@ def design_control(
         "L_d": motor.L_d,
         "L_q": L_q,
         "psi_f": motor.psi_f,
-        "k_fw": min(4.0 * w, 0.2 * alpha) * motor.T_s / (motor.omega_rated * motor.L_d),
+        "k_fw": min(5.0 * w, 0.2 * alpha) * motor.T_s / (motor.omega_rated * motor.L_d),
         "fw_margin": 0.97,
         "i_d_min": -0.9 * motor.i_max,
         "u_dt": u_dt,
