@@ -90,7 +90,7 @@ def main() -> None:
     if args.out:
         facts = {"family": NAME, "family_seed": args.family_seed, "seed": args.seed}
         facts |= {"size": args.size, "set": args.set, "versions": versions()}
-        text = json.dumps({**facts, "machines": found}, indent=1, default=float)
+        text = json.dumps({**facts, "machines": found}, default=float)
         write_atomic(args.out, text + "\n")
 
 

@@ -147,7 +147,7 @@ def main() -> None:
         "suites": found,
         "between_samples": [between_samples(motor, *point) for point in POINTS],
     }
-    write_atomic(folder / "carrier.json", json.dumps(results, indent=1) + "\n")
+    write_atomic(folder / "carrier.json", json.dumps(results) + "\n")
     console.print(f"wrote {folder / 'carrier.json'}")
 
 

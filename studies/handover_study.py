@@ -151,7 +151,7 @@ def main() -> None:
         "quietest": parameters, "generations": options.search, "versions": versions(),
         "designs": {name: asdict(design) for name, design in DRIVES.items()}, "policies": found,
     }  # fmt: skip
-    write_atomic(options.out, json.dumps(record, indent=1, default=float) + "\n")
+    write_atomic(options.out, json.dumps(record, default=float) + "\n")
     console.print(f"wrote {options.out}")
 
 

@@ -145,7 +145,7 @@ def main() -> None:
         "versions": versions(),
     }
     args.out.parent.mkdir(parents=True, exist_ok=True)
-    write_atomic(args.out, json.dumps(record, indent=1) + "\n")
+    write_atomic(args.out, json.dumps(record) + "\n")
     print(json.dumps(record["summary"], indent=1))
 
 

@@ -142,7 +142,7 @@ def main() -> None:
         if record["machines"].get(name, {}).get("digest") != digest:
             found = study(name, args.policy, args.against, args.seed, args.size)
             record["machines"][name] = {"digest": digest, **found}
-            write_atomic(args.out, json.dumps(record, indent=1) + "\n")
+            write_atomic(args.out, json.dumps(record) + "\n")
         say(name, record["machines"][name])
 
 
