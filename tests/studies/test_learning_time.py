@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from sensorless.agents.validation import validate
+from sensorless.design.carried import carried
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
@@ -48,9 +49,9 @@ def test_a_run_is_held_against_the_rule_on_its_own_scenarios(
     run.mkdir()
     config = json.loads((ROOT / "results" / "reference" / "config.json").read_text())
     config["train"]["validate_size"] = 24
-    config["design"]["smo_pll_hz"] = 25.0
+    config["set"]["smo_pll_hz"] = 25.0
     (run / "config.json").write_text(json.dumps(config))
-    factory = SimFactory(MOTOR, DriveDesign(**config["design"]))
+    factory = SimFactory(MOTOR, DriveDesign(**carried(config, "run").settings))
     level = validate(make_policy("linear-tuned", MOTOR), factory, 24).objective
     best = level - 0.001
     rows = [(0, 0.0, level), (1000, 50.0, best), (2000, 90.0, level + 0.001)]
