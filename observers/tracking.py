@@ -20,6 +20,8 @@ SENSOR_LSB = 3.0
 """Error of a current sample by noise, offset and gain, in steps of the converter. Injection uses
 second differences, whose error is one step."""
 
+LEAST_DEAD_TIME = 1e-3
+"""Least dead time of an inverter, over a period: stands for a dead time of zero."""
 LEAST_SLOPE = 1e-6
 """Stands for a slope of the error signal that is zero or negative: no saliency, no signal."""
 
@@ -36,7 +38,7 @@ def converter_step(motor: Motor) -> float:
 
 def voltage_drift(motor: Motor) -> float:
     """Rate at which uncompensated dead time turns the flux [rad/s]."""
-    return motor.u_dc * motor.dead_time / motor.T_s / motor.psi_f
+    return motor.u_dc * max(motor.dead_time / motor.T_s, LEAST_DEAD_TIME) / motor.psi_f
 
 
 def flux_noise(motor: Motor) -> float:

@@ -120,19 +120,21 @@ class Setting:
             f"{where}{self.name}: {value!r}: must be {kind}{self.allowed} ({self.meaning})"
         )
 
+    def written(self, value: object, where: str = "") -> Any:
+        """Value as a user writes it, with ``AUTO`` for a derived one; errors as `checked`."""
+        return None if self.derived and value == AUTO else self.checked(value, where)
+
     def parsed(self, text: str, where: str = "") -> Any:
         """Value of a text; errors as `checked`."""
         value: object = text
-        if self.derived and text == AUTO:
-            value = None
-        elif self.kind is bool:
+        if self.kind is bool:
             value = SWITCH.get(text, text)
         elif self.kind is not str:
             try:
                 value = self.kind(text)
             except ValueError:
                 value = text
-        return self.checked(value, where)
+        return self.written(value, where)
 
 
 def _is_number(value: object) -> bool:
@@ -237,4 +239,4 @@ def read(cls: type, values: Mapping[str, object], where: str) -> dict[str, Any]:
     for name, setting in known.items():
         if name not in values and setting.default is REQUIRED:
             raise UserError(f"{where}{name}: missing: give {setting.meaning}, {setting.allowed}")
-    return {n: s.checked(values[n], where) for n, s in known.items() if n in values}
+    return {n: s.written(values[n], where) for n, s in known.items() if n in values}

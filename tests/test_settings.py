@@ -12,6 +12,7 @@ from sensorless.settings import (
     REQUIRED,
     Setting,
     check,
+    derived,
     number,
     read,
     settings_of,
@@ -139,3 +140,18 @@ def test_the_sentence_of_a_help_text() -> None:
 
 def test_settings_can_be_keys() -> None:
     assert len({*KNOWN.values(), Setting("head", 1.0, "m", 0.0, 1.0, "")}) == 8
+
+
+@dataclass(frozen=True)
+class Tank:
+    """A setting that follows from others unless it is given."""
+
+    level: float | None = derived("m", 0, 3, "height of the water")
+
+
+def test_auto_leaves_a_number_to_its_formula() -> None:
+    """In a file as in a word; but code says None."""
+    assert read(Tank, {"level": "auto"}, "") == {"level": None}
+    assert settings_of(Tank)["level"].parsed("auto") is None
+    with pytest.raises(UserError, match="between 0 and 3 m, or auto"):
+        check(Tank(level="auto"))  # type: ignore[arg-type]

@@ -34,8 +34,8 @@ CURRENT_OVER = (2.4, 30.0)
 """Bandwidth of the current loop over rated electrical speed, or over the speed loop: more is not
 needed and passes noise."""
 INJECTION_SHARE = 0.87
-"""Injection's PLL over ``tracking``: it has no state for the acceleration, so it needs none of the
-lead that the filter of three states spends noise on."""
+"""Injection's PLL over ``tracking``. At 1, the drive on the SMO has about 25 % more torque ripple
+and 3 % less deviation (``paper``, ``ipmsm_2200w``, ``pmsyrm_5600w``)."""
 EMF_OVER, ERROR_OVER = 4.0 / 3.0, 5.0 / 3.0
 """PLL on the EMF, and on weighed errors, over injection's: the EMF's angle has less noise."""
 LEFT_DEAD_TIME, LEFT_RESISTANCE = 0.75, 1.0 / 3.0
@@ -128,7 +128,7 @@ def speed_floor(motor: Motor) -> float:
 def dead_time_share(motor: Motor) -> float:
     """Share of the dead time's voltage that is compensated: ``SHARE``, or as ``TOO_MUCH`` says."""
     emf = HAND_OVER * motor.omega_rated
-    return min(SHARE, LEAST_DEAD_TIME + TOO_MUCH * emf / max(voltage_drift(motor), 1e-9))
+    return min(SHARE, LEAST_DEAD_TIME + TOO_MUCH * emf / voltage_drift(motor))
 
 
 def _first(given: float | None, formula: float) -> float:

@@ -57,11 +57,14 @@ def check(motor: Motor, design: DriveDesign, size: int = SIZE) -> Check:
     policies = {"eq25": make_policy("eq25", motor)}
     result = evaluate(motor, design, SUITE, SEED, size, policies).policies["eq25"]
     run = QuickRun(size, result["lost_rate"], result["infeasible_rate"], result["torque_dev_rms"])
-    return Check(replace(e, findings=(*e.findings, *_judged(run))), run)
+    return Check(replace(e, findings=(*e.findings, *judged(run))), run)
 
 
-def _judged(run: QuickRun) -> list[Finding]:
+def judged(run: QuickRun) -> list[Finding]:
+    """What a quick run adds to the verdict."""
     found = []
+    if run.infeasible == 1.0:
+        return [Finding(NO, "run", f"even with an encoder, the drive fails all of {SUITE}")]
     if run.infeasible > INFEASIBLE:
         text = f"even with an encoder, the drive fails {run.infeasible:.0%} of the suite {SUITE}"
         found.append(Finding(LIMIT, "run", text))
@@ -123,14 +126,11 @@ def rows(c: Check) -> list[tuple[str, str, str]]:
              f"T_s of at most {1e6 * hint['T_s']:g} µs"),
         ]  # fmt: skip
     if c.run is not None:
-        out.append(
-            (
-                f"quick run, {c.run.size} of suite {SUITE}",
-                f"lost {c.run.lost:.0%}, torque deviation {100 * c.run.torque_dev:.2f} %, "
-                f"not feasible {c.run.infeasible:.0%} (fails with an encoder too)",
-                "",
-            )
-        )
+        found = f"not feasible {c.run.infeasible:.0%} (fails with an encoder too)"
+        if c.run.infeasible < 1.0:
+            deviation = f"torque deviation {100 * c.run.torque_dev:.2f} %"
+            found = f"lost {c.run.lost:.0%}, {deviation}, {found}"
+        out.append((f"quick run, {c.run.size} of suite {SUITE}", found, ""))
     return out
 
 

@@ -10,9 +10,11 @@ import pytest
 
 from sensorless.design.derived import DIP, derive
 from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.envs.scenarios.machine_family import family
 from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_inductance, mtpa
 from sensorless.machine.motor import MOTORS, Motor
+from sensorless.observers.tracking import LEAST_DEAD_TIME
 
 PAPER = Motor.load("paper")
 MACHINES = [*(Motor.load(path.stem) for path in sorted(MOTORS.glob("*.toml"))), *family(9, 16)]
@@ -74,3 +76,13 @@ def test_the_page_has_the_numbers_of_the_paper_s_machine() -> None:
     assert set(found) == set(values)
     for name, number in found.items():
         assert values[name] == pytest.approx(number, rel=0.006), name
+
+
+def test_an_inverter_without_dead_time_has_gains() -> None:
+    """A dead time of zero counts as the least that an inverter has."""
+    none, least = (
+        control_record(replace(PAPER, dead_time=time), DriveDesign())["coupled"]
+        for time in (0.0, LEAST_DEAD_TIME * PAPER.T_s)
+    )
+    assert none["inv_layer"] == least["inv_layer"] and math.isfinite(none["inv_layer"])
+    assert none["k_b"] == least["k_b"] > 0.0
