@@ -39,6 +39,8 @@ class QuickRun:
     """share in which the sensored twin itself trips or runs away"""
     torque_dev: float
     """mean torque deviation from the twin where lock is kept, over rated torque"""
+    tripped: float = 0.0
+    """share of the lost ones in which the current limit ended it"""
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,11 @@ def check(motor: Motor, design: DriveDesign, size: int = SIZE) -> Check:
         return Check(e, None)
     policies = {"eq25": make_policy("eq25", motor)}
     result = evaluate(motor, design, SUITE, SEED, size, policies).policies["eq25"]
-    run = QuickRun(size, result["lost_rate"], result["infeasible_rate"], result["torque_dev_rms"])
+    causes = result["lost_by_cause"]
+    run = QuickRun(
+        size, result["lost_rate"], result["infeasible_rate"], result["torque_dev_rms"],
+        causes["current"] / max(1, sum(causes.values()) - causes["twin"]),
+    )  # fmt: skip
     return Check(replace(e, findings=(*e.findings, *judged(run))), run)
 
 
@@ -70,6 +76,8 @@ def judged(run: QuickRun) -> list[Finding]:
         found.append(Finding(LIMIT, "run", text))
     if not run.lost <= LOST[0]:
         text = f"the drive under Eq. 25 loses {run.lost:.0%} of the feasible scenarios of {SUITE}"
+        if run.tripped > 0.5:
+            text += ", mostly by i_trip: a shorter T_s lets the current loop follow"
         found.append(Finding(NO if not run.lost <= LOST[1] else LIMIT, "run", text))
     return found
 

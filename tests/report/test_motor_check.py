@@ -4,7 +4,9 @@ import math
 
 import pytest
 
-from sensorless.report.motor_check import QuickRun, judged
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.machine_family import family
+from sensorless.report.motor_check import LOST, QuickRun, check, judged
 from sensorless.suitability.finding import LIMIT, NO
 
 
@@ -25,3 +27,12 @@ def test_what_the_quick_run_finds(
     assert [finding.weight for finding in found] == weights
     texts = " ".join(finding.text for finding in found)
     assert said in texts and "nan" not in texts
+
+
+def test_trips_ask_for_a_shorter_period() -> None:
+    """The family's machine of 20 PWM periods a turn loses only by the current limit."""
+    coarse = family(5, 12)[11]
+    run = check(coarse, DriveDesign(), 16).run
+    assert run is not None and run.lost > LOST[0] and run.tripped == 1.0
+    assert "shorter T_s" in judged(run)[-1].text
+    assert "T_s" not in judged(QuickRun(100, 0.1, 0.0, 0.01, 0.2))[0].text
