@@ -9,6 +9,10 @@
 #include "../core/drive.h"
 #include "../core/ks_schedule.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Every bit of header and values flipped, one at a time: ks_table_check must refuse the table. */
 uint32_t faults_flips(const ks_table_t *t, const void *values, uint32_t motor_hash);
 
@@ -28,5 +32,9 @@ uint32_t faults_angles(const drive_params_t *p);
 
 /* k_s at and beyond its limits. */
 uint32_t faults_weights(const drive_params_t *p);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,7 +4,7 @@ CC       ?= cc
 CFLAGS   ?= -O2
 FLAGS    := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARNINGS ?= -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
-SOURCES  := $(wildcard test/*.c core/*.c cmsis/*.c) ks_table_data.c ks_table_q15.c
+SOURCES  := $(wildcard test/*.c core/*.c cmsis/*.c) params.c ks_table_data.c ks_table_q15.c
 OBJECTS  := $(SOURCES:%.c=build/%.o)
 
 .PHONY: selftest clean

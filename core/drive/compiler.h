@@ -8,7 +8,18 @@
 #define CORE_APART static __attribute__((noinline))
 #define CORE_COLD __attribute__((cold)) /* runs rarely: small rather than fast */
 #define CORE_LIKELY(x) __builtin_expect(x, 1)
+#if defined(__SSE__) && !defined(__NO_MATH_ERRNO__)
+/* Without -fno-math-errno the builtin calls the library to set errno; the instruction does not. */
+static inline __attribute__((always_inline)) float core_sqrtf(float x) {
+    typedef float four_t __attribute__((vector_size(16)));
+    four_t y = {x, 0.0f, 0.0f, 0.0f};
+    y = __builtin_ia32_sqrtss(y);
+    return y[0];
+}
+#define CORE_SQRTF core_sqrtf
+#else
 #define CORE_SQRTF __builtin_sqrtf
+#endif
 #else
 #define CORE_INLINE static inline
 #define CORE_APART static

@@ -28,11 +28,19 @@ CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
     return u;
 }
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The same as a linkable function, for firmware. */
 ab_t drive_step(const drive_params_t *p, drive_state_t *x, const drive_in_t *in);
 
 /* Initial state: no currents, estimators at theta [rad] and omega [rad/s], electrical, weight
  * k_s. */
 void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float omega, float k_s);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

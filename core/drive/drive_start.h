@@ -4,11 +4,19 @@
 
 #include "drive_types.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Makes the drive find its rotor before it takes control. Call it after drive_init if angle or
  * speed is unknown; the angle passed to drive_init then only says which pole to assume first. */
 void drive_find_rotor(drive_state_t *x);
 
 /* One period of a drive in its start sequence. */
 ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -42,11 +42,19 @@ CORE_INLINE float ks_rule(const ks_rule_t *p, float speed) {
     return finite_f(speed) ? clamp_f(k_s, 0.0f, 1.0f) : 1.0f;
 }
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Checks the table. Returns KS_OK or KS_BAD_*; the schedule works in either case. */
 int ks_schedule_init(const ks_schedule_params_t *p, ks_schedule_state_t *x);
 
 /* Weight to pass to drive_step in this period. signal_params, signals: those of the drive. */
 float ks_schedule_step(const ks_schedule_params_t *p, ks_schedule_state_t *x,
                        const signal_params_t *signal_params, const signal_state_t *signals);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

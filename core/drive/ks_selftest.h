@@ -28,6 +28,10 @@ typedef struct {
     float k_s;
 } drive_start_t;
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The lookup alone; fast enough to run at every start of the target. */
 uint32_t ks_table_selftest(const ks_table_t *t, const void *values, const ks_vector_t *v,
                            uint32_t n, uint32_t *first);
@@ -37,5 +41,9 @@ uint32_t ks_table_selftest(const ks_table_t *t, const void *values, const ks_vec
 uint32_t drive_selftest(const drive_params_t *p, const ks_schedule_params_t *schedule,
                         const drive_start_t *start, const drive_vector_t *v, uint32_t n,
                         uint32_t *first);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

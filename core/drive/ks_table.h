@@ -65,6 +65,10 @@ typedef struct {
 /* Whether x is neither NaN nor infinite. */
 CORE_INLINE int finite_f(float x) { return abs_f(x) <= 3.40282347e38f; }
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* CRC-32 (polynomial 0x04C11DB7 reflected, as in Ethernet and zlib) continued over one 16-bit word,
  * low byte first. Start with 0xFFFFFFFF and invert the final result. */
 uint32_t ks_crc32_word(uint32_t crc, uint32_t word);
@@ -85,5 +89,9 @@ float ks_table_eval(const ks_table_t *t, const void *values, const float *y);
 /* k_s for n rows of signals, `stride` floats apart. */
 void ks_table_eval_many(const ks_table_t *t, const void *values, const float *y, float *k_s,
                         uint32_t n, uint32_t stride);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -63,7 +63,16 @@ def _header(row: Axis, column: Axis) -> str:
 #define KS_CMSIS_COLS {column.n + 1}
 
 /* pData of arm_bilinear_interp_instance_f32. */
+#ifdef __cplusplus
+extern "C" {{
+#endif
+
 extern const float ks_cmsis_data[KS_CMSIS_ROWS * KS_CMSIS_COLS];
+
+#ifdef __cplusplus
+}}
+#endif
+
 
 /* Index from 0 to last; 0 for NaN. Without it arm_bilinear_interp_f32 returns 0 outside. */
 static inline float ks_cmsis_clip(float index, float last) {{

@@ -8,6 +8,8 @@ import numpy as np
 from sensorless.core.api import Array, ffi
 from sensorless.errors import UserError
 from sensorless.export.core_files import field_docs
+from sensorless.export.provenance import motor_hash
+from sensorless.machine.motor import Motor
 
 NOTE = "/* Numbers written by `sensorless export`. Do not edit: export again. */\n"
 
@@ -55,26 +57,13 @@ def _fields(
         yield f"{indent}}},"
 
 
-def _number(x: np.integer[Any] | np.floating[Any], name: str) -> str:
-    return str(x) if isinstance(x, np.integer) else c_float(x, name)
+def _number(x: Any, name: str) -> str:
+    whole = np.asarray(x).dtype.kind in "iu"
+    return str(int(x)) if whole else c_float(x, name)
 
 
-def params_header(
-    drive: Array, rule: tuple[float, float], motor_hash: int, periods: int, start: str
-) -> str:
-    """``params.h``.
-
-    Parameters
-    ----------
-    drive : record of ``drive_params_t``
-    rule : tuple of float
-        Band of the built-in linear rule, speed over rated.
-    motor_hash : int
-    periods : int
-        PWM periods from one decision of the schedule to the next.
-    start : str
-        Line that says whether the drive finds its rotor.
-    """
+def params_header(motor: Motor, start: str) -> str:
+    """``params.h``; ``start`` is the line that says whether the drive finds its rotor."""
     return f"""{NOTE}#ifndef PARAMS_H
 #define PARAMS_H
 
@@ -82,19 +71,49 @@ def params_header(
 #include "core/ks_schedule.h"
 #include "ks_table_data.h"
 
-#define MOTOR_HASH 0x{motor_hash:08X}UL /* first 32 bits of the motor's SHA-256 */
+#define MOTOR_HASH 0x{motor_hash(motor):08X}UL /* first 32 bits of the motor's SHA-256 */
+#define MOTOR_POLE_PAIRS {motor.n_p} /* electrical turns in a turn of the shaft */
+#define MOTOR_I_TRIP {c_float(motor.i_trip)} /* over-current: switch the inverter off [A], peak */
+#define MOTOR_T_S {c_float(motor.T_s)} /* PWM period [s] */
 {start}
 
-static const drive_params_t drive_params = {initialiser(drive, "drive_params_t")};
+#ifdef __cplusplus
+extern "C" {{
+#endif
+
+extern const drive_params_t drive_params;
+
+extern const ks_schedule_params_t schedule_params;
+
+#ifdef __cplusplus
+}}
+#endif
+
+#endif
+"""
+
+
+def params_source(drive: Array, rule: tuple[float, float], periods: int) -> str:
+    """``params.c``.
+
+    Parameters
+    ----------
+    drive : record of ``drive_params_t``
+    rule : tuple of float
+        Band of the built-in linear rule, speed over rated.
+    periods : int
+        PWM periods from one decision of the schedule to the next.
+    """
+    return f"""{NOTE}#include "params.h"
+
+const drive_params_t drive_params = {initialiser(drive, "drive_params_t")};
 
 /* To use the Q15 table, put ks_table_q15 and ks_values_q15 here. */
-static const ks_schedule_params_t schedule_params = {{
+const ks_schedule_params_t schedule_params = {{
     .table = &ks_table_f32,
     .values = ks_values_f32,
     .motor_hash = MOTOR_HASH,
     .rule = {{.x_min = {c_float(rule[0])}, .x_max = {c_float(rule[1])}}},
     .periods = {periods}, /* PWM periods from one decision to the next */
 }};
-
-#endif
 """

@@ -17,18 +17,20 @@ from sensorless.design.words import observer_name
 from sensorless.errors import UserError
 from sensorless.export.cmsis import cmsis_files
 from sensorless.export.cmsis import readme as cmsis_readme
-from sensorless.export.code import params_header
+from sensorless.export.code import params_header, params_source
 from sensorless.export.core_files import FIRMWARE, core_files
 from sensorless.export.fit import readme as rule_readme
 from sensorless.export.fit import two_threshold
 from sensorless.export.folder import (
+    SUMS,
     TABLE_JSON,
     check_replaceable,
     move_into_place,
+    sums,
     write_folder,
 )
 from sensorless.export.judge import Judged, verdict
-from sensorless.export.provenance import motor_hash, table_json
+from sensorless.export.provenance import motor_hash, provenance_text, table_json
 from sensorless.export.selftest import SelfTest, run_selftest
 from sensorless.export.start import start_call, start_define, start_text
 from sensorless.export.tables import drive_vectors_header, table_header, table_source
@@ -37,6 +39,9 @@ from sensorless.files import ensure_writable, reason
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, TablePolicy
 from sensorless.table.ks_table import KsTable
+
+TESTS = ("selftest.c", "arithmetic.c", "arithmetic.h", "faults.c", "faults.h")
+"""Of ``firmware/``, into every export."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +102,9 @@ def export(
         origin["judged"] = judged.facts()
     texts = verdict(judged), rule_readme(rule)
     files = _contents(table, motor, design, policy, periods, texts)
+    files["PROVENANCE.txt"] = provenance_text(table, motor, design, origin, texts[0]).encode()
     files[TABLE_JSON] = table_json(table, motor, design, origin, files).encode()
+    files[SUMS] = sums(files).encode()
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
         write_folder(part, files)
@@ -157,15 +164,14 @@ def _contents(
     run = drive_vectors(table, motor, design, periods)
     tag = motor_hash(motor)
     cmsis = cmsis_files(table)
-    tests = ["selftest.c", "faults.c", "faults.h", *(("cmsis.c", "cmsis.h") if cmsis else ())]
+    tests = [*TESTS, *(("cmsis.c", "cmsis.h") if cmsis else ())]
     vectors = len(lookups_f32), len(run.words)
     readme = _readme(table, motor, design, policy, periods, vectors, texts)
     text = {
         "README.md": readme,
         **cmsis,
-        "params.h": params_header(
-            control_record(motor, design), table.rule, tag, periods, start_define(motor)
-        ),
+        "params.h": params_header(motor, start_define(motor)),
+        "params.c": params_source(control_record(motor, design), table.rule, periods),
         "ks_table_data.h": table_header(len(lookups_f32), bool(cmsis)),
         "ks_table_data.c": table_source(table, "f32", tag, lookups_f32),
         "ks_table_q15.c": table_source(table, "q15", tag, lookups_q15),
@@ -174,6 +180,7 @@ def _contents(
     return {
         **{name: content.encode() for name, content in text.items()},
         "Makefile": (FIRMWARE / "selftest.mk").read_bytes(),
+        "LICENSE": (FIRMWARE / "LICENSE").read_bytes(),
         **{f"test/{name}": (FIRMWARE / name).read_bytes() for name in tests},
         **{f"core/{name}": content for name, content in core_files().items()},
     }

@@ -1,5 +1,6 @@
 """Puts an export in its place: a new folder or an earlier export, never over anything else."""
 
+import hashlib
 import json
 import os
 import shutil
@@ -9,6 +10,7 @@ from pathlib import Path
 from sensorless.errors import UserError
 
 TABLE_JSON = "ks_table.json"
+SUMS = "SHA256SUMS"
 BUILD = "build"
 """Folder in which the export's own Makefile builds."""
 
@@ -44,9 +46,17 @@ def _written(folder: Path) -> set[str] | None:
     """Names of the files of an earlier export; None if the folder is not one."""
     try:
         data = json.loads((folder / TABLE_JSON).read_text(encoding="utf-8"))
-        return {*data["provenance"]["export"]["sha256"], TABLE_JSON}
+        return {*data["provenance"]["export"]["sha256"], TABLE_JSON, SUMS}
     except (OSError, ValueError, KeyError, TypeError):
         return None
+
+
+def sums(files: Mapping[str, bytes]) -> str:
+    """``SHA256SUMS``, which ``sha256sum -c`` reads."""
+    return "".join(
+        f"{hashlib.sha256(content).hexdigest()}  {name}\n"
+        for name, content in sorted(files.items())
+    )
 
 
 def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:

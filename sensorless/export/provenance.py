@@ -1,12 +1,14 @@
 """Records where the numbers of an export come from."""
 
+import dataclasses
 import hashlib
 import importlib.metadata
+import json
 from collections.abc import Mapping
 from typing import Any
 
 from sensorless.core.api import ffi, lib
-from sensorless.design.carried import record
+from sensorless.design.carried import chosen, plain, record
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import KsTable
@@ -46,6 +48,7 @@ def table_json(
             "table_digest": table.digest,
             "motor": motor.name,
             "motor_digest": motor.digest,
+            "settings_digest": settings_digest(design),
             **record(design, motor),
             "export": {
                 "versions": {name: _version(name) for name in DISTRIBUTIONS},
@@ -61,6 +64,41 @@ def table_json(
             },
         }
     )
+
+
+def provenance_text(
+    table: KsTable,
+    motor: Motor,
+    design: DriveDesign,
+    origin: Mapping[str, Any],
+    verdict: str,
+) -> str:
+    """``PROVENANCE.txt``: the same for people, who may keep it with a released firmware."""
+    made = [f"  {key}: {origin[key]}" for key in ("command", "seed") if key in origin]
+    settings = [f"  {name} = {value}" for name, value in chosen(design).items()]
+    return "\n".join(
+        [
+            f"Schedule: {origin['policy']}, SHA-256 {table.digest}",
+            *made,
+            f"Motor: {motor.name}, SHA-256 {motor.digest}",
+            f"Settings: SHA-256 {settings_digest(design)}; chosen or other than the default:",
+            *settings,
+            f"Control core: SHA-256 {ffi.string(lib.core_hash).decode()}",
+            "Made by sensorless export, with:",
+            *(f"  {name} {_version(name) or 'not installed'}" for name in DISTRIBUTIONS),
+            f"Verdict: {verdict}.",
+            "",
+            "ks_table.json has all numbers. sha256sum -c SHA256SUMS checks every file of this",
+            "folder. LICENSE holds for all of them.",
+            "",
+        ]
+    )
+
+
+def settings_digest(design: DriveDesign) -> str:
+    """SHA-256 of every setting of the drive, in JSON with sorted names."""
+    text = json.dumps(plain(dataclasses.asdict(design)), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _version(name: str) -> str | None:

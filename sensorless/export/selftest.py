@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sensorless.errors import UserError
+from sensorless.files import reason
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 
@@ -64,12 +65,30 @@ def run_selftest(folder: Path) -> SelfTest:
         program = Path(build) / "selftest"
         done = compile_program(compiler, sources, program)
         if done.returncode == 0:
-            done = subprocess.run([program], capture_output=True, text=True, check=False)
-    text = (done.stderr or done.stdout).strip().splitlines()
+            done = _run(program, compiler)
     if done.returncode != 0:
-        line = next((s for s in text if "error" in s or "FAILED" in s), text[0] if text else "")
-        raise UserError(
-            f"self test with {shlex.join(compiler)}: {line or done.returncode}; use a "
-            "compiler for plain IEEE 754 single precision (set CC)"
-        )
+        raise UserError(f"self test with {shlex.join(compiler)}: {_why(done)} (CC sets another)")
     return SelfTest(True, done.stdout.strip())
+
+
+def _run(program: Path, compiler: list[str]) -> subprocess.CompletedProcess[str]:
+    try:
+        return subprocess.run([program], capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise UserError(
+            f"self test with {shlex.join(compiler)}: what it compiles to does not run here "
+            f"({reason(error)}): set CC to this computer's own compiler, or TMPDIR to a folder "
+            "from which programs may run"
+        ) from None
+
+
+def _why(done: subprocess.CompletedProcess[str]) -> str:
+    """Line of the output that says most."""
+    text = (done.stderr or done.stdout).strip().splitlines()
+    for sign in ("FAILED", "undefined reference", "error"):
+        for line in text:
+            if sign in line:
+                return line
+    if done.returncode < 0:
+        return f"stopped by signal {-done.returncode}"
+    return text[0] if text else f"exit status {done.returncode}"

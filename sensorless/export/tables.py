@@ -24,7 +24,15 @@ extern const ks_vector_t ks_vectors_{form}[KS_VECTORS_{form.upper()}];
 #include "core/ks_selftest.h"
 
 #define KS_TABLE_CMSIS {int(cmsis)} /* 1: cmsis/ holds the table, too */
+
+#ifdef __cplusplus
+extern "C" {{
+#endif
 {tables}
+#ifdef __cplusplus
+}}
+#endif
+
 #endif
 """
 

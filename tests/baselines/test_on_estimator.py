@@ -14,9 +14,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.rollout import rollout
 from sensorless.evaluation.trace import trace
-from sensorless.export.code import params_header
-from sensorless.export.provenance import motor_hash
-from sensorless.export.start import start_define
+from sensorless.export.code import params_source
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES, make_policy
 from sensorless.policies.tuned import Tuned
@@ -78,11 +76,9 @@ def test_it_is_exported_with_it(tmp_path: Path) -> None:
     assert answer.exit_code == 0, answer.output
     known = KsTable.load(out / "ks_table.json").provenance
     assert known["design"]["estimator"] == "flux"
-    want = params_header(
+    want = params_source(
         control_record(PAPER, DriveDesign(estimator="flux")),
         KsTable.load(out / "ks_table.json").rule,
-        motor_hash(PAPER),
         decision_periods(PAPER),
-        start_define(PAPER),
     )
-    assert (out / "params.h").read_text() == want
+    assert (out / "params.c").read_text() == want

@@ -1,5 +1,7 @@
 """Where an export goes, what it says about its origin, and what it refuses."""
 
+import shutil
+import subprocess
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +12,7 @@ import pytest
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.export.export import Exported, export
+from sensorless.export.provenance import settings_digest
 from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import KsTable
 
@@ -24,10 +27,34 @@ def test_the_json_is_the_table_and_its_origin(
     assert t.provenance["motor_digest"] == motor.digest
     code = (exported.folder / "ks_table_data.c").read_text()
     assert t.provenance["export"]["crc"]["f32_header"][2:].upper() in code
-    assert set(t.provenance["export"]["sha256"]) == set(exported.files) - {"ks_table.json"}
+    last = {"ks_table.json", "SHA256SUMS"}
+    assert set(t.provenance["export"]["sha256"]) == set(exported.files) - last
     assert set(exported.files) == {
         p.relative_to(exported.folder).as_posix() for p in exported.folder.rglob("*") if p.is_file()
     }
+
+
+@pytest.mark.skipif(shutil.which("sha256sum") is None, reason="needs sha256sum")
+def test_every_file_has_a_checksum(exported: Exported, copied: Path) -> None:
+    check = ["sha256sum", "--strict", "--quiet", "-c", "SHA256SUMS"]
+    subprocess.run(check, cwd=copied, check=True)
+    listed = {line.split("  ")[1] for line in (copied / "SHA256SUMS").read_text().splitlines()}
+    assert listed == set(exported.files) - {"SHA256SUMS"}
+    with (copied / "params.c").open("a") as file:
+        file.write(" ")
+    done = subprocess.run(check, cwd=copied, capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and done.stdout == "params.c: FAILED\n"
+
+
+def test_licence_and_origin_go_along(
+    exported: Exported, motor: Motor, design: DriveDesign, table: KsTable
+) -> None:
+    root = Path(__file__).parents[2]
+    assert (exported.folder / "LICENSE").read_bytes() == (root / "LICENSE").read_bytes()
+    said = (exported.folder / "PROVENANCE.txt").read_text(encoding="utf-8")
+    for word in ("train --seed 5", motor.digest, settings_digest(design), table.digest, "trial"):
+        assert word in said
+    assert settings_digest(design) != settings_digest(replace(design, estimator="smo"))
 
 
 @pytest.mark.usefixtures("without_selftest")

@@ -1,5 +1,6 @@
 """The exported folder checks itself with a C compiler alone."""
 
+import platform
 import re
 import shutil
 import subprocess
@@ -11,6 +12,8 @@ import pytest
 
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
+from sensorless.export import selftest as selftest_module
+from sensorless.export.core_files import FIRMWARE
 from sensorless.export.export import Exported, export
 from sensorless.export.vectors import drive_vectors
 from sensorless.machine.motor import Motor
@@ -89,7 +92,7 @@ CORRUPTIONS = {
     "a checksum": [
         ("ks_table_data.c", r"\.crc_header = (0x\w+)UL", 0, "float table: check: wrong CRC")
     ],
-    "a gain": [("params.h", r"\.k_p_speed = (0\.\d+)f", 0, "control core: periods .* golden")],
+    "a gain": [("params.c", r"\.k_p_speed = (0\.\d+)f", 0, "control core: periods .* golden")],
     "the motor": [
         ("params.h", r"MOTOR_HASH (0x\w+)UL", 0, "float table: check: made for another motor")
     ],
@@ -149,7 +152,11 @@ def test_without_a_compiler_the_export_says_so(
 @GCC
 @pytest.mark.parametrize(
     ("compiler", "message"),
-    [("gcc -ffast-math", "self test FAILED"), ("gcc -no-such-flag", "error")],
+    [
+        ("gcc -ffast-math", "arithmetic: compiled with -ffast-math; leave it out"),
+        ("gcc -no-such-flag", "error: .*no-such-flag"),
+        ("gcc -r -nostdlib", "does not run here .*: set CC to this computer's own compiler"),
+    ],
 )
 def test_an_export_that_fails_its_self_test_is_not_written(
     tmp_path: Path,
@@ -164,6 +171,45 @@ def test_an_export_that_fails_its_self_test_is_not_written(
     with pytest.raises(UserError, match=message):
         export(table, motor, design, tmp_path / "out")
     assert not list(tmp_path.iterdir())
+
+
+HAS_FMA = "fma" in Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else False
+
+
+@GCC
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        ("-std=gnu99", None),
+        ("-ffinite-math-only", "comparisons take a NaN for a number"),
+        ("-fassociative-math -fno-signed-zeros", "sums are computed wider .* or in another order"),
+        pytest.param(
+            "-mfma -ffp-contract=fast",
+            "products and sums are fused; compile with -ffp-contract=off",
+            marks=pytest.mark.skipif(not HAS_FMA, reason="needs a processor with FMA"),
+        ),
+        pytest.param(
+            "-mfpmath=387",
+            "sums are computed wider .*",
+            marks=pytest.mark.skipif(platform.machine() != "x86_64", reason="needs an x86"),
+        ),
+    ],
+)
+def test_the_self_test_names_what_is_wrong_with_the_arithmetic(
+    flags: str, message: str | None, tmp_path: Path
+) -> None:
+    """Each flag alone, after those of the Makefile; the check needs no other file."""
+    test = tmp_path / "main.c"
+    test.write_text(
+        '#include <stdio.h>\n#include "arithmetic.h"\n'
+        "int main(void) { const char *f = arithmetic_fault(); return f ? puts(f), 1 : 0; }\n"
+    )
+    source = str(FIRMWARE / "arithmetic.c")
+    words = [*selftest_module.FLAGS, "-O2", f"-I{FIRMWARE}", *flags.split(), str(test), source]
+    subprocess.run(["gcc", *words, "-o", str(tmp_path / "main")], check=True)
+    done = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=False)
+    assert (done.returncode == 1) is (message is not None), done.stdout
+    assert message is None or re.match(message, done.stdout)
 
 
 def test_a_drive_that_gets_lost_still_gives_vectors(

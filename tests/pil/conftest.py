@@ -48,8 +48,8 @@ def kept_objects(
         how = [cc, *flags(FIRMWARE / "Makefile", "BITS", "WARNINGS"), *level.split()]
         core = core_objects.of(exported / "core", how)
         assert not isinstance(core, Failed), core.stderr
-        own = [exported / "ks_table_data.c", exported / "ks_table_q15.c"]
-        own += [exported / "test" / "faults.c"]
+        names = ("params.c", "ks_table_data.c", "ks_table_q15.c", "test/faults.c")
+        own = [exported / name for name in names]
         own += [FIRMWARE / f"{name}.c" for name in ("pil", "pil_stages", "port_host")]
         include = [f"-I{path}" for path in (exported, exported / "core", exported / "test")]
         folder.mkdir()

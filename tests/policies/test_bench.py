@@ -141,7 +141,7 @@ def test_an_export_has_the_design_of_its_run(tmp_path: Path, without_selftest: N
     known = carried(KsTable.load(tmp_path / "out/ks_table.json").provenance, "out")
     assert known.motor == OTHER and known.settings["hfi_pll_hz"] == 40.0
     gain, other = (control_record(OTHER, d)["hfi"]["pll"]["k_p"] for d in (FAST, DriveDesign()))
-    text = (tmp_path / "out/params.h").read_text()
+    text = (tmp_path / "out/params.c").read_text()
     assert f"{gain:.9g}" in text and f"{other:.9g}" not in text
 
 
