@@ -9,7 +9,7 @@ CORE  := $(wildcard core/*/*.c core/*/*.h) core/binding.py core/source_hash.py f
 C_WARNINGS := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra \
               -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror -fsyntax-only -Icore -Icore/drive -Ibuild/generated
 
-.PHONY: help install demo test check core bench bench-peers reference clean venv extension c-warnings c-lint force
+.PHONY: help install demo test check core bench bench-peers reference docs clean venv extension c-warnings c-lint force
 
 help: ## List the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
@@ -40,6 +40,10 @@ bench-peers: $(READY) ## Measure speed beside other simulators
 reference: $(READY) ## Rebuild results/reference (about 15 minutes with -j2)
 	@$(MAKE) --no-print-directory -f results/reference.mk
 
+docs: $(READY) ## Build the documentation site, build/site/index.html
+	@NO_MKDOCS_2_WARNING=1 $(VENV)/bin/python -m mkdocs build --strict --quiet
+	@echo "==> build/site/index.html"
+
 clean: ## Remove build outputs, keep the libraries in .venv
 	rm -rf build dist *.egg-info core/*/*.o sensorless/_core* $(READY)
 	rm -rf .mypy_cache .pytest_cache .ruff_cache
@@ -66,7 +70,7 @@ venv:
 	@touch $(VENV)/.installing
 	@set -o pipefail; trap 'exit 130' INT TERM; \
 	$(VENV)/bin/python -m pip --require-virtualenv install --progress-bar off \
-	  -e '.[plot,tune,fuzzy,scale,dev]' 2>&1 | tee $(VENV)/install.log \
+	  -e '.[plot,tune,fuzzy,scale,dev,docs]' 2>&1 | tee $(VENV)/install.log \
 	| while read -r step name _; do name=$${name##*/}; name=$${name%%-[0-9]*}; \
 	    case "$$step $$name" in \
 	    Collecting*|Processing*) printf ' %s' "$${name%%[!a-zA-Z0-9_.-]*}";; \

@@ -16,7 +16,7 @@ from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import make_policy
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("**/*.md"))]
 MAKEFILES = ("Makefile", "firmware/Makefile", "firmware/selftest.mk")
 
 FENCED = re.compile(r"^( *)```.*?\n(.*?)^ *```", re.DOTALL | re.MULTILINE)

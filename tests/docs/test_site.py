@@ -1,0 +1,59 @@
+"""The site shows every page of the documentation, and its made pages have the recorded figures."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from docs.site import tables
+from docs.site.pages import API, MADE
+from sensorless.core.api import ffi
+from sensorless.machine.motor import MOTORS
+
+ROOT = Path(__file__).parents[2]
+NAV = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").split("\nnav:\n")[1]
+SHOWN = re.findall(r"([\w/-]+\.md)$", NAV, re.MULTILINE)
+
+
+def test_every_page_stands_in_the_navigation_once() -> None:
+    assert len(SHOWN) == len(set(SHOWN))
+    assert {page.name for page in (ROOT / "docs").glob("*.md")} <= set(SHOWN)
+    assert set(MADE) <= set(SHOWN)
+
+
+@pytest.mark.parametrize("name", [name for _, _, names in API.values() for name in names])
+def test_what_the_api_pages_name_exists(name: str) -> None:
+    folder = ROOT / "sensorless" / name.rpartition(".")[0].replace(".", "/")
+    module, _, last = name.rpartition(".")
+    if last[0].isupper():
+        source = ROOT / "sensorless" / f"{module.replace('.', '/')}.py"
+        assert re.search(rf"^class {last}\b", source.read_text(encoding="utf-8"), re.MULTILINE)
+    else:
+        assert (folder / f"{last}.py").is_file()
+
+
+def test_the_leaderboard_is_ordered_by_the_recorded_objective() -> None:
+    rows = tables.recorded("stress-1")
+    names = tables.ranked()
+    assert {"reference", "eq25", "sliding_mode"} < set(names) and "sensored" not in names
+    costs = [tables.objective(rows[name]) for name in names]
+    assert costs == sorted(costs)
+    page = tables.leaderboard()
+    for place, name in enumerate(names, 1):
+        (line,) = re.findall(rf"^\| {place} \| `{name}` \|.*$", page, re.MULTILINE)
+        assert rows[name]["torque deviation [%]"].split()[0] in line
+
+
+def test_the_table_of_motors_has_every_shipped_one() -> None:
+    page = tables.motors()
+    for path in MOTORS.glob("*.toml"):
+        assert f"| `{path.stem}` |" in page
+
+
+def test_what_the_start_page_says_of_the_processor_is_so() -> None:
+    page = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    bar = (ROOT / "tests" / "pil" / "test_pil.py").read_text(encoding="utf-8")
+    (most,) = re.findall(r"at most (\d+) instructions, counted", page)
+    assert f'count["period"]["max"] <= {most}' in bar
+    (state,) = re.findall(r"less than (\d+) bytes of RAM", page)
+    assert ffi.sizeof("drive_state_t") < int(state)
