@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from sensorless.cli.certify import certify_command
 from sensorless.cli.demo import demo_command
 from sensorless.cli.distill import distill_command
 from sensorless.cli.evaluate import evaluate_command
@@ -32,7 +33,11 @@ PANELS: dict[str, dict[str, Callable[..., None]]] = {
         "tune gains": tune_gains_command,
         "distill": distill_command,
     },
-    "Judge it": {"evaluate": evaluate_command, "report": report_command},
+    "Judge it": {
+        "evaluate": evaluate_command,
+        "certify": certify_command,
+        "report": report_command,
+    },
     "Ship it": {"export": export_command, "pil": pil_command},
     "Your own drive": {
         "motors": motors_command,

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
-from sensorless.decision import decision_time
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
@@ -26,6 +25,7 @@ from sensorless.evaluation.rollout import (
     CHUNK,
     Floats,
     Rollout,
+    at_a_time,
     rollouts,
     with_twin_to_the_end,
 )
@@ -44,8 +44,6 @@ PolicyProgress = Callable[[str, float], None]
 WORST = 10
 """Scenarios of each policy that are listed as its worst."""
 WORST_METRICS = ("torque_dev_rms", "angle_err_max_deg")
-MOST_DECISIONS = 2_000_000
-"""Decisions of all drives together that are in memory at a time, 84 bytes each."""
 
 
 @dataclass(frozen=True)
@@ -147,10 +145,9 @@ def score(
 
 
 def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRows) -> Scores:
-    """All metrics of a policy on some scenarios; fewer long ones at a time, to save memory."""
+    """All metrics of a policy on some scenarios."""
     scenarios = rows.draw() if isinstance(rows, SuiteRows) else rows
-    decisions = max(1.0, float(scenarios.duration.max()) / decision_time(factory.motor))
-    runs = rollouts(policy, scenarios, factory, max(16, int(MOST_DECISIONS / decisions)))
+    runs = rollouts(policy, scenarios, factory, at_a_time(scenarios, factory.motor))
     return _joined([_scores(with_twin_to_the_end(r, factory, policy.settings)) for r in runs])
 
 

@@ -24,6 +24,9 @@ from sensorless.policy import NO_SETTINGS, Policy, Settings, decide
 CHUNK = 256
 """Scenarios at a time: with ``sums_t`` of 80 bytes, 2 s of them take 41 MB."""
 
+MOST_DECISIONS = 2_000_000
+"""Decisions of all drives together that are in memory at a time, 84 bytes each."""
+
 Floats = NDArray[np.float64]
 
 CAUSES = enumeration("LOST_")
@@ -110,6 +113,12 @@ def with_twin_to_the_end(
     lost = r.lost.copy()
     lost[rows] |= sims["lost"] & CAUSES["twin"]
     return replace(r, lost=lost)
+
+
+def at_a_time(scenarios: Scenarios, motor: Motor) -> int:
+    """How many scenarios fit into memory together: fewer of long ones."""
+    decisions = max(1.0, float(scenarios.duration.max()) / decision_time(motor))
+    return max(16, int(MOST_DECISIONS / decisions))
 
 
 def rollouts(

@@ -1,0 +1,144 @@
+"""Lost and held only, on a million scenarios, with exact intervals; it can stop and go on."""
+
+import copy
+import hashlib
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sensorless.core.api import SIGNAL_N
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import SuiteRows
+from sensorless.errors import UserError
+from sensorless.evaluation.certificate import Tally, counted, result, write
+from sensorless.evaluation.engines.engine import Engine
+from sensorless.evaluation.engines.threads import Threads
+from sensorless.evaluation.metrics.held import not_held
+from sensorless.evaluation.rollout import CAUSES, Rollout, at_a_time, rollouts, with_twin_to_the_end
+from sensorless.files import check_writable
+from sensorless.machine.motor import Motor
+from sensorless.policy import Policy, PrivilegedPolicy, design_for
+from sensorless.versions import versions
+
+CHUNK = 512
+"""Scenarios at a time; 2 s of them take 90 MB. Results do not depend on it."""
+SAVE_EVERY = 20.0
+"""Time between two states of the file [s]."""
+PROBES = 256
+"""Random signals on which a policy shows that it is the one of the file."""
+
+
+def certify(
+    policy: Policy,
+    motor: Motor,
+    design: DriveDesign,
+    suite: str,
+    seed: int,
+    size: int,
+    *,
+    out: Path | None = None,
+    engine: Engine | None = None,
+    progress: Callable[[Tally, float], None] | None = None,
+) -> dict[str, Any]:
+    """Count lost scenarios and those not held.
+
+    Parameters
+    ----------
+    out : Path, optional
+        File of the result, written every ``SAVE_EVERY`` too. If it exists and is of the same run,
+        its scenarios are not run again; ``size`` may be larger than it was.
+    engine : Engine, optional
+        Default: threads of this process. The result is the same to the bit.
+    progress : callable, optional
+        Called with what is counted so far, and the time since the start [s].
+
+    Returns
+    -------
+    dict
+        The content of the file: ``scenarios``, ``infeasible``, ``lost``, ``not_held``, ``lost_ci``
+        and ``not_held_ci`` as rates of the feasible scenarios, words of lost scenarios, and what
+        was run.
+
+    Raises
+    ------
+    UserError
+        The file is of another run or cannot be written, the policy knows the truth, or as
+        ``SuiteRows``.
+    """
+    check_writable(out)
+    rows = SuiteRows(suite, motor, seed, size)
+    run = _identity(policy, motor, design, suite, seed, size)
+    tally = counted(out, run) if out is not None and out.exists() else Tally()
+    if tally.scenarios > size:
+        raise UserError(
+            f"size: {size}, but {str(out)!r} has {tally.scenarios} scenarios already; give as many "
+            "or more, or another file"
+        )
+    factory = SimFactory(motor, design)
+    begin = saved = time.monotonic()
+    starts = range(tally.scenarios, size, CHUNK)
+    chunks = ((first, rows[first : first + CHUNK]) for first in starts)
+    try:
+        for more in (engine or Threads()).map(partial(_count, policy, factory), chunks):
+            tally = tally + more
+            now = time.monotonic()
+            if progress is not None:
+                progress(tally, now - begin)
+            if out is not None and now - saved > SAVE_EVERY:
+                write(out, run, tally)
+                saved = now
+    finally:
+        if out is not None:
+            write(out, run, tally)
+    return result(run, tally)
+
+
+def _count(policy: Policy, factory: SimFactory, chunk: tuple[int, SuiteRows]) -> Tally:
+    first, scenarios = chunk[0], chunk[1].draw()
+    own, tally = copy.deepcopy(policy), Tally()  # rules with memory run on several threads
+    for r in rollouts(own, scenarios, factory, at_a_time(scenarios, factory.motor)):
+        done = with_twin_to_the_end(r, factory, own.settings)
+        tally = tally + _tally(done, first + tally.scenarios)
+    return tally
+
+
+def _tally(r: Rollout, first: int) -> Tally:
+    beyond = r.lost & CAUSES["twin"] != 0
+    lost = (r.lost != 0) & ~beyond
+    loose = (r.lost == 0) & (not_held(r) > 0.0)
+    return Tally(
+        scenarios=len(r.lost),
+        infeasible=int(beyond.sum()),
+        lost=int(lost.sum()),
+        not_held=int(loose.sum()),
+        lost_at=tuple((first + np.flatnonzero(lost)).tolist()),
+        not_held_at=tuple((first + np.flatnonzero(loose)).tolist()),
+    )
+
+
+def _identity(
+    policy: Policy, motor: Motor, design: DriveDesign, suite: str, seed: int, size: int
+) -> dict[str, Any]:
+    """What a result depends on; the size only where a scenario depends on it."""
+    if policy.sensored or isinstance(policy, PrivilegedPolicy):
+        raise UserError(f"policy: {policy.name} knows the truth; give one that a drive can run")
+    known = versions()
+    obs = np.random.default_rng(1).uniform(-1.0, 1.0, (PROBES, SIGNAL_N)).astype(np.float32)
+    probe = copy.deepcopy(policy)
+    probe.reset(PROBES)
+    return {
+        "policy": policy.name,
+        "acts": hashlib.sha256(np.ascontiguousarray(probe.act(obs)).tobytes()).hexdigest()[:16],
+        "suite": suite if suite != "envelope" else f"envelope of {size}",
+        "seed": seed,
+        "motor": motor.name,
+        "motor_digest": motor.digest,
+        "design": asdict(design_for(policy, design)),
+        "versions": {name: known[name] for name in ("sensorless", "core")},
+    }

@@ -1,0 +1,84 @@
+"""Certificates count what ``evaluate`` counts, stop and go on, and know their run."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from sensorless.cli.app import app
+from sensorless.design.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.evaluation.certificate import Tally, exact_interval
+from sensorless.evaluation.certify import certify
+from sensorless.evaluation.engines.engine import LOCAL
+from sensorless.evaluation.evaluate import evaluate
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+
+PAPER, SMO = Motor.load("paper"), DriveDesign(estimator="smo")
+SUITE, SEED = "unload", 21
+"""Eq. 25 on the SMO loses some of these."""
+
+
+def test_the_exact_interval() -> None:
+    """Beta quantiles of Clopper and Pearson; none of n: 1 - 0.025^(1/n)."""
+    most = exact_interval(0, 1_000_000)[1]
+    assert most == pytest.approx(1.0 - 0.025**1e-6) and most < 3.7e-6
+    assert exact_interval(2, 10) == pytest.approx((0.0252, 0.5561), abs=1e-4)  # table value
+    assert exact_interval(0, 0) == (0.0, 1.0)
+
+
+def test_it_counts_as_evaluate_does_and_goes_on(tmp_path: Path) -> None:
+    """In two parts and on threads the same file as in one; memory of a rule does no harm."""
+    rule, size, parts, whole = "hysteresis", 96, tmp_path / "parts.json", tmp_path / "whole.json"
+    for n in (40, size):
+        certify(make_policy(rule, PAPER), PAPER, SMO, SUITE, SEED, n, out=parts)
+    policy = make_policy(rule, PAPER)
+    found = certify(policy, PAPER, SMO, SUITE, SEED, size, out=whole, engine=LOCAL)
+    assert parts.read_bytes() == whole.read_bytes()
+    judged = evaluate(PAPER, SMO, SUITE, SEED, size, {rule: policy}).policies[rule]
+    lost = np.flatnonzero(judged["scenarios"]["lost"])
+    assert 0 < found["lost"] == len(lost) and found["scenarios"] == size
+    assert found["first_lost"] == [f"{SUITE}:{SEED}:{i}" for i in lost]
+    kept = size - len(lost) - found["infeasible"]
+    assert found["not_held"] == pytest.approx(kept * judged["not_held"])
+
+
+def test_a_file_knows_its_run(tmp_path: Path) -> None:
+    out = tmp_path / "c.json"
+    certify(make_policy("eq25", PAPER), PAPER, SMO, SUITE, SEED, 4, out=out)
+    before = out.read_bytes()
+    for rule, design, seed, size, said in (
+        ("fuzzy", SMO, SEED, 8, "policy"),
+        ("eq25", DriveDesign(), SEED, 8, "design"),
+        ("eq25", SMO, 1, 8, "seed"),
+        ("eq25", SMO, SEED, 3, "has 4 scenarios"),
+    ):
+        with pytest.raises(UserError, match=said):
+            certify(make_policy(rule, PAPER), PAPER, design, SUITE, seed, size, out=out)
+        assert out.read_bytes() == before
+    out.write_text("{}", encoding="utf-8")
+    with pytest.raises(UserError, match="not a file of"):
+        certify(make_policy("eq25", PAPER), PAPER, SMO, SUITE, SEED, 8, out=out)
+
+
+def test_what_knows_the_truth_is_not_certified() -> None:
+    with pytest.raises(UserError, match="knows the truth"):
+        certify(make_policy("sensored", PAPER), PAPER, SMO, SUITE, SEED, 4)
+
+
+def test_lists_stay_short() -> None:
+    many = Tally(90, 0, 90, 0, tuple(range(90))) + Tally(90, 0, 90, 0, tuple(range(90, 180)))
+    assert many.lost == 180 and many.lost_at == tuple(range(100))
+
+
+def test_the_command_says_what_it_found(tmp_path: Path) -> None:
+    out = tmp_path / "c.json"
+    done = CliRunner().invoke(app, ["certify", "eq25", "--size", "8", "--out", str(out)])
+    assert done.exit_code == 0, done.output
+    assert "lost: 0 of 8, 0 to 0.37" in done.stdout
+    assert json.loads(out.read_text(encoding="utf-8"))["lost_ci"][1] == pytest.approx(
+        0.369, abs=1e-3
+    )
