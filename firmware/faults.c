@@ -142,8 +142,13 @@ static uint32_t harmed(const drive_state_t *x, ab_t u) {
                : 1U;
 }
 
-static drive_in_t with_bad(uint32_t first, uint32_t second, float v) {
-    float in[5] = {0.1f, -0.2f, 540.0f, 10.0f, 0.5f};
+static float link(const drive_params_t *p) {
+    return 0.5f * (p->guard.u_dc_min + p->guard.u_dc_max);
+}
+
+static drive_in_t with_bad(const drive_params_t *p, uint32_t first, uint32_t second, float v) {
+    float i = 0.01f * p->guard.i_sample;
+    float in[5] = {i, -2.0f * i, link(p), 0.01f * p->guard.omega, 0.5f};
     in[first] = v;
     in[second] = v;
     drive_in_t y = {in[0], in[1], in[2], in[3], in[4]};
@@ -154,14 +159,14 @@ uint32_t faults_inputs(const drive_params_t *p) {
     drive_state_t x;
     uint32_t bad = 0;
     for (uint32_t j = 0; j < BAD_N * 25; j++) {
-        drive_in_t in = with_bad(j % 5, j / 5 % 5, bad_float(j / 25));
-        drive_init(p, &x, 3.1f, 100.0f, 0.5f);
+        drive_in_t in = with_bad(p, j % 5, j / 5 % 5, bad_float(j / 25));
+        drive_init(p, &x, 3.1f, 0.1f * p->guard.omega, 0.5f);
         for (int k = 0; k < 20; k++) {
             bad += harmed(&x, drive_step(p, &x, &in));
         }
         bad += j / 25 >= FIRST_HARMLESS || x.fault != 0 ? 0U : 1U;
         x.fault = 0;
-        in = with_bad(0, 0, 0.1f);
+        in = with_bad(p, 0, 0, 0.0f);
         for (int k = 0; k < 20; k++) {
             bad += harmed(&x, drive_step(p, &x, &in));
         }
@@ -175,10 +180,10 @@ uint32_t faults_angles(const drive_params_t *p) {
     drive_state_t x;
     uint32_t bad = 0;
     for (uint32_t j = 0; j < 12; j++) {
-        float omega = j % 2 == 0 ? 400.0f : -400.0f;
+        float omega = j % 2 == 0 ? 0.4f * p->guard.omega : -0.4f * p->guard.omega;
         drive_init(p, &x, start[j / 2], omega, (float)(j % 3) * 0.5f);
         for (int k = 0; k < 200; k++) {
-            drive_in_t in = {0.0f, 0.0f, 540.0f, omega, (float)(j % 3) * 0.5f};
+            drive_in_t in = {0.0f, 0.0f, link(p), omega, (float)(j % 3) * 0.5f};
             bad += harmed(&x, drive_step(p, &x, &in));
         }
     }
@@ -190,8 +195,8 @@ uint32_t faults_weights(const drive_params_t *p) {
     drive_state_t x;
     uint32_t bad = 0;
     for (uint32_t j = 0; j < 6; j++) {
-        drive_init(p, &x, 0.0f, 50.0f, 0.5f);
-        drive_in_t in = {0.0f, 0.0f, 540.0f, 50.0f, k_s[j]};
+        drive_init(p, &x, 0.0f, 0.1f * p->guard.omega, 0.5f);
+        drive_in_t in = {0.0f, 0.0f, link(p), 0.1f * p->guard.omega, k_s[j]};
         for (int k = 0; k < 500; k++) {
             bad += harmed(&x, drive_step(p, &x, &in));
         }

@@ -28,12 +28,16 @@ typedef struct {
     float omega; /* electrical speed [rad/s] */
 } estimate_t;
 
-/* k_s moved towards target by at most step. A target outside [0, 1] is clipped; NaN counts as 1,
- * because injection needs no speed and so is the safe choice. */
+/* A weight in [0, 1]; NaN counts as 1, because injection needs no speed and so is the safe
+ * choice. */
+CORE_INLINE float ks_limit(float k_s) {
+    float y = k_s <= 1.0f ? k_s : 1.0f;
+    return y >= 0.0f ? y : 0.0f;
+}
+
+/* k_s moved towards target by at most step. A target outside [0, 1] is clipped. */
 CORE_INLINE float ks_slew(float k_s, float target, float step) {
-    float t = target <= 1.0f ? target : 1.0f;
-    t = t >= 0.0f ? t : 0.0f;
-    return k_s + clamp_f(t - k_s, -step, step);
+    return k_s + bound_f(ks_limit(target) - k_s, step);
 }
 
 CORE_INLINE estimate_t ks_blend(estimate_t hfi, estimate_t smo, float k_s) {

@@ -2,7 +2,8 @@
 #ifndef SENSORLESS_COMPILER_H
 #define SENSORLESS_COMPILER_H
 
-/* With compilers other than gcc and clang, define CORE_SQRTF as their square root of a float. */
+/* With compilers other than gcc and clang, define CORE_SQRTF as their square root of a float. Of
+ * CORE_FABSF, the magnitude of a float, even the magnitude of -0 is 0. */
 #if defined(__GNUC__)
 #define CORE_INLINE static inline __attribute__((always_inline))
 #define CORE_APART static __attribute__((noinline))
@@ -20,11 +21,13 @@ static inline __attribute__((always_inline)) float core_sqrtf(float x) {
 #else
 #define CORE_SQRTF __builtin_sqrtf
 #endif
+#define CORE_FABSF __builtin_fabsf
 #else
 #define CORE_INLINE static inline
 #define CORE_APART static
 #define CORE_COLD
 #define CORE_LIKELY(x) (x)
+#define CORE_FABSF(x) ((x) > 0.0f ? (x) : 0.0f - (x))
 #ifndef CORE_SQRTF
 #error "define CORE_SQRTF: the square root of a float, correctly rounded"
 #endif

@@ -62,8 +62,8 @@ CORE_INLINE float speed_control(const control_params_t *p, control_state_t *x, f
     float i_d = x->i_ref.d;
     float i_q_max = sqrt_f(max_f(p->i_max * p->i_max - i_d * i_d, 0.0f));
     i_q_max = x->u_abs > x->u_max ? min_f(i_q_max, abs_f(x->i_ref.q)) : i_q_max;
-    float step = clamp_f(want - x->i_ref.q, -p->i_q_step, p->i_q_step);
-    float i_q = clamp_f(x->i_ref.q + step, -i_q_max, i_q_max);
+    float step = bound_f(want - x->i_ref.q, p->i_q_step);
+    float i_q = bound_f(x->i_ref.q + step, i_q_max);
     x->i_int += T_s * p->k_i_speed * (omega_ref - omega + (i_q - want) / p->k_p_speed);
     return i_q;
 }

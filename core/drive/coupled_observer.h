@@ -83,15 +83,15 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     psi.d = fresh ? model.d : psi.d;
     psi.q = fresh ? model.q : psi.q;
     dq_t e = {model.d - psi.d, model.q - psi.q};
-    float eps = clamp_f(inv * (e.d * aux.q - e.q * aux.d), -1.0f, 1.0f);
+    float eps = bound_f(inv * (e.d * aux.q - e.q * aux.d), 1.0f);
     float along = inv * (e.d * aux.d + e.q * aux.q);
     float slide = p->inv_layer > 0.0f ? p->layer * tanh_f(along * p->inv_layer) : along;
     float gain = 2.0f * (p->gain_0 + p->gain_w * abs_f(y->pll.omega)) * slide;
 
-    x->err_hfi = clamp_f(p->inv_slope * err, -1.0f, 1.0f);
+    x->err_hfi = bound_f(p->inv_slope * err, 1.0f);
     float e_h = k_s * x->err_hfi;
-    float drift = clamp_f(x->drift + p->k_b * e_h, -p->drift_max, p->drift_max);
-    float load = clamp_f(x->load + T_s * p->k_l * eps, -p->load_max, p->load_max);
+    float drift = bound_f(x->drift + p->k_b * e_h, p->drift_max);
+    float load = bound_f(x->load + T_s * p->k_l * eps, p->load_max);
     x->drift = fresh ? 0.0f : drift;
     x->load = fresh ? 0.0f : load;
     x->eps_f += p->alpha_rise * (eps - x->eps_f);
@@ -100,7 +100,7 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     float motion = p->k_tau * (psi.d * i.q - psi.q * i.d) + x->load;
     float omega = y->pll.omega + T_s * (p->k_i * f * f * eps + motion);
     float turn = p->k_h * e_h;
-    y->pll.omega = clamp_f(omega, -p->omega_max, p->omega_max);
+    y->pll.omega = bound_f(omega, p->omega_max);
     y->pll.theta = wrap_pi(y->pll.theta + T_s * (y->pll.omega + p->k_p * f * eps) + turn);
     dq_t next = {psi.d + gain * aux.d, psi.q + gain * aux.q};
     x->psi = dq_to_ab(next, rot_turn(r, turn + T_s * x->drift));

@@ -6,7 +6,7 @@
 
 /* Share of the full dead-time voltage at current i of a leg [A], -1 ... 1; inv_i: slope of the
  * transition through zero current [1/A]. */
-CORE_INLINE float dead_time_share(float i, float inv_i) { return clamp_f(i * inv_i, -1.0f, 1.0f); }
+CORE_INLINE float dead_time_share(float i, float inv_i) { return bound_f(i * inv_i, 1.0f); }
 
 /* Leg voltages u a, u b, u c in the stator frame; the part common to all legs drops out. */
 CORE_INLINE ab_t dead_time_to_ab(float u, float a, float b, float c) {

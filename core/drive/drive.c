@@ -72,8 +72,23 @@ static void signal_clear(signal_state_t *x) {
     x->voltage = 0.0f;
 }
 
-void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float omega, float k_s) {
-    float at = wrap_pi(theta);
+#define INIT_ANGLE 1.0e4f /* beyond, a float has too few digits of an angle [rad] */
+
+/* An angle of any number of turns as one in [-pi, pi]. */
+static float init_angle(float theta) {
+    float t = sane_f(theta, INIT_ANGLE);
+    return wrap_pi(t - TWO_PI_F * (float)(int32_t)(t / TWO_PI_F));
+}
+
+static float init_speed(float omega, float most) {
+    return finite_f(omega) ? bound_f(omega, most) : 0.0f;
+}
+
+void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float omega_0,
+                float k_s_0) {
+    float at = init_angle(theta_0);
+    float omega = init_speed(omega_0, p->guard.omega);
+    float k_s = ks_limit(k_s_0);
     hfi_clear(&x->hfi);
     emf_clear(&x->emf);
     smo_clear(&x->smo);
@@ -86,7 +101,7 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float om
     x->u_1.b = 0.0f;
     x->u_2.a = 0.0f;
     x->u_2.b = 0.0f;
-    x->fault = 0;
+    x->fault = abs_f(theta_0) <= INIT_ANGLE && omega == omega_0 && k_s == k_s_0 ? 0 : FAULT_COMMAND;
     x->hfi.pll.theta = at;
     x->hfi.pll.omega = omega;
     x->emf.pll.theta = at;

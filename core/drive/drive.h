@@ -16,8 +16,9 @@
 /* The whole period. */
 CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
                                    const drive_in_t *raw) {
-    drive_in_t in = drive_guard(x, raw);
+    drive_in_t in = drive_guard(&p->guard, x, raw);
     ab_t i_ab = phases_to_ab(in.i_a, in.i_b);
+    drive_guard_current(&p->guard, x, i_ab);
     if (SCALAR_ONLY(x->start.phase != START_DONE)) {
         return drive_seek(p, x, &in, i_ab);
     }
@@ -35,8 +36,10 @@ extern "C" {
 /* The same as a linkable function, for firmware. */
 ab_t drive_step(const drive_params_t *p, drive_state_t *x, const drive_in_t *in);
 
-/* Initial state: no currents, estimators at theta [rad] and omega [rad/s], electrical, weight
- * k_s. */
+/* Initial state: no currents, estimators at theta [rad] and omega [rad/s], electrical, weight k_s.
+ * A bad argument sets FAULT_COMMAND: an angle beyond 10,000 rad or not finite becomes 0, a speed
+ * beyond guard.omega that limit, or 0 if not finite, a weight beyond [0, 1] its nearest end, or 1 if
+ * it is NaN. */
 void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float omega, float k_s);
 
 #ifdef __cplusplus

@@ -4,23 +4,35 @@
 
 #include "drive_types.h"
 
-#define LIMIT_CURRENT 1.0e4f /* largest plausible magnitude of a sample [A] */
-#define LIMIT_VOLTAGE 1.0e5f /* [V] */
-#define LIMIT_SPEED 1.0e5f   /* [rad/s] electrical */
-
 /* Replaces bad values and sets their fault bits. */
-CORE_INLINE drive_in_t drive_guard(drive_state_t *x, const drive_in_t *in) {
+CORE_INLINE drive_in_t drive_guard(const guard_params_t *p, drive_state_t *x,
+                                   const drive_in_t *in) {
+    int a = abs_f(in->i_a) <= p->i_sample;
+    int b = abs_f(in->i_b) <= p->i_sample;
+    int link = in->u_dc >= p->u_dc_min && in->u_dc <= p->u_dc_max;
+    int speed = abs_f(in->omega_ref) <= p->omega;
+    int weight = in->k_s_ref <= 1.0f && in->k_s_ref >= 0.0f;
+    if (SHORTCUT(a && b && link && speed && weight)) {
+        return *in;
+    }
     drive_in_t y;
-    y.i_a = sane_f(in->i_a, LIMIT_CURRENT);
-    y.i_b = sane_f(in->i_b, LIMIT_CURRENT);
-    y.u_dc = max_f(sane_f(in->u_dc, LIMIT_VOLTAGE), 0.0f);
-    y.omega_ref = sane_f(in->omega_ref, LIMIT_SPEED);
-    y.k_s_ref = in->k_s_ref <= 1.0f && in->k_s_ref >= 0.0f ? in->k_s_ref : x->k_s;
-    x->fault |= (y.i_a == in->i_a ? 0 : FAULT_CURRENT) | (y.i_b == in->i_b ? 0 : FAULT_CURRENT) |
-                (y.u_dc == in->u_dc ? 0 : FAULT_U_DC) |
-                (y.omega_ref == in->omega_ref ? 0 : FAULT_COMMAND) |
-                (y.k_s_ref == in->k_s_ref ? 0 : FAULT_COMMAND);
+    y.i_a = a ? in->i_a : 0.0f;
+    y.i_b = b ? in->i_b : 0.0f;
+    y.u_dc = max_f(sane_f(in->u_dc, p->u_dc_max), 0.0f);
+    y.omega_ref = speed ? in->omega_ref : 0.0f;
+    y.k_s_ref = weight ? in->k_s_ref : x->k_s;
+    x->fault |= (a ? 0 : FAULT_CURRENT) | (b ? 0 : FAULT_CURRENT) | (link ? 0 : FAULT_U_DC) |
+                (speed ? 0 : FAULT_COMMAND) | (weight ? 0 : FAULT_COMMAND);
     return y;
+}
+
+/* Sets the fault of a current vector beyond the limit; i_ab: sample k [A]. */
+CORE_INLINE void drive_guard_current(const guard_params_t *p, drive_state_t *x, ab_t i_ab) {
+    int fine = i_ab.a * i_ab.a + i_ab.b * i_ab.b <= p->i_over_sq;
+    if (SHORTCUT(fine)) {
+        return;
+    }
+    x->fault |= fine ? 0 : FAULT_OVER_CURRENT;
 }
 
 #endif

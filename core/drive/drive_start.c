@@ -47,9 +47,9 @@ CORE_COLD static void enter_fly(const drive_params_t *p, drive_state_t *x) {
     float omega = s->omega;
     float way = sign_f(omega);
     ab_t north = {way * s->e_f.b, -way * s->e_f.a};
-    float ahead = clamp_f(omega * p->T_s * (p->start.e_lag + 1.0f), -PI_F, PI_F);
+    float ahead = bound_f(omega * p->T_s * (p->start.e_lag + 1.0f), PI_F);
     x->emf.pll.theta = wrap_pi(angle_of(north) + ahead);
-    x->emf.pll.omega = clamp_f(omega, -p->smo.pll.omega_max, p->smo.pll.omega_max);
+    x->emf.pll.omega = bound_f(omega, p->smo.pll.omega_max);
     x->smo.omega_f = x->emf.pll.omega;
     x->k_s = 0.0f;
     show_speed(x, x->emf.pll.omega);
@@ -95,7 +95,7 @@ CORE_COLD static void watch_emf(const drive_params_t *p, drive_state_t *x) {
 CORE_COLD static void enter_lock(const drive_params_t *p, drive_state_t *x) {
     float bound = norm_ab(x->start.e_f) / p->control.psi_f;
     x->hfi.pll.theta = start_axis(&x->start, x->est.theta);
-    x->hfi.pll.omega = clamp_f(x->start.omega, -bound, bound);
+    x->hfi.pll.omega = bound_f(x->start.omega, bound);
     x->k_s = 1.0f;
     start_enter(&x->start, START_LOCK);
 }
@@ -104,7 +104,7 @@ CORE_COLD static void enter_lock(const drive_params_t *p, drive_state_t *x) {
 CORE_COLD static float emf_speed(const drive_params_t *p, const drive_state_t *x) {
     rot_t r = unit(x->hfi.pll.theta);
     float omega = (r.c * x->start.e_f.b - r.s * x->start.e_f.a) / p->control.psi_f;
-    return clamp_f(omega, -p->hfi.pll.omega_max, p->hfi.pll.omega_max);
+    return bound_f(omega, p->hfi.pll.omega_max);
 }
 
 /* Without injection, the angle continues at the last speed. The sign of the EMF depends on the

@@ -18,16 +18,28 @@
 
 /* Bits of drive_state_t.fault. */
 enum {
-    FAULT_CURRENT = 1, /* a current sample was not finite or beyond any plausible value */
-    FAULT_U_DC = 2,    /* the DC-link voltage was not finite, negative or implausible */
-    FAULT_COMMAND = 4, /* speed reference or k_s command not finite or out of range */
-    FAULT_POLE = 8     /* the start sequence was not sure of the north pole */
+    FAULT_CURRENT = 1,      /* a current sample was not finite or beyond what can be measured */
+    FAULT_U_DC = 2,         /* the DC-link voltage was not finite, too low or too high */
+    FAULT_COMMAND = 4,      /* speed reference, k_s or an argument of drive_init out of range */
+    FAULT_POLE = 8,         /* the start sequence was not sure of the north pole */
+    FAULT_OVER_CURRENT = 16 /* the current vector was beyond the limit: open the bridge */
 };
+
+/* What inputs of a period may be. */
+typedef struct {
+    float i_sample;  /* largest plausible sample of a phase current [A] */
+    float i_over_sq; /* square of the largest current vector [A^2] */
+    float u_dc_min;  /* least DC-link voltage that sets no fault [V] */
+    float u_dc_max;  /* largest plausible DC-link voltage [V] */
+    float omega;     /* largest plausible speed, electrical [rad/s] */
+    float reserved;
+} guard_params_t;
 
 typedef struct {
     float T_s;      /* PWM period [s] */
     float k_s_step; /* largest change of k_s per period */
     int estimator;  /* ESTIMATE_* of blend.h */
+    guard_params_t guard;
     hfi_params_t hfi;
     smo_params_t smo;
     flux_params_t flux;

@@ -63,7 +63,7 @@ CORE_INLINE void flux_observe(const flux_params_t *p, flux_state_t *x, emf_estim
 
     dq_t emf = {0.0f, y->pll.omega * aux.d};
     y->e = dq_to_ab(emf, r);
-    y->err = clamp_f(inv * (e.d * aux.q - e.q * aux.d), -1.0f, 1.0f);
+    y->err = bound_f(inv * (e.d * aux.q - e.q * aux.d), 1.0f);
     y->valid = valid ? 1.0f : 0.0f;
     pll_step(&p->pll, &y->pll, y->err, T_s);
 }

@@ -9,7 +9,7 @@
 #ifndef SENSORLESS_FRAMES_H
 #define SENSORLESS_FRAMES_H
 
-#include "compiler.h"
+#include "vector.h"
 
 #define PI_F 3.14159265358979f
 #define HALF_PI_F 1.57079632679490f
@@ -35,13 +35,25 @@ typedef struct {
 
 CORE_INLINE float min_f(float x, float y) { return x < y ? x : y; }
 CORE_INLINE float max_f(float x, float y) { return x > y ? x : y; }
-CORE_INLINE float abs_f(float x) { return x < 0.0f ? -x : x; }
+CORE_INLINE float abs_f(float x) { return CORE_FABSF(x); }
 CORE_INLINE float sign_f(float x) { return x < 0.0f ? -1.0f : 1.0f; }
 
 /* x limited to [lo, hi]; NaN gives lo, so that a NaN never passes. */
 CORE_INLINE float clamp_f(float x, float lo, float hi) {
     float y = x > lo ? x : lo;
     return y < hi ? y : hi;
+}
+
+/* Whether x is neither NaN nor infinite. */
+CORE_INLINE int finite_f(float x) { return abs_f(x) <= 3.40282347e38f; }
+
+/* x limited to [-limit, limit]; NaN gives -limit. */
+CORE_INLINE float bound_f(float x, float limit) {
+    if (SHORTCUT(abs_f(x) <= limit)) {
+        return x;
+    }
+    float end = x > 0.0f ? limit : -limit;
+    return abs_f(x) <= limit ? x : end;
 }
 
 /* x where |x| <= limit, else 0 (also for NaN and infinity): guards every measured input. */
@@ -53,9 +65,11 @@ CORE_INLINE float sqrt_f(float x) { return CORE_SQRTF(x); }
 
 /* Wraps an angle in (-3 pi, 3 pi), such as a sum of two wrapped angles, to [-pi, pi]. */
 CORE_INLINE float wrap_pi(float x) {
-    float turn = x > PI_F ? TWO_PI_F : 0.0f;
-    turn = x < -PI_F ? -TWO_PI_F : turn;
-    return x - turn;
+    if (SHORTCUT(abs_f(x) <= PI_F)) {
+        return x;
+    }
+    float turn = x > 0.0f ? TWO_PI_F : -TWO_PI_F;
+    return abs_f(x) <= PI_F ? x : x - turn;
 }
 
 /* Stator frame to a rotor frame at angle r (Park). */

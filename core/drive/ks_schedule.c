@@ -37,7 +37,7 @@ static float decide(const ks_schedule_params_t *p, ks_schedule_state_t *x,
 
 float ks_schedule_step(const ks_schedule_params_t *p, ks_schedule_state_t *x,
                        const signal_params_t *signal_params, const signal_state_t *signals) {
-    if (x->wait <= 0) {
+    if (x->wait <= 0 || x->wait > p->periods) {
         x->k_s_ref = decide(p, x, signal_params, signals);
         x->wait = p->periods;
     }

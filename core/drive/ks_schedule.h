@@ -31,7 +31,7 @@ typedef struct {
 
 typedef struct {
     float k_s_ref; /* last decision */
-    int32_t wait;  /* periods until the next one */
+    int32_t wait;  /* periods until the next one; beyond `periods` it decides at once */
     int check;     /* KS_OK, or why ks_table_check refused the table */
     int fault;     /* KS_FAULT_* bits, kept until the caller clears them */
 } ks_schedule_state_t;

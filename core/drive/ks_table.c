@@ -13,6 +13,9 @@ static uint32_t bits_of(float x) {
     return y.u;
 }
 
+#define BITS_OF_ONE 0x3F800000UL /* as unsigned numbers, at most these: floats from 0 to 1 */
+#define BITS_OF_INFINITY 0x7F800000UL
+
 uint32_t ks_crc32_word(uint32_t crc, uint32_t word) {
     uint32_t x = crc ^ (word & 0xFFFFUL);
     for (int j = 0; j < 16; j++) {
@@ -128,24 +131,23 @@ int ks_table_check(const ks_table_t *t, const void *values, uint32_t motor_hash)
 }
 
 /* Left node *j and fraction *f of a signal v at position pos (in nodes) of an axis, clipped at both
- * ends; *f is NaN if v is not finite. As unsigned numbers, the bits of positive floats have the
- * order of the floats, and those of infinity, NaN and negative floats are larger: one comparison
- * finds positions inside, one more those beyond the last node. */
-CORE_INLINE void place(const ks_axis_t *x, float v, float pos, uint32_t *j, float *f) {
+ * ends; if v is not finite, *f is NaN or the result 0, else it is 1. As unsigned numbers, the bits of
+ * positive floats have the order of the floats, and those of infinity, NaN and negative floats are
+ * larger: one comparison finds positions inside, one more those beyond the last node. */
+CORE_INLINE int place(const ks_axis_t *x, float v, float pos, uint32_t *j, float *f) {
     if (bits_of(pos) < bits_of(x->top)) {
         int32_t left = (int32_t)pos;
         *j = (uint32_t)left;
         *f = pos - (float)left;
-    } else if (bits_of(pos) < 0x7F800000UL) {
+    } else if (bits_of(pos) <= BITS_OF_INFINITY) {
         *j = x->n - 2;
         *f = 1.0f;
-    } else if (bits_of(pos) == 0x7F800000UL) {
-        *j = x->n - 2;
-        *f = 1.0f + (v - v);
+        return bits_of(pos) < BITS_OF_INFINITY || v - v == 0.0f;
     } else {
         *j = 0;
         *f = v - v;
     }
+    return 1;
 }
 
 /* Pointer to the j-th node value. */
@@ -181,11 +183,19 @@ CORE_INLINE float mix_4(const void *v, const float *f, const uint32_t *step, int
                f[0]);
 }
 
-/* The weight from interpolated nodes, or the fallback for NaN, which only a signal that is not
- * finite causes. */
+/* Kept apart: inlined, it would cost every lookup that falls back. */
+CORE_APART float safe_weight(void) { return 1.0f; }
+
+/* The weight of a signal that is not finite; 1 if it is damaged. */
+CORE_INLINE float fallback(const ks_table_t *t) {
+    return CORE_LIKELY(bits_of(t->fallback) <= BITS_OF_ONE) ? t->fallback : safe_weight();
+}
+
+/* The weight from interpolated nodes. NaN, which a signal that is not finite causes, or a number
+ * beyond [0, 1], from nodes damaged since the check, becomes the fallback. */
 CORE_INLINE float weight(const ks_table_t *t, float x, int q15) {
     float k_s = q15 ? x * (1.0f / 32767.0f) : x;
-    return CORE_LIKELY(x == x) ? k_s : t->fallback;
+    return CORE_LIKELY(bits_of(k_s) <= BITS_OF_ONE) ? k_s : fallback(t);
 }
 
 /* First all positions, then the nodes: this order needs fewer registers at a time. */
@@ -194,7 +204,9 @@ CORE_INLINE float weight(const ks_table_t *t, float x, int q15) {
     float pos##a = (y##a - t->axis[a].x0) * t->axis[a].inv_step;
 #define PLACE(a)                                                                                   \
     uint32_t j##a;                                                                                 \
-    place(&t->axis[a], y##a, pos##a, &j##a, &f[a]);
+    if (!place(&t->axis[a], y##a, pos##a, &j##a, &f[a])) {                                         \
+        return fallback(t);                                                                        \
+    }
 
 CORE_INLINE float eval_1(const ks_table_t *t, const void *v, const float *y, int q15) {
     float f[1];

@@ -62,9 +62,6 @@ typedef struct {
     uint32_t crc_header;           /* over all words above */
 } ks_table_t;
 
-/* Whether x is neither NaN nor infinite. */
-CORE_INLINE int finite_f(float x) { return abs_f(x) <= 3.40282347e38f; }
-
 #ifdef __cplusplus
 extern "C" {
 #endif

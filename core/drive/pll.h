@@ -22,7 +22,7 @@ typedef struct {
 
 /* err: angle error signal, truth minus estimate near lock [rad for slope 1]. T_s [s]. */
 CORE_INLINE void pll_step(const pll_params_t *p, pll_state_t *x, float err, float T_s) {
-    x->omega = clamp_f(x->omega + T_s * p->k_i * err, -p->omega_max, p->omega_max);
+    x->omega = bound_f(x->omega + T_s * p->k_i * err, p->omega_max);
     x->theta = wrap_pi(x->theta + T_s * (x->omega + p->k_p * err));
 }
 

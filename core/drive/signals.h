@@ -53,7 +53,7 @@ typedef struct {
 /* Difference of angles d in [-pi, pi] as a signal: d up to a quarter turn, from there on falling to
  * 0 at half a turn. While one estimate slips past the other, d itself jumps there from one end of
  * its range to the other, and a schedule with it. */
-CORE_INLINE float disagreement(float d) { return 2.0f * clamp_f(d, -HALF_PI_F, HALF_PI_F) - d; }
+CORE_INLINE float disagreement(float d) { return 2.0f * bound_f(d, HALF_PI_F) - d; }
 
 /* Direction of motion: 1 or -1. */
 CORE_INLINE float signals_direction(const signal_state_t *x) { return sign_f(x->omega); }

@@ -61,8 +61,8 @@ CORE_INLINE void smo_slide(const smo_params_t *p, smo_state_t *x, ab_t d, float 
     float w = max_f(abs_f(omega), p->omega_floor);
     float root = p->root * w;
     float climb = p->climb * w * w;
-    x->v.a = clamp_f(x->v.a + climb * s.a, -p->k, p->k);
-    x->v.b = clamp_f(x->v.b + climb * s.b, -p->k, p->k);
+    x->v.a = bound_f(x->v.a + climb * s.a, p->k);
+    x->v.b = bound_f(x->v.b + climb * s.b, p->k);
     x->z.a = root * sqrt_f(abs_f(d.a)) * s.a + x->v.a;
     x->z.b = root * sqrt_f(abs_f(d.b)) * s.b + x->v.b;
 }
@@ -89,8 +89,7 @@ CORE_INLINE void smo_observe(const smo_params_t *p, smo_state_t *x, emf_estimate
         x->i_hat.a + h * (u_ab.a - p->R_s * x->i_hat.a - w_l * x->i_hat.b - x->z.a),
         x->i_hat.b + h * (u_ab.b - p->R_s * x->i_hat.b + w_l * x->i_hat.a - x->z.b),
     };
-    ab_t d = {clamp_f(i_hat.a - i_ab.a, -p->i_reach, p->i_reach),
-              clamp_f(i_hat.b - i_ab.b, -p->i_reach, p->i_reach)};
+    ab_t d = {bound_f(i_hat.a - i_ab.a, p->i_reach), bound_f(i_hat.b - i_ab.b, p->i_reach)};
     if (SCALAR_ONLY(p->switching != SMO_SIGMOID)) {
         smo_slide(p, x, d, omega);
     } else {

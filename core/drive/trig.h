@@ -15,7 +15,7 @@
  * and 8 (coefficients of the Cephes library's sinf and cosf). Beyond the range the result is still
  * finite for finite x up to 1e9. */
 CORE_INLINE rot_t rot_of(float x) {
-    float t = clamp_f(x * 0.636619772367581f, -1.0e9f, 1.0e9f);
+    float t = bound_f(x * 0.636619772367581f, 1.0e9f);
     int32_t n = (int32_t)(t + (t < 0.0f ? -0.5f : 0.5f));
     float k = (float)n;
     float r = (x - k * 1.5707963705062866f) + k * 4.371139000186241e-8f;
@@ -61,11 +61,11 @@ CORE_INLINE float angle_of(ab_t x) {
  * near |x| = 5), near 1e-6 for |x| < 3. Odd, exactly +-1 for large |x|, monotone
  * within 3e-7. */
 CORE_INLINE float tanh_f(float x) {
-    float y = clamp_f(x, -5.0f, 5.0f);
+    float y = bound_f(x, 5.0f);
     float y2 = y * y;
     float num = y * (135135.0f + y2 * (17325.0f + y2 * (378.0f + y2)));
     float den = 135135.0f + y2 * (62370.0f + y2 * (3150.0f + y2 * 28.0f));
-    return clamp_f(num / den, -1.0f, 1.0f);
+    return bound_f(num / den, 1.0f);
 }
 
 #endif

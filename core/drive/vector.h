@@ -6,7 +6,8 @@
  *   - a choice is a select (x ? a : b), not a jump;
  *   - an element of an array is read by pick_f, not by an index;
  *   - code for only some drives is in `if (SCALAR_ONLY(condition))`, which is never true in vector
- *     code; batch_fits of core/sim/batch.c must keep drives with that condition out.
+ *     code; batch_fits of core/sim/batch.c must keep drives with that condition out;
+ *   - `if (SHORTCUT(condition))` leads round work that would change nothing; vector code does it.
  * Firmware does not define CORE_VECTOR: there, all of this is plain C.
  */
 #ifndef SENSORLESS_VECTOR_H
@@ -16,8 +17,10 @@
 
 #ifdef CORE_VECTOR
 #define SCALAR_ONLY(condition) 0
+#define SHORTCUT(condition) 0
 #else
 #define SCALAR_ONLY(condition) (condition)
+#define SHORTCUT(condition) CORE_LIKELY(condition)
 #endif
 
 /* y[j] of n values. */

@@ -68,7 +68,7 @@ CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_su
  * `starting`, its twin waits without torque, so that both take control in the same period. */
 CORE_INLINE ab_t sensored_step(const drive_params_t *p, chain_t *c, const drive_in_t *raw,
                                float omega_scale, int starting) {
-    drive_in_t in = drive_guard(&c->x, raw);
+    drive_in_t in = drive_guard(&p->guard, &c->x, raw);
     ab_t i_ab = phases_to_ab(in.i_a, in.i_b);
     estimate_t truth = {(float)c->y.theta_e, omega_scale * (float)c->y.omega_m};
     c->x.est = truth;

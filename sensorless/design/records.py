@@ -10,6 +10,7 @@ from sensorless.core.api import CONTROL, PLANT, SENSOR, Array
 from sensorless.design.control import design_control, design_curves, operating_line
 from sensorless.design.derived import derive
 from sensorless.design.drive import ESTIMATORS, DriveDesign
+from sensorless.design.guard import design_guard
 from sensorless.design.sound import require_finite
 from sensorless.errors import UserError
 from sensorless.machine.magnetics import flux_map_record
@@ -113,6 +114,7 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
             "T_s": motor.T_s,
             "k_s_step": design.k_s_slew * motor.T_s,
             "estimator": ESTIMATORS[design.estimator],
+            "guard": design_guard(motor, omega_max),
             "hfi": hfi,
             "smo": smo,
             "flux": flux,

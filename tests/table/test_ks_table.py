@@ -284,3 +284,28 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(UserError, match=r"file/t\.json'.*; write to another folder"):
         table().save(tmp_path / "file" / "t.json")
+
+
+@pytest.mark.parametrize("n_axes", [1, 2, 3, 4])
+@pytest.mark.parametrize("form", FORMS)
+def test_damage_after_the_check_leaves_a_weight(n_axes: int, form: ValueFormat) -> None:
+    """Nodes and fallback of arbitrary bits: the lookup of a table that once passed stays safe."""
+    rng = np.random.default_rng(n_axes)
+    t = table(n_axes)
+    header, values = t.record(form).reshape(1), t.stored(form)
+    obs = signals(rng.uniform(-2.0, 2.0, (500, n_axes)), t.axes)
+    odd = np.array([np.nan, np.inf, -np.inf, 3e38, -1e-30, 1.0000001], np.float32)
+    kind = np.uint32 if form == "f32" else np.uint16
+    for trial in range(20):
+        bits = rng.integers(0, np.iinfo(kind).max, values.size, dtype=kind, endpoint=True)
+        hurt = bits.view(values.dtype).reshape(values.shape).copy()
+        if form == "f32" and trial % 2:
+            hurt.ravel()[:] = rng.choice(odd, values.size)
+        header["fallback"] = rng.choice(odd)
+        k_s = lookup(header, hurt, obs)
+        assert np.all((k_s >= 0.0) & (k_s <= 1.0))
+    header["fallback"] = 0.25
+    hurt = np.full_like(values, np.nan if form == "f32" else -5)
+    assert np.all(lookup(header, hurt, obs) == 0.25)
+    header["fallback"] = np.nan
+    assert np.all(lookup(header, values, np.full_like(obs, np.nan)) == 1.0)

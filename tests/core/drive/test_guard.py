@@ -8,12 +8,13 @@ import pytest
 from sensorless.core.api import CONTROL, Array, lib, pointer, struct_dtype
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
-from sensorless.machine.motor import Motor
+from sensorless.machine.motor import MOTORS, Motor
 
 STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")
-CURRENT, U_DC = lib.FAULT_CURRENT, lib.FAULT_U_DC
+CURRENT, U_DC, OVER = lib.FAULT_CURRENT, lib.FAULT_U_DC, lib.FAULT_OVER_CURRENT
 COMMAND, POLE = lib.FAULT_COMMAND, lib.FAULT_POLE
 GOOD = {"i_a": 0.5, "i_b": -0.2, "u_dc": 540.0, "omega_ref": 60.0, "k_s_ref": 0.5}
+MACHINES = sorted(path.stem for path in MOTORS.glob("*.toml"))
 DENORMAL = 1e-42
 WILD = [math.nan, math.inf, -math.inf, 3e38, -3e38, DENORMAL, -DENORMAL, 1e30, 0.0, -0.0]
 
@@ -21,16 +22,24 @@ WILD = [math.nan, math.inf, -math.inf, 3e38, -3e38, DENORMAL, -DENORMAL, 1e30, 0
 class Drive:
     """One controller, called as firmware calls it."""
 
-    def __init__(self, motor: Motor, omega: float = 50.0, *, seek: bool = False) -> None:
+    def __init__(
+        self,
+        motor: Motor,
+        omega: float = 50.0,
+        *,
+        theta: float = 0.3,
+        k_s: float = 1.0,
+        seek: bool = False,
+    ) -> None:
         self.params = np.zeros(1, dtype=CONTROL)
         self.params[0] = control_record(motor, DriveDesign())
         self.x = np.zeros(1, dtype=STATE)
         lib.drive_init(
             pointer(self.params, "drive_params_t[]"),
             pointer(self.x, "drive_state_t[]"),
-            0.3,
+            theta,
             omega,
-            1.0,
+            k_s,
         )
         if seek:
             lib.drive_find_rotor(pointer(self.x, "drive_state_t[]"))
@@ -65,14 +74,20 @@ def test_good_inputs_set_no_fault(motor: Motor) -> None:
     [
         ("i_a", math.nan, CURRENT),
         ("i_b", math.inf, CURRENT),
-        ("i_a", -2e4, CURRENT),
+        ("i_a", -11.1, CURRENT),
+        ("i_b", 11.1, CURRENT),
+        ("i_a", 9.9, OVER),
+        ("i_b", -9.9, OVER),
         ("u_dc", math.nan, U_DC),
         ("u_dc", -5.0, U_DC),
         ("u_dc", math.inf, U_DC),
         ("u_dc", 1e6, U_DC),
+        ("u_dc", 0.49 * 540.0, U_DC),
+        ("u_dc", 1.51 * 540.0, U_DC),
         ("omega_ref", math.nan, COMMAND),
         ("omega_ref", -math.inf, COMMAND),
         ("omega_ref", 1e7, COMMAND),
+        ("omega_ref", -2.51 * 314.16, COMMAND),
         ("k_s_ref", math.nan, COMMAND),
         ("k_s_ref", 1.01, COMMAND),
         ("k_s_ref", -0.01, COMMAND),
@@ -113,7 +128,7 @@ def test_random_bit_patterns(motor: Motor, seed: int, seek: bool) -> None:
         u = drive.step(**bad)
         assert all(map(math.isfinite, u))
         assert np.all(np.isfinite(drive.numbers()))
-    assert drive.x["fault"][0] & ~POLE == CURRENT | U_DC | COMMAND
+    assert drive.x["fault"][0] & ~(POLE | OVER) == CURRENT | U_DC | COMMAND
 
 
 @pytest.mark.parametrize("value", WILD)
@@ -133,15 +148,79 @@ def test_largest_plausible_inputs(motor: Motor) -> None:
     for _ in range(3000):
         signs = rng.choice([-1.0, 1.0], 3)
         u = drive.step(
-            i_a=9.9e3 * signs[0],
-            i_b=9.9e3 * signs[1],
-            u_dc=9.9e4,
-            omega_ref=9.9e4 * signs[2],
+            i_a=10.9 * signs[0],
+            i_b=10.9 * signs[1],
+            u_dc=1.49 * motor.u_dc,
+            omega_ref=2.49 * motor.omega_rated * signs[2],
             k_s_ref=float(rng.integers(0, 2)),
         )
         assert all(map(math.isfinite, u))
-    assert drive.x["fault"][0] == 0
+    assert drive.x["fault"][0] == OVER
     assert np.all(np.isfinite(drive.numbers()))
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_limits_follow_the_machine(name: str) -> None:
+    """Above what the control asks for, at or below what is measured and what trips."""
+    m = Motor.load(name)
+    g = control_record(m, DriveDesign())["guard"]
+    assert m.i_max < math.sqrt(g["i_over_sq"]) <= 1.0001 * min(m.i_trip, m.adc_range)
+    assert m.adc_range < g["i_sample"] < 1.2 * m.adc_range
+    assert 0.4 * m.u_dc < g["u_dc_min"] < 0.8 * m.u_dc < 1.3 * m.u_dc < g["u_dc_max"] < 2 * m.u_dc
+    assert 2.0 * m.omega_rated < g["omega"] <= 1e5
+
+
+def test_over_current_is_that_of_the_vector(motor: Motor) -> None:
+    """No phase need reach the limit; a current just below it in every direction sets nothing."""
+    limit = 0.98 * motor.adc_range
+    for at in np.linspace(-math.pi, math.pi, 25):
+        for share, fault in ((0.999, 0), (1.001, OVER)):
+            drive, i = Drive(motor), share * limit
+            drive.step(i_a=i * math.cos(at), i_b=i * math.cos(at - 2.0 * math.pi / 3.0))
+            assert drive.x["fault"][0] == fault, (at, share)
+
+
+@pytest.mark.parametrize(
+    ("argument", "value", "becomes"),
+    [
+        ("theta", math.nan, 0.0),
+        ("theta", math.inf, 0.0),
+        ("theta", -math.inf, 0.0),
+        ("theta", 3e38, 0.0),
+        ("theta", -1.1e4, 0.0),
+        ("omega", math.nan, 0.0),
+        ("omega", math.inf, 0.0),
+        ("omega", -math.inf, 0.0),
+        ("omega", 3e38, 785.398),
+        ("omega", -800.0, -785.398),
+        ("k_s", math.nan, 1.0),
+        ("k_s", math.inf, 1.0),
+        ("k_s", -math.inf, 0.0),
+        ("k_s", 1.001, 1.0),
+        ("k_s", -1e-30, 0.0),
+    ],
+)
+def test_drive_init_mends_its_arguments(
+    motor: Motor, argument: str, value: float, becomes: float
+) -> None:
+    """Each bad argument becomes a good one, sets its bit, and no voltage is out of bounds."""
+    drive = Drive(motor, **{argument: value})
+    found = {"theta": drive.x["est"]["theta"], "omega": drive.x["est"]["omega"]}
+    found["k_s"] = drive.x["k_s"]
+    assert found[argument][0] == pytest.approx(becomes, rel=1e-5)
+    assert drive.x["fault"][0] == COMMAND
+    assert np.all(np.isfinite(drive.numbers()))
+    for _ in range(100):
+        assert math.hypot(*drive.step()) < motor.u_dc
+    assert drive.x["fault"][0] == COMMAND
+
+
+@pytest.mark.parametrize("turns", [-1000, -3, -2, -1, 0, 1, 2, 3, 1000])
+def test_drive_init_takes_any_number_of_turns(motor: Motor, turns: int) -> None:
+    for at in (-3.1, -0.3, 0.0, 2.9):
+        drive = Drive(motor, theta=at + 2.0 * math.pi * turns)
+        assert drive.x["est"]["theta"][0] == pytest.approx(at, abs=1e-3)
+        assert drive.x["fault"][0] == 0
 
 
 @pytest.mark.parametrize(
@@ -150,6 +229,7 @@ def test_largest_plausible_inputs(motor: Motor) -> None:
 def test_model_current_does_not_run_away(motor: Motor, amplitude: float, omega: float) -> None:
     """Currents beyond the reach of the sliding-mode correction do not let its model grow."""
     drive = Drive(motor, omega)
+    drive.params["guard"]["i_sample"] = 1e4
     for k in range(6000):
         turn = omega * motor.T_s * k + math.pi * (k // 40 % 2)
         a, b = (amplitude * math.cos(turn - lag) for lag in (0.0, 2.0 * math.pi / 3.0))

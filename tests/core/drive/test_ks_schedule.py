@@ -97,3 +97,11 @@ def test_huge_and_tiny_speeds_give_a_weight(speed: float) -> None:
     for schedule in (Schedule(), Schedule(crc_header=1)):
         assert 0.0 <= schedule(speed) <= 1.0
         assert not schedule.state.fault & lib.KS_FAULT_INPUT
+
+
+@pytest.mark.parametrize("wait", [2**31 - 1, 4, -1, -(2**31)])
+def test_a_damaged_counter_decides_at_once(wait: int) -> None:
+    schedule = Schedule(periods=3)
+    schedule(0.1)
+    schedule.state.wait = wait
+    assert schedule(0.5) == pytest.approx(0.1)

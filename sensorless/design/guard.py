@@ -1,0 +1,32 @@
+"""What the drive accepts as an input: ``guard_params_t`` from the machine."""
+
+from typing import Any
+
+from sensorless.machine.motor import Motor
+
+ABOVE_RANGE = 1.1
+"""Largest plausible sample over the converter's range: calibrated gain and offset of a channel move
+a full reading by a few percent, and no channel reads more."""
+IN_RANGE = 0.98
+"""Over-current limit over the converter's range: a channel that stands at its end, less an offset
+of 2 %, measures no more, so the current is unknown and may be anything above."""
+LINK = (0.5, 1.5)
+"""Least and largest DC-link voltage over the nominal one. A rectified mains within its tolerance
+stays within 0.85 and 1.15, a brake chopper works below 1.4; below half, the drive has a quarter of
+its power and no voltage for injection at load."""
+SPEED = 2.5
+"""Largest speed over rated, where the setting ``speed_bound`` is less; a reference beyond the bound
+of the estimators cannot be followed."""
+SPEED_MOST = 1e5
+"""Electrical [rad/s]; beyond, an angle moves by more than a turn in a period of most drives."""
+
+
+def design_guard(motor: Motor, omega_max: float) -> dict[str, Any]:
+    """Fields of ``guard_params_t``; omega_max: bound of the speed estimates [rad/s]."""
+    return {
+        "i_sample": ABOVE_RANGE * motor.adc_range,
+        "i_over_sq": min(motor.i_trip, IN_RANGE * motor.adc_range) ** 2,
+        "u_dc_min": LINK[0] * motor.u_dc,
+        "u_dc_max": LINK[1] * motor.u_dc,
+        "omega": min(max(omega_max, SPEED * motor.omega_rated), SPEED_MOST),
+    }
