@@ -126,8 +126,17 @@ def run_ekf(
 
     Returns
     -------
-    theta_e (n,) [rad], omega_e (n,) [rad/s]
+    theta_e (n,) [rad], omega_e (n,) [rad/s]; NaN from the sample on at which the filter diverges
     """
     ekf = MachineEkf(motor, theta, omega, design)
-    out = np.array([ekf.step(u_k, i_k) for u_k, i_k in zip(u, i, strict=True)])
+    out = np.full((len(u), 2), np.nan)
+    with np.errstate(all="ignore"):
+        for k in range(len(u)):
+            try:
+                out[k] = ekf.step(u[k], i[k])
+            except (np.linalg.LinAlgError, ValueError):  # its covariance is no longer one
+                break
+            if not np.isfinite(out[k]).all():
+                out[k] = np.nan
+                break
     return out[:, 0], out[:, 1]

@@ -1,13 +1,28 @@
 """Files that are written whole or not at all."""
 
+import ctypes
 import os
+import re
+import shutil
+import time
+from contextlib import suppress
 from pathlib import Path
 
 from sensorless.errors import UserError
 
+OLD = 60.0
+"""Age from which what a killed process left half-written is removed [s]."""
+PART = re.compile(r"\.(.+)\.(\d+)\.part(\.old)?")
+"""Names of what is half-written: the final name and the process."""
+EXCHANGE = 2
+"""RENAME_EXCHANGE of Linux: two names swap what they stand for, in one step."""
+
 
 def write_atomic(path: str | Path, data: str | bytes) -> None:
     """Write a temporary file next to ``path``, then rename it; text becomes UTF-8.
+
+    The bytes are on the disk before the name is, so that a loss of power leaves the old file or
+    the new one.
 
     Raises
     ------
@@ -15,16 +30,103 @@ def write_atomic(path: str | Path, data: str | bytes) -> None:
         The folder cannot be written to; an older file of that name is unchanged.
     """
     path = Path(path)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    raw = data.encode("utf-8") if isinstance(data, str) else data
+    raw = data.encode("utf-8", "backslashreplace") if isinstance(data, str) else data
     try:
+        if is_device(path):
+            path.write_bytes(raw)
+            return
+        part = part_of(path)
         try:
             part.write_bytes(raw)
-            os.replace(part, path)
+            put(part, path)
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
         raise UserError(f"output {str(path)!r}: {reason(error)}; write to another folder") from None
+
+
+def is_device(path: Path) -> bool:
+    """Whether something that is neither file nor folder has the name, such as /dev/null."""
+    return path.exists() and not (path.is_file() or path.is_dir())
+
+
+def part_of(path: Path) -> Path:
+    """Name beside ``path`` to write to first; removes what killed processes left of the same."""
+    sweep(path.parent, path.name)
+    return path.with_name(f".{path.name}.{os.getpid()}.part")
+
+
+def put(part: Path, path: Path) -> None:
+    """Let a finished file or folder take the place of another, whatever happens meanwhile.
+
+    Raises
+    ------
+    OSError
+        It cannot be renamed.
+    """
+    for file in [part, *part.rglob("*")] if part.is_dir() else [part]:
+        sync(file)
+    if not (part.is_dir() and path.is_dir() and _exchanged(part, path)):
+        os.replace(part, path)
+    sync(path.parent)
+
+
+def sync(path: Path) -> None:
+    """Wait until a file or the names in a folder are on the disk, where the system can do that."""
+    with suppress(OSError):
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _exchanged(a: Path, b: Path) -> bool:
+    """Swap two folders in one step; False where the system cannot."""
+    try:
+        swap = ctypes.CDLL(None).renameat2
+    except (AttributeError, OSError, TypeError):
+        return False
+    here = -100  # AT_FDCWD
+    return bool(swap(here, os.fsencode(a), here, os.fsencode(b), ctypes.c_uint(EXCHANGE)) == 0)
+
+
+def sweep(folder: Path, name: str | None = None) -> None:
+    """Remove what killed processes left half-written in a folder, of one name or of all."""
+    with suppress(OSError):
+        for path in list(folder.iterdir()):
+            found = PART.fullmatch(path.name)
+            if found and name in (None, found[1]) and _abandoned(path, int(found[2])):
+                _remove(path)
+
+
+def is_part(name: str) -> bool:
+    """Whether a file of this name is half-written."""
+    return PART.fullmatch(name) is not None
+
+
+def _abandoned(path: Path, process: int) -> bool:
+    """Whether the process that wrote it has ended; one of another computer counts for a while."""
+    with suppress(OSError):
+        return not _alive(process) and time.time() - path.stat().st_mtime > OLD
+    return False
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True
+    return True
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def ensure_writable(folder: str | Path) -> Path:
@@ -36,7 +138,7 @@ def ensure_writable(folder: str | Path) -> Path:
         It cannot be created or written to.
     """
     folder = Path(folder)
-    probe = folder / f".probe.{os.getpid()}"
+    probe = folder / f".probe.{os.getpid()}.part"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         probe.touch()
@@ -61,15 +163,17 @@ def check_writable(path: str | Path | None, name: str = "out") -> None:
         return
     path = Path(path)
     folder = path.parent
-    if not folder.is_dir():
-        raise UserError(
-            f"{name}: {str(path)!r}: folder {str(folder)!r} does not exist; create it, or write "
-            "to another one"
-        )
-    if path.is_dir():
-        raise UserError(f"{name}: {str(path)!r} is a folder; give the name of a file")
-    probe = folder / f".{path.name}.{os.getpid()}.part"
     try:
+        if not folder.is_dir():
+            raise UserError(
+                f"{name}: {str(path)!r}: folder {str(folder)!r} does not exist; create it, or "
+                "write to another one"
+            )
+        if path.is_dir():
+            raise UserError(f"{name}: {str(path)!r} is a folder; give the name of a file")
+        if is_device(path):
+            return
+        probe = part_of(path)
         probe.touch()
         probe.unlink()
     except OSError as error:

@@ -1,8 +1,12 @@
 """What a training run leaves on disk, and what it needs to resume."""
 
+import csv
 import dataclasses
 import json
+import shutil
 import sys
+from collections.abc import Mapping, Sequence
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +17,7 @@ from sensorless.design.carried import Carried, carried, record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
 from sensorless.errors import UserError
-from sensorless.files import ensure_writable, write_atomic
+from sensorless.files import ensure_writable, is_part, reason, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import KsTable
@@ -24,6 +28,8 @@ LIBRARIES = ("numpy", "torch", "stable-baselines3", "gymnasium")
 PROGRESS = "progress.csv"
 START = "start.json"
 """File of the schedule that training started from."""
+COLUMNS = ("steps", "seconds", "lost_rate", "torque_dev", "torque_ripple", "objective", "best")
+"""Columns of ``progress.csv``."""
 LATEST = "checkpoints/latest.zip"
 ORIGIN = ("command", "motor", "motor_digest", "machines", "machine", "set", "design", "gains")
 """What a schedule takes over from the configuration of its run, beside ``versions``."""
@@ -61,18 +67,32 @@ def create(
 
 
 def fresh(folder: Path) -> None:
-    """Make a new run folder.
+    """Make a new run folder, or empty that of a run that ended before its first checkpoint.
 
     Raises
     ------
     UserError
-        The folder is not empty, or cannot be written to.
+        The folder holds anything else, or cannot be written to.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise UserError(
-            f"name: {str(folder)!r} already exists; choose a new name, or use --resume {folder}"
-        )
+    try:
+        if folder.exists() and not _barely_begun(folder):
+            raise UserError(
+                f"name: {str(folder)!r} already exists; choose a new name, or use --resume {folder}"
+            )
+    except OSError as error:
+        raise UserError(f"name: {str(folder)!r}: {reason(error)}; choose another name") from None
+    if folder.is_dir():
+        shutil.rmtree(folder)
     ensure_writable(folder)
+
+
+def _barely_begun(folder: Path) -> bool:
+    """Whether a folder has nothing, or only what a run writes before its first schedule."""
+    if not folder.is_dir():
+        return False
+    early = {CONFIG, START, "checkpoints", "tb"}
+    names = {path.name for path in folder.iterdir() if not is_part(path.name)}
+    return names <= early and not (folder / LATEST).exists()
 
 
 def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
@@ -104,9 +124,13 @@ def reopen(folder: Path) -> tuple[TrainConfig, Carried, KsTable]:
     UserError
         No run folder, or one whose configuration cannot be read.
     """
-    if not (folder / CONFIG).is_file() or not (folder / LATEST).is_file():
+    begun = any(row["steps"] for row in rows(folder))
+    needed = (CONFIG, START, LATEST) if begun else (CONFIG, START)
+    missing = [name for name in needed if not (folder / name).is_file()]
+    if missing:
         raise UserError(
-            f"resume: {str(folder)!r} has no {CONFIG} or no {LATEST}; give a training run's folder"
+            f"resume: {str(folder)!r} has no {missing[0]}; give a training run's folder, or train "
+            "anew"
         )
     try:
         data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
@@ -130,3 +154,38 @@ def save_schedule(
         policy.table.save(folder / TABLE, {**origin, **facts})
     else:
         policy.save(folder / MLP, {**origin, **facts})
+
+
+def rows(folder: Path) -> list[dict[str, Any]]:
+    """Learning curve of a run so far.
+
+    Raises
+    ------
+    UserError
+        The file is damaged.
+    """
+    path = folder / PROGRESS
+    if not path.is_file():
+        return []
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            return [{**row, "steps": int(row["steps"])} for row in csv.DictReader(file)]
+    except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
+        raise UserError(f"{path}: {error}; restore the file, or train anew") from None
+
+
+def write_rows(folder: Path, curve: Sequence[Mapping[str, Any]]) -> None:
+    """Write the learning curve of a run."""
+    text = StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(curve)
+    write_atomic(folder / PROGRESS, text.getvalue())
+
+
+def cut_back(folder: Path, steps: int) -> None:
+    """Remove what the learning curve has beyond the checkpoint that a run resumes from."""
+    known = rows(folder)
+    kept = [row for row in known if row["steps"] <= steps]
+    if len(kept) < len(known):
+        write_rows(folder, kept)

@@ -16,7 +16,7 @@ from sensorless.agents.pairs import PairedRolloutBuffer
 from sensorless.agents.table.policy import TableActorCritic
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import training_env
-from sensorless.agents.train.run_folder import LATEST, create, reopen
+from sensorless.agents.train.run_folder import LATEST, create, cut_back, reopen
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.agents.train.watch import Progress, Watch
 from sensorless.design.carried import refuse_settings
@@ -25,6 +25,7 @@ from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.objective import Cost
+from sensorless.files import sweep
 from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Settings
 from sensorless.table.ks_table import KsTable
@@ -109,7 +110,11 @@ def resume(
         )
     config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)
     model = new_model(config, table, training_env(config, design, machines.motors))
-    _restore(model, folder / LATEST)
+    sweep(folder)
+    sweep(folder / "checkpoints")
+    if (folder / LATEST).is_file():  # else the run ended before its first checkpoint
+        _restore(model, folder / LATEST)
+    cut_back(folder, model.num_timesteps)
     return _learn(model, folder, config, design, machines, report)
 
 
@@ -183,6 +188,6 @@ def _restore(model: TablePPO, path: Path) -> None:
         _, parameters, _ = load_from_zip_file(path, load_data=False, device="cpu")
         model.set_parameters(parameters, exact_match=True, device="cpu")
         model.num_timesteps = int(steps)
-    except (zipfile.BadZipFile, RuntimeError, ValueError, KeyError, TypeError, OSError) as error:
+    except Exception as error:  # torch has one of its own for every way to be damaged
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise UserError(f"{path}: {reason}; restore this run's checkpoint, or train anew") from None

@@ -1,12 +1,11 @@
 """What happens beside the updates of PPO: validation, best schedule, checkpoints and the end."""
 
-import csv
 import dataclasses
 import json
 import math
 import time
 from collections.abc import Callable, Sequence
-from io import StringIO
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from sensorless.agents.pairs import restart
 from sensorless.agents.table.policy import TableActorCritic
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import stream
-from sensorless.agents.train.run_folder import LATEST, PROGRESS, save_schedule
+from sensorless.agents.train.run_folder import LATEST, rows, save_schedule, write_rows
 from sensorless.agents.validation import validate_all
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.stress import DURATION
@@ -29,8 +28,6 @@ from sensorless.machine.motor import Motor
 
 Progress = Callable[[float, int, Cost | None], None]
 """Called with the share done, the decisions so far, and the cost in a new validation if any."""
-
-COLUMNS = ("steps", "seconds", "lost_rate", "torque_dev", "torque_ripple", "objective", "best")
 
 
 class Watch(BaseCallback):
@@ -58,7 +55,7 @@ class Watch(BaseCallback):
         self._rollouts = max(1, math.ceil(DURATION / (config.n_steps * decision) - 1e-9))
         self._first_step = self._last_step = 0
         self._mean: Tensor | None = None
-        self._rows = _rows(folder / PROGRESS)
+        self._rows = rows(folder)
         self._before = float(self._rows[-1]["seconds"]) if self._rows else 0.0
         self.best = _kept(folder, factories[0].motor)
 
@@ -129,25 +126,19 @@ class Watch(BaseCallback):
         seconds = self._before + time.monotonic() - self._start
         row = {"steps": self.model.num_timesteps, "seconds": f"{seconds:.1f}"}
         self._rows.append({**row, **values, "best": int(better)})
-        text = StringIO()
-        writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(self._rows)
-        write_atomic(self._folder / PROGRESS, text.getvalue())
+        write_rows(self._folder, self._rows)
 
     def checkpoint(self) -> None:
-        """Save model and optimiser, whole or not at all."""
-        part = self._folder / "checkpoints" / "part.zip"
-        self.model.save(part)
-        part.replace(self._folder / LATEST)
+        """Save model and optimiser, whole or not at all.
 
-
-def _rows(path: Path) -> list[dict[str, Any]]:
-    """Learning curve of the run so far."""
-    if not path.is_file():
-        return []
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+        Raises
+        ------
+        UserError
+            The disk is full.
+        """
+        file = BytesIO()
+        self.model.save(file)
+        write_atomic(self._folder / LATEST, file.getvalue())
 
 
 def _kept(folder: Path, motor: Motor) -> Cost | None:

@@ -5,14 +5,15 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+
+from sensorless.cli.surroundings import AnyConsole
 
 if TYPE_CHECKING:
     from sensorless.policies.bench import Bench
 
-console = Console()
-errors = Console(stderr=True)
+console = AnyConsole()
+errors = AnyConsole(stderr=True)
 
 EXAMPLE = "--set smo_pll_hz=30"
 POLICIES = (

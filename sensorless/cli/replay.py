@@ -84,7 +84,7 @@ def replay_command(
         machine,
         design,
         rule,
-        theta_0=math.radians(math.remainder(angle, 360.0)),
+        theta_0=math.radians(math.fmod(angle, 360.0)) if math.isfinite(angle) else angle,
         omega_0=machine.rpm_to_electrical(speed),
     )
     console.print(found.table(after))

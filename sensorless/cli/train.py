@@ -1,6 +1,7 @@
 """The command ``sensorless train``: every field of ``TrainConfig`` is an option."""
 
 import inspect
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -83,12 +84,27 @@ def _train(
             "name, resume: give one of the two, --name NEW to start a run or --resume FOLDER to "
             "continue one"
         )
-    folder = resume if resume is not None else RUNS / str(name)
+    folder = resume if resume is not None else named_run(str(name))
     run_training(TrainConfig(**fields), asked_for(settings), folder, resume=resume is not None)
+
+
+def named_run(name: str) -> Path:
+    """Folder of a run below ``RUNS``.
+
+    Raises
+    ------
+    UserError
+        The name leads elsewhere.
+    """
+    path = Path(os.path.normpath(name))
+    if not name.strip() or path.is_absolute() or path.parts[:1] in ((), ("..",)):
+        raise UserError(f"name: {name!r}: give a name below {RUNS}/, such as first")
+    return RUNS / path
 
 
 def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume: bool) -> None:
     """Train with progress on the terminal, and say where the result is."""
+    from sensorless.agents.loading import CONFIG
     from sensorless.agents.train import train as training
     from sensorless.agents.train.judge import judge
     from sensorless.design.drive import DriveDesign
@@ -122,7 +138,14 @@ def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume
                 source = table_named(config.start, Motor.load(config.motor))
                 training.train(config, design, folder, source, report=report)
     except KeyboardInterrupt:
-        errors.print(f"interrupted; resume with: sensorless train --resume {folder}")
+        begun = (folder / CONFIG).is_file()
+        errors.print(
+            f"interrupted; resume with: sensorless train --resume {folder}"
+            if begun
+            else "interrupted before the first decision; nothing was written",
+            highlight=False,
+            soft_wrap=True,
+        )
         raise typer.Exit(130) from None
     console.print(f"wrote {folder}", highlight=False, soft_wrap=True)
     say_verdict(judge(folder))

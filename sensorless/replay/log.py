@@ -22,6 +22,8 @@ VOLTAGES = (("u_alpha", "u_beta"), ("u_a", "u_b", "u_c"), ("d_a", "d_b", "d_c", 
 COLUMNS = ("t", "i_a", "i_b", "i_c", *sum(VOLTAGES, ()), "inj", "theta_e", "theta_m")
 JITTER = 0.01
 """Largest deviation of a period that counts as uniform, over the period."""
+BEYOND = 3.0
+"""Largest plausible reading, over the converter's range or the trip, and over the DC link."""
 SIXTHS = np.exp(2j * np.pi * np.arange(3) / 3.0)
 
 
@@ -108,6 +110,7 @@ def read_log(path: Path, motor: Motor, *, u_dt: float, inv_i_dt: float, delay: i
         raise UserError(f"{where}: not a valid CSV file: {error}") from None
     t = columns["t"]
     _check_time(t, lines, motor, where)
+    _check_sizes(columns, lines, motor, where)
     i = _currents(columns)
     u_dc = columns.get("u_dc", np.full(len(t), motor.u_dc))
     inj = columns.get("inj")
@@ -178,6 +181,27 @@ def _check_time(t: Floats, lines: Array, motor: Motor, where: str) -> None:
             f"{where}: line {lines[wrong[0] + 1]}: t: {step[wrong[0]]:g} s after the row before; "
             f"log every PWM period, {motor.T_s:g} s, without gaps"
         )
+
+
+def _check_sizes(columns: dict[str, Floats], lines: Array, motor: Motor, where: str) -> None:
+    """Refuse readings that this drive cannot have made."""
+    current = BEYOND * max(motor.i_trip, motor.adc_range)
+    bounds = {
+        **{name: (-current, current, "A") for name in ("i_a", "i_b", "i_c")},
+        **{
+            name: (-BEYOND * motor.u_dc, BEYOND * motor.u_dc, "V") for name in sum(VOLTAGES[:2], ())
+        },
+        "u_dc": (1e-3 * motor.u_dc, BEYOND * motor.u_dc, "V"),
+    }
+    for name, (low, high, unit) in bounds.items():
+        values = columns.get(name, np.zeros(0))
+        wrong = np.flatnonzero((values < low) | (values > high))
+        if len(wrong):
+            raise UserError(
+                f"{where}: line {lines[wrong[0]]}: {name}: {values[wrong[0]]:g} {unit}, "
+                f"{len(wrong)} of {len(lines)} rows beyond {low:.4g} to {high:.4g} {unit}, which "
+                f"motor {motor.name!r} makes plausible; check its unit, or mend or cut these rows"
+            )
 
 
 def _parse(file: Iterable[str], where: str) -> tuple[dict[str, Floats], Array]:

@@ -1,5 +1,6 @@
 """Runs the drive's estimators, their blend and an independent filter over a recorded log."""
 
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -21,6 +22,10 @@ from sensorless.replay.log import Log, clarke, read_log
 
 SAMPLE = Path(__file__).parent / "sample_log.csv"
 """A log of the paper's motor that comes with the package."""
+
+
+MOST_SPEED = 10.0
+"""First speed of the estimators over rated, at most."""
 
 
 @dataclass(frozen=True)
@@ -162,6 +167,9 @@ def replay(
     UserError
         The policy needs the true angle.
     """
+    if not (math.isfinite(theta_0) and abs(omega_0) <= MOST_SPEED * motor.omega_rated):
+        most = MOST_SPEED * motor.n_rated_rpm
+        raise UserError(f"angle, speed: give a finite angle, and a speed of at most {most:g} r/min")
     if policy.sensored or isinstance(policy, PrivilegedPolicy):
         raise UserError(
             f"policy: {policy.name!r} needs the true angle, which a log lacks; give a rule or table"
@@ -188,6 +196,6 @@ def replay(
     }
     phases = np.stack([log.i[:, 0], log.i[:, 1], -log.i.sum(axis=1)], axis=-1)
     theta, omega = run_ekf(motor, log.u, clarke(phases), theta_0, omega_0)
-    estimates["ekf"] = Estimate(theta, omega, always)
+    estimates["ekf"] = Estimate(theta, omega, np.isfinite(theta))
     observer = observer_name(own.estimator)
     return Replay(motor, policy.name, log, column["k_s"], observer, estimates)

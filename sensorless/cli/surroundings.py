@@ -1,0 +1,99 @@
+"""How the program meets its surroundings: signals that end it, and terminals without Unicode."""
+
+import codecs
+import contextlib
+import re
+import signal
+import sys
+import threading
+import unicodedata
+from collections.abc import Iterator
+from types import FrameType
+from typing import Any
+
+from rich.console import Console
+from rich.text import Text
+
+ENDING = ("SIGTERM", "SIGHUP")
+"""Signals that end the program as Ctrl-C does: work is kept. Windows lacks the second."""
+WORDS = {
+    "°": "deg", "²": "2", "³": "3", "−": "-", "–": "-", "—": "-", "·": "*", "×": "x", "→": "->",
+    "±": "+-", "≥": ">=", "≤": "<=", "…": "...", "’": "'", "α": "alpha", "β": "beta", "γ": "gamma",
+    "θ": "theta", "ω": "omega", "ψ": "psi", "τ": "tau", "σ": "sigma", "ρ": "rho", "µ": "u",
+    "μ": "u", "Ω": "ohm", "√": "sqrt", "Δ": "d", "━": "-", "█": "#",
+}  # fmt: skip
+
+
+class Signalled(KeyboardInterrupt):
+    """A signal asks the program to end."""
+
+
+@contextlib.contextmanager
+def ended_by_signals() -> Iterator[list[int]]:
+    """Turn the signals that end a program into Ctrl-C; yields the numbers of those that came.
+
+    A signal that is ignored, as under ``nohup``, stays ignored.
+    """
+    came: list[int] = []
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+        raise Signalled
+
+    before: dict[int, Any] = {}
+    for name in ENDING:
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+            with contextlib.suppress(ValueError):  # not the main thread
+                before[number] = signal.signal(number, interrupt)
+    try:
+        yield came
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def spelled(text: str) -> str:
+    """Return a text in ASCII: signs as words, letters without accents, the rest as ``?``."""
+    return "".join(map(_letters, text))
+
+
+def _letters(sign: str) -> str:
+    if sign.isascii():
+        return sign
+    bare = unicodedata.normalize("NFKD", sign).encode("ascii", "ignore").decode()
+    return WORDS.get(sign) or bare or "?"
+
+
+def _spell(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return spelled(error.object[error.start : error.end]), error.end
+
+
+def _quiet(failed: "threading.ExceptHookArgs") -> None:
+    """Say nothing of a thread that could not write: the main thread meets the same and says so."""
+    if not isinstance(failed.exc_value, OSError):
+        threading.__excepthook__(failed)
+
+
+def never_fail_to_print() -> None:
+    """Let output that lacks a sign spell it; a full disk is said once, by the main thread."""
+    threading.excepthook = _quiet
+    codecs.register_error("spelled", _spell)
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="spelled")
+
+
+class AnyConsole(Console):
+    """A console whose tables stay in line where its output lacks a sign."""
+
+    def render_str(self, text: str, **how: Any) -> Text:  # type: ignore[override]
+        """Text of a cell or a line, spelled if need be."""
+        try:
+            text.encode(self.encoding)
+        except UnicodeEncodeError:  # a unit like [°] would become a tag
+            text = spelled(re.sub(r"(\[[^\[\]\x00-\x7f]+[^\[\]]*\])", r"\\\1", text))
+        return super().render_str(text, **how)
