@@ -59,6 +59,8 @@ def part_of(path: Path) -> Path:
 def put(part: Path, path: Path) -> None:
     """Let a finished file or folder take the place of another, whatever happens meanwhile.
 
+    The folder that was there before has the name ``part`` then.
+
     Raises
     ------
     OSError
@@ -66,7 +68,9 @@ def put(part: Path, path: Path) -> None:
     """
     for file in [part, *part.rglob("*")] if part.is_dir() else [part]:
         sync(file)
-    if not (part.is_dir() and path.is_dir() and _exchanged(part, path)):
+    if part.is_dir() and path.is_dir():
+        _swap(part, path)
+    else:
         os.replace(part, path)
     sync(path.parent)
 
@@ -81,14 +85,24 @@ def sync(path: Path) -> None:
             os.close(handle)
 
 
-def _exchanged(a: Path, b: Path) -> bool:
-    """Swap two folders in one step; False where the system cannot."""
-    try:
-        swap = ctypes.CDLL(None).renameat2
-    except (AttributeError, OSError, TypeError):
-        return False
+def _swap(part: Path, path: Path) -> None:
+    """Swap two folders, in one step where the system can; else one has no name for a moment."""
     here = -100  # AT_FDCWD
-    return bool(swap(here, os.fsencode(a), here, os.fsencode(b), ctypes.c_uint(EXCHANGE)) == 0)
+    try:
+        rename = ctypes.CDLL(None).renameat2
+        a, b = os.fsencode(part), os.fsencode(path)
+        if rename(here, a, here, b, ctypes.c_uint(EXCHANGE)) == 0:
+            return
+    except (AttributeError, OSError, TypeError):
+        pass
+    old = path.with_name(f"{part.name}.old")
+    os.rename(path, old)
+    try:
+        os.rename(part, path)
+    except OSError:
+        os.rename(old, path)
+        raise
+    os.rename(old, part)
 
 
 def sweep(folder: Path, name: str | None = None) -> None:

@@ -1,11 +1,16 @@
 """Files that can or cannot be written."""
 
+import ctypes
+import errno
+import os
+import time
 from pathlib import Path
 
 import pytest
 
+from sensorless import files
 from sensorless.errors import UserError
-from sensorless.files import check_writable
+from sensorless.files import check_writable, put, write_atomic
 
 
 @pytest.mark.parametrize("name", ["missing/results.json", "file/results.json", "folder"])
@@ -29,3 +34,99 @@ def test_the_check_leaves_nothing_behind(tmp_path: Path) -> None:
 
 def test_no_file_asked_for_is_no_mistake() -> None:
     check_writable(None)
+
+
+def left_by(process: int, folder: Path, age: float = 3600.0) -> Path:
+    """What a process that was killed an hour ago left half-written."""
+    path = folder / f".results.json.{process}.part"
+    path.write_text("{")
+    past = time.time() - age
+    os.utime(path, (past, past))
+    return path
+
+
+GONE = 2**22 + 1
+"""No process has this number."""
+
+
+def test_what_a_killed_process_left_is_removed(tmp_path: Path) -> None:
+    left = [
+        left_by(GONE, tmp_path),
+        left_by(GONE, tmp_path, age=0.0),
+        left_by(os.getppid(), tmp_path),
+    ]
+    write_atomic(tmp_path / "other.json", "{}")
+    assert all(path.exists() for path in left), "another file's"
+    left_by(GONE, tmp_path)
+    write_atomic(tmp_path / "results.json", "{}")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        f".results.json.{os.getppid()}.part", "other.json", "results.json",
+    ]  # fmt: skip
+
+
+def test_a_failed_write_leaves_the_old_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "results.json"
+    write_atomic(path, "old")
+
+    def full(self: Path, data: bytes) -> int:
+        with self.open("wb") as file:
+            file.write(data[:3])
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(UserError, match="No space left on device"):
+        write_atomic(path, "newer")
+    assert path.read_text() == "old" and list(tmp_path.iterdir()) == [path]
+
+
+def test_bytes_are_on_the_disk_before_the_name_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    order: list[str] = []
+    replace = os.replace
+    monkeypatch.setattr(files, "sync", lambda path: order.append(f"sync {path.name}"))
+
+    def renamed(a: Path, b: Path) -> None:
+        order.append("rename")
+        replace(a, b)
+
+    monkeypatch.setattr(os, "replace", renamed)
+    write_atomic(tmp_path / "a.json", "{}")
+    assert order == [f"sync .a.json.{os.getpid()}.part", "rename", f"sync {tmp_path.name}"]
+
+
+@pytest.mark.parametrize("system", ["", "without a swap"])
+def test_a_folder_takes_the_place_of_another(
+    tmp_path: Path, system: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if system:
+        monkeypatch.setattr(ctypes, "CDLL", lambda name: None)
+    for name in ("old", "new"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "file").write_text(name)
+    put(tmp_path / "new", tmp_path / "old")
+    assert (tmp_path / "old" / "file").read_text() == "new"
+    assert (tmp_path / "new" / "file").read_text() == "old"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["new", "old"]
+
+
+def test_a_device_is_written_to_and_not_replaced() -> None:
+    check_writable(Path("/dev/null"))
+    write_atomic("/dev/null", "text")
+    assert Path("/dev/null").is_char_device()
+    assert not list(Path("/dev").glob(".null.*"))
+
+
+def test_a_name_too_long_is_one_line(tmp_path: Path) -> None:
+    for name in ("n" * 300, "n" * 250):
+        with pytest.raises(UserError, match="too long"):
+            check_writable(tmp_path / name)
+        with pytest.raises(UserError, match="too long"):
+            write_atomic(tmp_path / name, "")
+
+
+def test_text_from_a_shell_without_unicode_is_written(tmp_path: Path) -> None:
+    write_atomic(tmp_path / "a.txt", "bad\udcff.csv")
+    assert (tmp_path / "a.txt").read_text() == "bad\\udcff.csv"

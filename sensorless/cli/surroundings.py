@@ -90,7 +90,7 @@ def never_fail_to_print() -> None:
 class AnyConsole(Console):
     """A console whose tables stay in line where its output lacks a sign."""
 
-    def render_str(self, text: str, **how: Any) -> Text:  # type: ignore[override]
+    def render_str(self, text: str, **how: Any) -> Text:
         """Text of a cell or a line, spelled if need be."""
         try:
             text.encode(self.encoding)

@@ -1,6 +1,5 @@
 """Turns a schedule table into a folder that drops into any C project and checks itself."""
 
-import os
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,7 +24,6 @@ from sensorless.export.folder import (
     SUMS,
     TABLE_JSON,
     check_replaceable,
-    move_into_place,
     sums,
     write_folder,
 )
@@ -35,7 +33,7 @@ from sensorless.export.selftest import SelfTest, run_selftest
 from sensorless.export.start import start_call, start_define, start_text
 from sensorless.export.tables import drive_vectors_header, table_header, table_source
 from sensorless.export.vectors import drive_vectors, table_vectors
-from sensorless.files import ensure_writable, reason
+from sensorless.files import ensure_writable, part_of, put, reason
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, TablePolicy
 from sensorless.table.ks_table import KsTable
@@ -105,11 +103,11 @@ def export(
     files["PROVENANCE.txt"] = provenance_text(table, motor, design, origin, texts[0]).encode()
     files[TABLE_JSON] = table_json(table, motor, design, origin, files).encode()
     files[SUMS] = sums(files).encode()
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    part = part_of(target)
     try:
         write_folder(part, files)
         self_test = run_selftest(part)
-        move_into_place(part, target)
+        put(part, target)
     except OSError as error:
         raise UserError(
             f"output folder {str(target)!r}: {reason(error)}; give a folder that can be written to"

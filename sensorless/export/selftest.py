@@ -25,7 +25,10 @@ class SelfTest:
 
 def find_compiler() -> list[str] | None:
     """Command of the C compiler: ``$CC``, else cc, gcc or clang; None without one."""
-    named = shlex.split(os.environ.get("CC", ""))
+    try:
+        named = shlex.split(os.environ.get("CC", ""))
+    except ValueError as error:
+        raise UserError(f"CC: {os.environ['CC']!r}: {error}; set it to a C compiler") from None
     for command in (named, ["cc"], ["gcc"], ["clang"]):
         if command and shutil.which(command[0]):
             return command

@@ -1,8 +1,10 @@
 """Cross compiler and emulator: checks for them and builds an exported folder with them."""
 
+import os
 import re
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 
 from sensorless.errors import UserError
@@ -54,9 +56,13 @@ def build(exported: Path, folder: Path, what: str, level: str = "-O2", cc: str =
     UserError
         The code does not compile; the message has the compiler's first error.
     """
-    command = ["make", "-s", "-f", str(FIRMWARE / "Makefile"), f"EXPORT={exported}",
-               f"BUILD={folder}", f"OPT={level}", f"CC={cc}", what]  # fmt: skip
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as place:  # names that make does not misread
+        for name, target in (("export", exported), ("build", folder), ("firmware", FIRMWARE)):
+            os.symlink(target.resolve(), f"{place}/{name}")
+        command = ["make", "-s", "-f", "firmware/Makefile", "EXPORT=export", "BUILD=build",
+                   f"OPT={level}", f"CC={cc}", what]  # fmt: skip
+        done = subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         lines = done.stderr.strip().splitlines() or [f"status {done.returncode}"]
         line = next((s for s in lines if "error" in s), lines[0])

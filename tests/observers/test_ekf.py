@@ -81,3 +81,12 @@ def test_jacobian_of_the_measurement() -> None:
 def test_machine_without_current_starts_without_current() -> None:
     i, _ = MachineEkf(MOTOR, 2.0, 0.0).measured(MachineEkf(MOTOR, 2.0, 0.0).filter.x)
     assert np.max(np.abs(i)) < 1e-9
+
+
+@pytest.mark.filterwarnings("ignore::scipy.linalg.LinAlgWarning")
+def test_a_filter_that_diverges_says_so_and_ends_nothing() -> None:
+    motor = Motor.load("paper")
+    u, i = np.zeros((8, 2)), np.zeros((8, 2))
+    u[3] = 1e30
+    theta, omega = run_ekf(motor, u, i, 0.0, 0.0)
+    assert np.isfinite(theta[:3]).all() and np.isnan(theta[4:]).all() and np.isnan(omega[4:]).all()

@@ -2,6 +2,9 @@
 
 import csv
 import json
+import os
+import pickle
+import shutil
 import zipfile
 from dataclasses import replace
 from itertools import pairwise
@@ -13,7 +16,7 @@ import pytest
 from sensorless.agents.loading import TABLE
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import stream
-from sensorless.agents.train.run_folder import LATEST, PROGRESS
+from sensorless.agents.train.run_folder import LATEST, PROGRESS, fresh
 from sensorless.agents.train.train import resume, train
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
@@ -77,6 +80,48 @@ def test_resume_unpickles_nothing(finished: Path) -> None:
     rewrite(finished / LATEST, "data", json.dumps({"num_timesteps": steps}).encode())
     resume(SMALL, finished)
     assert int(rows(finished)[-1]["steps"]) >= steps + SMALL.steps
+
+
+def test_a_checkpoint_that_cannot_be_unpickled_is_refused_in_one_line(
+    tmp_path: Path, finished: Path
+) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(finished, run)
+    rewrite(run / LATEST, "policy.pth", pickle.dumps({"weights": Path("somewhere")}, protocol=2))
+    with pytest.raises(UserError, match="restore this run's checkpoint") as caught:
+        resume(SMALL, run)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_curve_is_cut_back_to_the_checkpoint(tmp_path: Path, finished: Path) -> None:
+    """A run was killed after it wrote its curve, and before it wrote its checkpoint."""
+    run = tmp_path / "run"
+    shutil.copytree(finished, run)
+    before = rows(run)
+    with (run / PROGRESS).open("a") as file:
+        file.write("999999999,1e6,0,0,0,0,1\n")
+    (run / "checkpoints" / f".latest.zip.{2**22 + 1}.part").touch()
+    os.utime(run / "checkpoints" / f".latest.zip.{2**22 + 1}.part", (0.0, 0.0))
+    resume(SMALL, run)
+    after = rows(run)
+    assert after[: len(before)] == before and int(after[-1]["steps"]) < 999999999
+    assert [path.name for path in (run / "checkpoints").iterdir()] == ["latest.zip"]
+
+
+def test_a_run_killed_before_its_first_checkpoint_begins_anew(
+    tmp_path: Path, finished: Path
+) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(finished, run)
+    (run / LATEST).unlink()
+    with pytest.raises(UserError, match=r"no checkpoints/latest\.zip"):
+        resume(SMALL, run)
+    for name in (TABLE, PROGRESS):
+        (run / name).unlink()
+    fresh(shutil.copytree(run, tmp_path / "again"))
+    assert not list((tmp_path / "again").iterdir()), "train --name starts over"
+    resume(SMALL, run)
+    assert int(rows(run)[0]["steps"]) == 0 and (run / LATEST).is_file()
 
 
 def test_a_damaged_checkpoint_is_refused_in_one_line(finished: Path) -> None:
