@@ -9,7 +9,7 @@ CORE  := $(wildcard core/*/*.c core/*/*.h) core/binding.py core/source_hash.py f
 C_WARNINGS := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra \
               -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror -fsyntax-only -Icore -Icore/drive -Ibuild/generated
 
-.PHONY: help install demo test check core bench bench-peers reference docs clean venv extension c-warnings c-lint force
+.PHONY: help install demo test check core bench bench-peers reference docs docs-test clean venv extension c-warnings c-lint force
 
 help: ## List the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
@@ -43,6 +43,9 @@ reference: $(READY) ## Rebuild results/reference (about 15 minutes with -j2)
 docs: $(READY) ## Build the documentation site, build/site/index.html
 	@NO_MKDOCS_2_WARNING=1 $(VENV)/bin/python -m mkdocs build --strict --quiet
 	@echo "==> build/site/index.html"
+
+docs-test: $(READY) ## Run what the documentation shows, small
+	$(VENV)/bin/pytest tests/docs/run_*.py
 
 clean: ## Remove build outputs, keep the libraries in .venv
 	rm -rf build dist *.egg-info core/*/*.o sensorless/_core* $(READY)
