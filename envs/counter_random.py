@@ -1,5 +1,6 @@
 """Random numbers as a pure function of (seed, column), whatever batch they are drawn in."""
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -29,18 +30,41 @@ def combine(*parts: NDArray[Any] | int) -> Seeds:
     return out
 
 
-class Draws:
-    """Independent uniform numbers for every seed; each call uses a new column."""
+@dataclass(frozen=True)
+class Chosen:
+    """Seeds whose numbers in [0, 1) are chosen: those not in ``units`` are drawn and kept there."""
 
-    def __init__(self, seeds: Seeds) -> None:
+    seeds: Seeds
+    units: dict[tuple[int, int], Floats] = field(default_factory=dict)
+    """(n,) by part and column of ``Draws``"""
+
+
+class Draws:
+    """Independent uniform numbers for every seed; each call uses a new column.
+
+    Parameters
+    ----------
+    source : Seeds or Chosen
+    part : int
+        Numbers of another part have nothing to do with those of the first, 0.
+    """
+
+    def __init__(self, source: "Seeds | Chosen", part: int = 0) -> None:
+        self._units = source.units if isinstance(source, Chosen) else {}
+        seeds = source.seeds if isinstance(source, Chosen) else source
         self.seeds = np.asarray(seeds, dtype=np.uint64)
-        self._column = 0
+        """of the first part"""
+        self._of_part = combine(self.seeds, part) if part else self.seeds
+        self._part, self._column = part, 0
 
     def uniform(self, low: float | Floats = 0.0, high: float | Floats = 1.0) -> Floats:
         """Uniform in [low, high), shape of the seeds."""
         self._column += 1
-        bits = combine(self.seeds, self._column) >> np.uint64(11)
-        return np.asarray(low + (np.asarray(high) - low) * (bits.astype(np.float64) * 2.0**-53))
+        key = self._part, self._column
+        if key not in self._units:
+            bits = combine(self._of_part, self._column) >> np.uint64(11)
+            self._units[key] = bits.astype(np.float64) * 2.0**-53
+        return np.asarray(low + (np.asarray(high) - low) * self._units[key])
 
     def chance(self, probability: float) -> NDArray[np.bool_]:
         """True with the given probability."""

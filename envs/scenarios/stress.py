@@ -3,7 +3,7 @@
 import numpy as np
 
 from sensorless.design.new_motor import LOW_VOLTAGE
-from sensorless.envs.counter_random import Draws, Floats, Seeds, combine
+from sensorless.envs.counter_random import Chosen, Draws, Floats, Seeds
 from sensorless.envs.scenarios.ranges import (
     DEAD_TIME,
     EMF_5,
@@ -28,10 +28,12 @@ DURATION = 2.0
 """[s]"""
 DETAILS = 2
 """Tells the draws that ``stress`` adds from those of ``stress-1``."""
+MISMATCH, LOW_INERTIA = 3, 4
+"""The same for ``mismatch`` and ``low-inertia``."""
 
 
-def stress_1_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
-    """Random profiles on a random machine; row i is a function of ``seeds[i]`` alone.
+def stress_1_scenarios(motor: Motor, seeds: Seeds | Chosen) -> Scenarios:
+    """Random profiles on a random machine; row i is a function of the seed i alone.
 
     Half of the drives start at rest, half on a spinning shaft; then two speed targets over the
     whole range of both directions, two loads over the whole range of both signs, and a sag of the
@@ -40,7 +42,7 @@ def stress_1_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     cross-coupling and dead time, and the current sensors have noise, gain and offset errors.
     """
     d = Draws(seeds)
-    s = Scenarios.nominal(motor, seeds, DURATION)
+    s = Scenarios.nominal(motor, d.seeds, DURATION)
     omega_rated = motor.omega_rated / motor.n_p
 
     s.R_s = d.uniform(*R_S)
@@ -74,7 +76,7 @@ def stress_1_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     return s
 
 
-def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
+def stress_scenarios(motor: Motor, seeds: Seeds | Chosen) -> Scenarios:
     """``stress-1`` on a machine and an inverter that hide nothing; docs/suites.md has the sources.
 
     The same profiles, inertia, sensors and observer errors, row by row. Resistance and magnet leave
@@ -85,7 +87,7 @@ def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     """
     s = stress_1_scenarios(motor, seeds)
     s.detailed[:] = True
-    d = Draws(combine(seeds, DETAILS))
+    d = Draws(seeds, DETAILS)
     s.R_s, s.psi_f = d.uniform(*R_S_COLD), d.uniform(*PSI_F_COLD)
     s.winding_K = d.uniform(*WINDING_K)
     s.magnet_K = d.uniform(*MAGNET_SHARE) * s.winding_K
@@ -96,6 +98,27 @@ def stress_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     s.u_transistor, s.u_diode = bipolar * d.uniform(*U_TRANSISTOR), bipolar * d.uniform(*U_DIODE)
     s.ripple, s.ripple_phase = d.uniform(*RIPPLE), d.uniform(-np.pi, np.pi)
     s.ripple_hz = np.where(d.chance(0.5), 300.0, 360.0)
+    return s
+
+
+def mismatch_scenarios(motor: Motor, seeds: Seeds | Chosen) -> Scenarios:
+    """``stress-1`` on a machine that the controller knows badly.
+
+    Resistance 0.7 to 2 and magnet 0.85 to 1.06 of the controller's, the observer's L_q 0.6 to 1.35
+    of its design, cross-coupling compensated 0 to 1.8 times.
+    """
+    s, d = stress_1_scenarios(motor, seeds), Draws(seeds, MISMATCH)
+    s.R_s, s.psi_f = d.uniform(0.7, 2.0), d.uniform(0.85, 1.06)
+    s.L_q_hat, s.cross_hat = d.uniform(0.6, 1.35), d.uniform(0.0, 1.8)
+    return s
+
+
+def low_inertia_scenarios(motor: Motor, seeds: Seeds | Chosen) -> Scenarios:
+    """``stress-1`` on 15 to 50 % of the inertia that the drive was designed for, with its ramps."""
+    s = stress_1_scenarios(motor, seeds)
+    light = np.exp(Draws(seeds, LOW_INERTIA).uniform(np.log(0.15), np.log(0.5)))
+    s.omega_rate *= (s.J / light)[:, None]
+    s.J = light
     return s
 
 

@@ -22,6 +22,8 @@ from sensorless.envs.scenarios.published import paper_scenarios
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.starts import starts_scenarios
 from sensorless.envs.scenarios.stress import (
+    low_inertia_scenarios,
+    mismatch_scenarios,
     nominal_scenarios,
     stress_1_scenarios,
     stress_scenarios,
@@ -124,6 +126,8 @@ SUITES: dict[str, Callable[[Motor, Seeds, Indices, int], Scenarios]] = {
     "handoff": handoff_scenarios,
     "stress": lambda motor, seeds, *_: stress_scenarios(motor, seeds),
     "stress-1": lambda motor, seeds, *_: stress_1_scenarios(motor, seeds),
+    "mismatch": lambda motor, seeds, *_: mismatch_scenarios(motor, seeds),
+    "low-inertia": lambda motor, seeds, *_: low_inertia_scenarios(motor, seeds),
     "hold": hold_scenarios,
     "crawl": crawl_scenarios,
     "impact": impact_scenarios,

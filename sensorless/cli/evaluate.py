@@ -58,8 +58,9 @@ SuiteOption = Annotated[
         help="Judge on this suite of scenarios: stress and stress-1 (everything at random), hold "
         "and crawl (loads at and near standstill), impact (rated load steps at all speeds), stop "
         "(rated speed to zero under load), unload (loads taken off), handoff (crossings between "
-        "the estimators), starts (unknown rotor angle), envelope (a grid of speed and load), "
-        "nominal (stress-1 without errors of parameters and sensors), paper (figures of the "
+        "the estimators), mismatch (wrong parameters), low-inertia (15 to 50 % of the design's), "
+        "starts (unknown rotor angle), envelope (a grid of speed and load), nominal "
+        "(stress-1 without errors of parameters and sensors), paper (figures of the "
         "source paper) or motors (handoff and stress-1 by turns). docs/suites.md has them all.",
     ),
 ]

@@ -121,3 +121,22 @@ def test_only_inverters_of_high_voltage_have_thresholds() -> None:
         assert not getattr(low, name).any() and (getattr(high, name) > 0.5).all()
     np.testing.assert_array_equal(low.p_iron, high.p_iron)
     np.testing.assert_array_equal(low.emf_5, high.emf_5)
+
+
+def test_other_machines_than_the_drive_was_designed_for() -> None:
+    """``mismatch`` and ``low-inertia`` change what they name; the profile is that of stress-1."""
+    usual, wrong, light = (
+        suite(name, MOTOR, 5, 400) for name in ("stress-1", "mismatch", "low-inertia")
+    )
+    for s, left in ((wrong, "J"), (light, "R_s")):
+        assert np.array_equal(s.omega, usual.omega) and np.array_equal(s.t, usual.t)
+        assert np.array_equal(getattr(s, left), getattr(usual, left))
+    for name, low, high in (
+        ("R_s", 0.7, 2.0), ("psi_f", 0.85, 1.06), ("L_q_hat", 0.6, 1.35), ("cross_hat", 0.0, 1.8)
+    ):  # fmt: skip
+        x = getattr(wrong, name)
+        assert low <= x.min() < low + 0.05 * (high - low)
+        assert high >= x.max() > high - 0.05 * (high - low)
+    assert 0.15 <= light.J.min() < 0.16 and 0.48 < light.J.max() <= 0.5
+    ratio = light.omega_rate * light.J[:, None] / (usual.omega_rate * usual.J[:, None])
+    assert np.allclose(ratio, 1.0)
