@@ -9,7 +9,7 @@ CORE  := $(wildcard core/*/*.c core/*/*.h) core/binding.py core/source_hash.py f
 C_WARNINGS := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra \
               -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror -fsyntax-only -Icore -Icore/drive -Ibuild/generated
 
-.PHONY: help install demo test check core bench bench-peers reference docs docs-test clean venv extension c-warnings c-lint force
+.PHONY: help install demo test check core bench bench-peers reference docs docs-test playground clean venv extension c-warnings c-lint force
 
 help: ## List the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
@@ -46,6 +46,9 @@ docs: $(READY) ## Build the documentation site, build/site/index.html
 
 docs-test: $(READY) ## Run what the documentation shows, small
 	$(VENV)/bin/pytest tests/docs/run_*.py
+
+playground: $(READY) ## Build the page build/playground/playground.html
+	$(VENV)/bin/python -m web.build
 
 clean: ## Remove build outputs, keep the libraries in .venv
 	rm -rf build dist *.egg-info core/*/*.o sensorless/_core* $(READY)
@@ -101,6 +104,6 @@ c-lint:
 	@echo "==> C format and lint"
 	@for tool in clang-format cppcheck; do command -v $$tool >/dev/null || { \
 	  echo "$$tool: not found"; [ "$$CI" != true ] || exit 1; }; done
-	@! command -v clang-format >/dev/null || clang-format --dry-run --Werror core/*/*.[ch] firmware/*.[ch]
+	@! command -v clang-format >/dev/null || clang-format --dry-run --Werror core/*/*.[ch] firmware/*.[ch] web/*.c
 	@! command -v cppcheck >/dev/null || cppcheck --quiet --std=c99 --error-exitcode=1 \
 	  --enable=warning,portability,performance -Icore -Icore/drive -Ibuild/generated core firmware

@@ -160,7 +160,7 @@ def pried(source: str) -> list[str]:
     return out
 
 
-@pytest.mark.parametrize("folder", ["tests", "benchmarks", "studies"])
+@pytest.mark.parametrize("folder", ["tests", "benchmarks", "studies", "web"])
 def test_nobody_pries(folder: str) -> None:
     for path in (ROOT / folder).rglob("*.py"):
         assert not pried(path.read_text(encoding="utf-8")), path

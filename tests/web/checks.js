@@ -1,0 +1,66 @@
+// Checks of accessibility that run in the page.
+
+const visible = (e) => e.checkVisibility() && e.getClientRects().length > 0;
+
+function unnamed() {
+  const controls = document.querySelectorAll("button, input, select, [role=slider], canvas, svg");
+  const name = (e) =>
+    e.getAttribute("aria-label") || [...(e.labels ?? [])].map((l) => l.textContent).join("") ||
+    (e.tagName === "BUTTON" ? e.textContent : "");
+  return [...controls].filter((e) => visible(e) && !name(e).trim()).map((e) => e.outerHTML);
+}
+
+function rgb(text) {
+  return (text.match(/[\d.]+/g) ?? [0, 0, 0, 0]).map(Number);
+}
+
+function luminance([r, g, b]) {
+  const linear = [r, g, b].map((x) => x / 255).map((x) => (x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4));
+  return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+}
+
+function background(e) {
+  for (let at = e; at; at = at.parentElement) {
+    const colour = rgb(getComputedStyle(at).backgroundColor);
+    if (colour.length < 4 || colour[3] > 0) return colour;
+  }
+  return [255, 255, 255];
+}
+
+// Text whose contrast with what is behind it is below `least`.
+function faint(least) {
+  const out = [];
+  for (const e of document.querySelectorAll("body *")) {
+    const own = [...e.childNodes].some((n) => n.nodeType === Node.TEXT_NODE && n.textContent.trim());
+    if (!own || !visible(e) || e.disabled || e.closest("script, style")) continue;
+    const style = getComputedStyle(e);
+    const svg = e instanceof SVGElement;
+    const [a, b] = [rgb(svg ? style.fill : style.color), background(e)].map(luminance);
+    const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    if (ratio < least) out.push(`${ratio.toFixed(2)}: ${e.outerHTML.slice(0, 80)}`);
+  }
+  return out;
+}
+
+// Plots that lack the colour of a drive, which the style names.
+function uncoloured() {
+  const style = getComputedStyle(document.documentElement);
+  const wanted = ["--a", "--b"].map((name) => {
+    const hex = style.getPropertyValue(name).trim();
+    return [1, 3, 5].map((j) => parseInt(hex.slice(j, j + 2), 16));
+  });
+  const lacks = (canvas) => {
+    const copy = new OffscreenCanvas(canvas.width, canvas.height);
+    const g = copy.getContext("2d", { willReadFrequently: true });
+    g.drawImage(canvas, 0, 0);
+    const { data } = g.getImageData(0, 0, canvas.width, canvas.height);
+    return wanted.some(([r, g, b]) => {
+      for (let i = 0; i < data.length; i += 4) {
+        if (data[i] === r && data[i + 1] === g && data[i + 2] === b && data[i + 3] > 200) return false;
+      }
+      return true;
+    });
+  };
+  return [...document.querySelectorAll("canvas")].filter((c) => visible(c) && lacks(c))
+    .map((c) => c.getAttribute("aria-label"));
+}

@@ -1,0 +1,228 @@
+// The page: one run, its controls, and its pictures.
+
+import { toBase64, unpack } from "./bytes.js";
+import { Core } from "./core.js";
+import { Levers } from "./levers.js";
+import { fromLink, toLink } from "./link.js";
+import { Pace } from "./pace.js";
+import { Plots } from "./plots.js";
+import { PRESETS, scenario } from "./presets.js";
+import { Readout } from "./readout.js";
+import { Run } from "./run.js";
+import { Sides } from "./sides.js";
+import { TableEditor } from "./table_editor.js";
+
+const $ = (id) => document.getElementById(id);
+
+class Page {
+  constructor(core) {
+    this.core = core;
+    this.layout = core.layout;
+    this.run = new Run(core);
+    this.run.onFault = (...what) => this.fault(...what);
+    this.plots = new Plots($("plots"), $("shown"));
+    this.readout = new Readout($("now").tBodies[0], $("events"));
+    this.levers = new Levers($("levers"), (name, value) => this.run.move(name, value));
+    this.sides = new Sides([$("side-A"), $("side-B")], $("compare"), this.layout, (sides) =>
+      this.restart({ ...this.present(), sides }));
+    this.editor = new TableEditor(
+      { root: $("curve"), slices: $("slices"), all: $("all-slices"), status: $("check") },
+      (node, value, all) => this.run.move(`${"ab"[this.edited]}${node}${all ? "*" : ""}`, value));
+    this.edited = 0;
+    this.choices();
+    this.keys();
+    this.open();
+    this.pace = new Pace(this.run, () => this.draw());
+    if (this.goal > 0) this.pace.hurryTo(this.goal);
+    else if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.pace.start();
+    window.addEventListener("hashchange", () => this.open());
+  }
+
+  choices() {
+    const motors = this.layout.motors.map((m) => new Option(`${m.name}: ${m.text}`, m.name));
+    $("motor").replaceChildren(...motors);
+    $("scenario").replaceChildren(
+      ...Object.entries(PRESETS).map(([key, { text }]) => new Option(text, key)));
+    $("motor").addEventListener("change", () => this.newMotor());
+    $("scenario").addEventListener("change", () => this.restart(this.present(), $("scenario").value));
+    $("seek").addEventListener("change", () =>
+      this.restart({ ...this.present(), seek: $("seek").checked }));
+    $("seed").addEventListener("change", () =>
+      this.restart({ ...this.present(), seed: Math.min(Math.max(Math.floor(+$("seed").value || 0), 0), 4294967295) }));
+    $("run").addEventListener("click", () => this.toggle());
+    $("restart").addEventListener("click", () => this.repeat());
+    $("share").addEventListener("click", () => this.share());
+    $("factor").addEventListener("input", () => this.setFactor(Number($("factor").value)));
+    for (const [i, name] of ["A", "B"].entries()) {
+      $(`edit-${name}`).addEventListener("change", () => this.edit(i));
+    }
+    $("reset-table").addEventListener("click", () => this.resetTable());
+  }
+
+  // Space runs and pauses, R restarts, unless a control has the key's use.
+  keys() {
+    document.addEventListener("keydown", (event) => {
+      const { tagName, type } = event.target;
+      if (event.ctrlKey || event.metaKey || event.altKey || tagName === "SELECT") return;
+      if (tagName === "BUTTON" || (tagName === "INPUT" && type !== "range")) return;
+      if (event.key === " ") this.toggle();
+      else if (event.key === "r" || event.key === "R") this.repeat();
+      else return;
+      event.preventDefault();
+    });
+  }
+
+  // The run of the address, or else the first one.
+  open() {
+    const found = fromLink(location.hash, this.layout);
+    if (location.hash.length > 1 && !found) this.say("This link is not one of this page's: it shows its first run.");
+    const motor = found?.setup.motor ?? this.layout.motors[0];
+    const [a, b] = ["sliding_mode", "reference"].map((w) => motor.rules.find((r) => r.word === w));
+    const sides = [a, b].map((rule) => ({ rule, estimator: rule?.estimator }));
+    const first = { motor, seed: 0, seek: false, sides, ...scenario("ramp", motor) };
+    if (!found) $("scenario").value = "ramp";
+    this.begin(found?.setup ?? first);
+    this.goal = found?.decision ?? 0;
+    if (this.pace && this.goal > 0) this.pace.hurryTo(this.goal);
+  }
+
+  // The setup of the present run, with its levers where they are now.
+  present() {
+    return { ...this.run.setup, levers: { ...this.run.levers }, moves: [] };
+  }
+
+  // Starts anew, with a scenario's levers or those of the setup.
+  restart(setup, name = $("scenario").value) {
+    const free = name === "free";
+    if (free && name !== this.scenarioName) Object.assign(setup, scenario(name, setup.motor));
+    if (!free) Object.assign(setup, scenario(name, setup.motor));
+    this.begin(setup);
+    this.pace.start();
+  }
+
+  // Starts the same scenario again, with the tables as they are.
+  repeat() {
+    const tables = this.run.moves.filter(([at, target]) => /^[ab]\d/.test(target) && at <= this.run.decision);
+    const setup = this.present();
+    const name = $("scenario").value;
+    if (name !== "free") Object.assign(setup, scenario(name, setup.motor));
+    setup.moves = [...tables.map(([, target, value]) => [0, target, value]), ...setup.moves];
+    this.begin(setup);
+    this.pace.start();
+  }
+
+  begin(setup) {
+    const { motor } = setup;
+    this.scenarioName = $("scenario").value;
+    if (this.motor !== motor) {
+      this.motor = motor;
+      this.levers.build(motor);
+      this.plots.build(motor);
+    }
+    $("motor").value = motor.name;
+    $("seek").checked = setup.seek;
+    $("seek").disabled = !motor.seeks;
+    $("seed").value = setup.seed;
+    this.readout.clear();
+    this.plots.marks = [];
+    this.run.start(setup);
+    this.sides.show(motor, setup.sides);
+    $("edit-B").disabled = setup.sides.length < 2;
+    this.edit(setup.sides.length < 2 ? 0 : this.edited);
+  }
+
+  newMotor() {
+    const motor = this.layout.motors.find((m) => m.name === $("motor").value);
+    const like = ({ estimator, rule }) => {
+      const same = motor.rules.find((r) => r.word === rule.word) ?? motor.rules[0];
+      return { estimator: same.estimator ?? estimator, rule: same };
+    };
+    const { sides, seed, seek } = this.run.setup;
+    const name = $("scenario").value;
+    this.begin({
+      motor, seed, seek: seek && motor.seeks, sides: sides.map(like), ...scenario(name, motor),
+    });
+    this.pace.start();
+  }
+
+  edit(side) {
+    this.edited = side;
+    $(`edit-${"AB"[side]}`).checked = true;
+    this.editor.show(this.run.drives[side], side);
+  }
+
+  resetTable() {
+    const { rule } = this.run.sides[this.edited];
+    const table = this.run.drives[this.edited].table;
+    const now = table.values.slice();
+    table.load(rule);
+    const nominal = table.values.slice();
+    nominal.forEach((value, node) => {
+      if (value !== now[node]) this.run.move(`${"ab"[this.edited]}${node}`, value);
+    });
+    this.editor.update();
+  }
+
+  fault(side, seconds, text, kind) {
+    this.readout.add(side, seconds, text, kind);
+    this.plots.marks.push({ decision: this.run.decision, side });
+  }
+
+  toggle() {
+    this.pace[this.pace.running ? "stop" : "start"]();
+  }
+
+  setFactor(value) {
+    this.pace.factor = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50][value];
+    $("factor-text").textContent = `${this.pace.factor}×`;
+    $("factor").setAttribute("aria-valuetext", `${this.pace.factor} times real time`);
+  }
+
+  async share() {
+    const link = toLink(this.run);
+    history.replaceState(null, "", link);
+    let text = "The address of this page now holds this run";
+    try {
+      await navigator.clipboard.writeText(location.href);
+      text += " and is on the clipboard";
+    } catch { /* not allowed here: the address bar has it */ }
+    this.say(`${text}${this.run.complete ? "." : "; too much was moved to repeat its course, so only its levers."}`);
+  }
+
+  say(text) {
+    $("message").textContent = text;
+  }
+
+  draw() {
+    const { run, pace } = this;
+    const seconds = Number($("window").value);
+    if (run.over && pace.running) pace.stop();
+    this.levers.follow(run.levers);
+    this.plots.draw(run, seconds);
+    if (run.decision !== this.followed) this.editor.follow();
+    this.followed = run.decision;
+    this.slow = (this.slow ?? 0) + 1;
+    if (this.slow % 6 !== 0) return; // text that changes faster cannot be read
+    this.readout.show(run, Math.round(seconds / run.decisionTime));
+    const label = pace.running ? "Pause" : "Run";
+    if ($("run").textContent !== label) $("run").textContent = label;
+    $("clock").textContent = `${run.seconds.toFixed(2)} s`;
+    const slow = pace.running && pace.until <= run.decision && pace.reached < 0.8 * pace.factor;
+    $("reached").textContent = slow && pace.factor > 1 ? `this computer reaches ${pace.reached.toFixed(0)}×` : "";
+  }
+}
+
+async function main() {
+  const text = (id) => $(id).textContent.trim();
+  const [wasm, image] = await Promise.all([unpack(text("wasm")), unpack(text("image"))]);
+  const core = await Core.load(wasm, image, JSON.parse(text("layout")));
+  const page = new Page(core);
+  $("core").textContent = core.layout.core;
+  // For tests and the curious: the page, and the bytes of a drive's record.
+  window.playground = { page, state: (i) => toBase64(page.run.drives[i].state()) };
+}
+
+main().catch((error) => {
+  $("message").textContent = `The page cannot run here: ${error.message}. It needs a browser of 2023 or later.`;
+  throw error;
+});

@@ -1,0 +1,70 @@
+"""Hand-over rules that the page offers: those that are tables, which the core looks up itself."""
+
+import dataclasses
+from dataclasses import dataclass
+
+from sensorless.design.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.machine.motor import MOTORS as FOLDER
+from sensorless.machine.motor import Motor
+from sensorless.policies.best import best
+from sensorless.policies.registry import carried_by, make_policy
+from sensorless.policy import TablePolicy
+
+MOTORS = ("paper", *sorted(path.stem for path in FOLDER.glob("*.toml") if path.stem != "paper"))
+WORDS = {
+    "eq25": "Eq. 25, the paper's ramp (20 to 26.7 % of rated speed)",
+    "smoothstep": "Smooth step over the same band",
+    "linear-coupled-tuned": "Ramp, tuned on the coupled observer",
+    "logistic-coupled-tuned": "Speed, torque and disagreement, tuned",
+    "reference": "Learned by PPO on the coupled observer",
+    "reference-flux": "Learned by PPO on the flux observer",
+    "reference-smo": "Learned by PPO on the sliding-mode observer",
+    "sliding_mode": "Eq. 25 on the paper's observers",
+    "flux_observer": "Eq. 25 on the flux observer",
+    "constant:1": "Injection at every speed",
+    "constant:0": "Observer at every speed",
+}
+"""Words of ``--policy``, and what the page calls them."""
+BEST = "Best found for this machine"
+
+
+@dataclass(frozen=True)
+class Named:
+    """A rule of the page."""
+
+    word: str
+    text: str
+    policy: TablePolicy
+
+
+def rules(motor: Motor) -> list[Named]:
+    """Rules for a machine: learned and tuned ones only where they were made for it."""
+    found = best(motor)
+    words = dict(WORDS)
+    if found is not None:
+        words = {found.policy: WORDS.get(found.policy, BEST), **words}
+    out = []
+    for word, text in words.items():
+        policy = _made(word, motor)
+        if policy is not None:
+            out.append(Named(word, text, policy))
+    return out
+
+
+def _made(word: str, motor: Motor) -> TablePolicy | None:
+    """Table policy on the default drive; None if the word is not one, or for another machine."""
+    try:
+        policy = make_policy(word, motor)
+        carried = carried_by(word)
+    except UserError:
+        return None
+    if carried is not None and carried.made_for is not None and carried.made_for[1] != motor.digest:
+        return None
+    return policy if isinstance(policy, TablePolicy) and _default(policy) else None
+
+
+def _default(policy: TablePolicy) -> bool:
+    """Whether it runs on the default drive, but for its estimator."""
+    rest = {name: x for name, x in policy.settings.items() if name != "estimator"}
+    return dataclasses.replace(DriveDesign(), **rest) == DriveDesign()
