@@ -3,6 +3,9 @@
 import dataclasses
 from dataclasses import dataclass
 
+import numpy as np
+
+from sensorless.baselines.linear import EQ25_BAND
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.machine.motor import MOTORS as FOLDER
@@ -10,6 +13,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.best import best
 from sensorless.policies.registry import carried_by, make_policy
 from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import Axis, KsTable
 
 MOTORS = ("paper", *sorted(path.stem for path in FOLDER.glob("*.toml") if path.stem != "paper"))
 WORDS = {
@@ -27,6 +31,9 @@ WORDS = {
 }
 """Words of ``--policy``, and what the page calls them."""
 BEST = "Best found for this machine"
+OWN = "own"
+OWN_TEXT = "Your own: Eq. 25 on 16 nodes, to be dragged"
+OWN_AXIS = Axis("speed", 0.0, 0.6, 16)
 
 
 @dataclass(frozen=True)
@@ -49,7 +56,14 @@ def rules(motor: Motor) -> list[Named]:
         policy = _made(word, motor)
         if policy is not None:
             out.append(Named(word, text, policy))
-    return out
+    return [*out, Named(OWN, OWN_TEXT, _own())]
+
+
+def _own() -> TablePolicy:
+    """Eq. 25 where the nodes are."""
+    low, high = EQ25_BAND
+    values = np.clip((high - OWN_AXIS.nodes) / (high - low), 0.0, 1.0)
+    return TablePolicy(OWN, KsTable((OWN_AXIS,), values.astype(np.float32)))
 
 
 def _made(word: str, motor: Motor) -> TablePolicy | None:

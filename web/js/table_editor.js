@@ -52,9 +52,8 @@ export class TableEditor {
 
   build() {
     const { lo, hi, n } = this.table.axes[0];
-    const edge = 0.15 * (hi - lo); // the table is constant outside
-    this.low = Math.max(0, lo - edge);
-    this.high = hi + edge;
+    this.low = Math.min(0, lo);
+    this.high = Math.max(1.08 * hi, Math.min(1.5 * hi, 0.6)); // outside, the table is constant
     this.picture.replaceChildren();
     for (const y of [0, 0.5, 1]) this.rule(BOX.left, this.y(y), BOX.right, this.y(y), String(y), "end");
     for (const value of ticks(this.low * this.scale, this.high * this.scale, 5).values) {
