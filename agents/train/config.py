@@ -15,102 +15,140 @@ from sensorless.table.ks_table import KsTable
 class TrainConfig:
     """Settings of PPO."""
 
-    motor: str = word("paper", "shipped motor by name, or a TOML file")
+    motor: str = word(
+        "paper", "train on this motor: the name of a shipped one, or your own TOML file"
+    )
     machines: int = number(
         0,
         "1",
         0,
         MOST_MACHINES,
-        "train on so many random machines, drawn from the seed, instead of the motor, which then "
-        "only turns r/min of a start into shares of rated speed; the schedule fits any machine; "
-        "0: the motor alone",
+        "train on this many random machines, drawn from the seed, instead of the motor, which then "
+        "only turns the r/min of --start into shares of rated speed; the schedule fits any "
+        "machine; 0 trains on the motor alone",
     )
-    minutes: float = number(5.0, "min", 0, 1e5, "time to train; not repeatable, see steps")
+    minutes: float = number(
+        5.0, "min", 0, 1e5, "train for this long; the result is not repeatable, that of --steps is"
+    )
     steps: int = number(
         0,
         "1",
         0,
         10**12,
-        "decisions to train, over all environments, whatever time that takes; repeatable to the "
-        "bit; 0: train for minutes",
+        "train for this many decisions, summed over all environments, whatever time that takes; "
+        "the result is repeatable to the bit; 0 trains for --minutes",
     )
-    seed: int = number(1, "1", 0, 2**32 - 1, "draws scenarios, exploration and critic")
+    seed: int = number(
+        1, "1", 0, 2**32 - 1, "draw scenarios, exploration and critic from this seed"
+    )
     policy_kind: str = word(
         "table",
-        "what chooses k_s",
+        "let a policy of this kind choose k_s",
         {"table": "a table", "mlp": "a network over all signals (see sensorless distill)"},
     )
     axes: str = word(
         "speed:0:1:16,disagreement:-1.5:1.5:5",
-        "SIGNAL:LOW:HIGH:NODES of every axis of the table, commas between; speed:NODES puts nodes "
-        "at the ends of a linear start; the word start takes the axes of the start",
+        "give the table these axes, SIGNAL:LOW:HIGH:NODES,...; speed:NODES puts nodes at both ends "
+        "of the ramp of a linear start; the word start takes the axes of the start",
     )
     start: str = word(
         "eq25",
-        "schedule to start from: eq25, linear:LO,HI [r/min], a file of sensorless tune, or a run "
-        "folder",
+        "start from this schedule: eq25, linear:LO,HI [r/min], a file that sensorless tune wrote, "
+        "or the folder of a training run",
     )
     n_envs: int = number(
         256,
         "1",
         2,
         65536,
-        "environments side by side; even, as they are pairs that explore opposite ways",
+        "run this many environments side by side; the number is even, as they are pairs that "
+        "explore opposite ways",
     )
     n_steps: int = number(
         400,
         "1",
         2,
         65536,
-        "decisions of each environment between two updates; 400 of 5 ms are a whole scenario, at "
-        "whose time limit the critic's value stands for what would follow",
+        "update after this many decisions of each environment; 400 of 5 ms are a whole scenario, "
+        "at whose time limit the critic's value stands for what would follow",
     )
-    batch_size: int = number(12800, "1", 2, 10**7, "samples of a gradient step")
-    n_epochs: int = number(2, "1", 1, 100, "passes over the samples an update")
-    gamma: float = number(0.9995, "1", 0, 1, "discount a decision; a scenario counts as a whole")
+    batch_size: int = number(12800, "1", 2, 10**7, "use this many samples in a gradient step")
+    n_epochs: int = number(2, "1", 1, 100, "pass over the samples this many times per update")
+    gamma: float = number(
+        0.9995,
+        "1",
+        0,
+        1,
+        "weigh a reward one decision later by this factor; near 1, a scenario counts as a whole",
+    )
     gae_lambda: float = number(
         1.0,
         "1",
         0,
         1,
-        "trades bias against variance of the advantages; below 1, what comes late counts less",
+        "trade bias against variance of the advantages by this factor; below 1, what comes late "
+        "counts less",
     )
-    lr_nodes: float = number(1e-2, "1", 1e-6, 1, "step of Adam on the table's nodes")
+    lr_nodes: float = number(
+        1e-2, "1", 1e-6, 1, "let Adam, the optimiser, move the table's nodes by steps of this size"
+    )
     lr_critic: float = number(
-        1e-3, "1", 1e-6, 1, "step of Adam on the critic, and on the actor of an mlp"
+        1e-3,
+        "1",
+        1e-6,
+        1,
+        "let Adam move the critic, and the actor of an mlp, by steps of this size",
     )
     lr_end: float = number(
-        0.05, "1", 0, 1, "share of both steps that is left at the end; they fall on a straight line"
+        0.05, "1", 0, 1, "let both steps of Adam fall along a straight line to this share"
     )
-    clip_range: float = number(0.2, "1", 0.01, 1, "bound on the probability ratio of an update")
+    clip_range: float = number(
+        0.2, "1", 0.01, 1, "bound the probability ratio of an update to 1 plus or minus this number"
+    )
     noise: float = number(
-        0.1, "1", 1e-3, 1, "standard deviation of the exploration in k_s; it lasts for a rollout"
+        0.1,
+        "1",
+        1e-3,
+        1,
+        "explore k_s with this standard deviation; what is drawn lasts for a rollout",
     )
     smoothness: float = number(
-        2.0, "nodes", 0, 10, "distance over which neighbouring nodes explore and move together"
+        2.0, "nodes", 0, 10, "let nodes explore and move together over this distance"
     )
     monotone: bool = switch(False, "keep k_s from rising with speed; tables only")
-    average: int = number(5, "1", 1, 10**6, "updates whose mean table is validated and kept")
-    warm_up: int = number(2, "1", 0, 10**6, "updates of the critic alone before the table moves")
+    average: int = number(5, "1", 1, 10**6, "validate and keep the mean table of this many updates")
+    warm_up: int = number(2, "1", 0, 10**6, "update the critic alone this many times first")
     decision_ms: float = number(
-        1e3 * TRAINING, "ms", 0.1, 100, "time between two decisions in training"
+        1e3 * TRAINING,
+        "ms",
+        0.1,
+        100,
+        "decide this often in training: the time between two decisions",
     )
     lost_penalty: float = number(
         1000.0,
         "1",
         0,
         1e6,
-        "reward lost with lock; must exceed the running costs that it ends: 151 in a scenario of "
-        "2 s at the very worst, without those of the angle",
+        "take this reward away when lock is lost; it must exceed the running costs that it ends: "
+        "151 in a scenario of 2 s at the very worst, without those of the angle",
     )
     angle_cost: float = number(
-        1.0, "1/ms", 0, 10, "cost of an angle error at which lock is lost; it begins at 20 degrees"
+        1.0,
+        "1/ms",
+        0,
+        10,
+        "charge this for an angle error at which lock is lost; the cost begins at 20 degrees",
     )
     eval_freq: int = number(
-        500_000, "1", 1, 10**12, "decisions, over all environments, from one validation to the next"
+        500_000, "1", 1, 10**12, "validate after this many decisions, summed over all environments"
     )
     validate_size: int = number(
-        1024, "1", 16, 10**6, "scenarios of a validation, from seeds of neither training nor tests"
+        1024,
+        "1",
+        16,
+        10**6,
+        "validate on this many scenarios, from seeds of neither training nor tests",
     )
 
     def __post_init__(self) -> None:

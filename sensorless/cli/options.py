@@ -69,6 +69,15 @@ SeedOption = Annotated[
         help="Draw the scenarios from this seed; the same seed gives the same scenarios.",
     ),
 ]
+SearchSeedOption = Annotated[
+    int,
+    typer.Option(
+        "--seed",
+        metavar="N",
+        min=0,
+        help="Draw scenarios and search from this seed; it makes the run repeatable.",
+    ),
+]
 
 EngineOption = Annotated[
     str,

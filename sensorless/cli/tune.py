@@ -12,6 +12,7 @@ from sensorless.cli.options import (
     EngineOption,
     MotorOption,
     RayAddressOption,
+    SearchSeedOption,
     SetOption,
     console,
     describe,
@@ -37,14 +38,7 @@ def tune_command(
     budget: Annotated[
         float, typer.Option(help="Simulate at most this much time of a drive [s].")
     ] = 20000.0,
-    seed: Annotated[
-        int,
-        typer.Option(
-            metavar="N",
-            min=0,
-            help="Draw scenarios and search from this seed; it makes the run repeatable.",
-        ),
-    ] = 1,
+    seed: SearchSeedOption = 1,
     motor: MotorOption = "paper",
     machines: Annotated[
         int,

@@ -10,7 +10,14 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
-from sensorless.cli.options import MotorOption, SetOption, console, errors, say_verdict
+from sensorless.cli.options import (
+    MotorOption,
+    SearchSeedOption,
+    SetOption,
+    console,
+    errors,
+    say_verdict,
+)
 from sensorless.cli.suited import say_if_unsuited
 
 if TYPE_CHECKING:
@@ -48,14 +55,7 @@ def tune_gains_command(
     size: Annotated[
         int, typer.Option(metavar="N", help="Run each set of gains on this many scenarios.")
     ] = 128,
-    seed: Annotated[
-        int,
-        typer.Option(
-            metavar="N",
-            min=0,
-            help="Draw scenarios and search from this seed; it makes the run repeatable.",
-        ),
-    ] = 1,
+    seed: SearchSeedOption = 1,
     settings: SetOption = None,
     out: Annotated[
         Path | None,

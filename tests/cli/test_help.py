@@ -23,6 +23,13 @@ from sensorless.machine.motor import MOTORS, Motor
 ACTIONS = {"--help", "--install-completion", "--show-completion"}
 PLAIN = {"--smoothness"}
 """Numbers without a unit."""
+VERBS = set(
+    "Also Bound Call Change Charge Check Compare Count Decide Draw Evaluate Explore Feed Fit "
+    "Follow Give Install Join Judge Keep Let List Map Name Pass Print Put Read Replay Report "
+    "Resume Run Show Shift Simulate Smooth Start Take Trade Train Try Tune Turn Update Use "
+    "Validate Visit Weigh Write Export".split()
+)
+"""What an option asks the command to do; its help opens with one of them."""
 
 
 def commands() -> Iterator[tuple[str, Any]]:
@@ -76,6 +83,7 @@ def test_every_option_is_a_sentence_with_unit_and_default(path: str) -> None:
     for option in options(path):
         name, text = max(option.opts, key=len), option.help
         assert text and text[0].isupper() and text.endswith("."), name
+        assert text.split(maxsplit=1)[0] in VERBS, f"{name}: {text}"
         assert not re.search(r"\bas in\b|allowed", text, re.IGNORECASE), name
         stated = option.required or option.default is not None or "Default: " in text
         assert stated or name in ACTIONS, f"{name}: default"

@@ -11,7 +11,13 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.rollout import rollout
 from sensorless.evaluation.steady import steady
-from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_inductance, torque
+from sensorless.machine.magnetics import (
+    Floats,
+    apparent_q_inductance,
+    flux,
+    inverse_inductance,
+    torque,
+)
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import make_policy
 
@@ -53,6 +59,14 @@ def test_saliency_holds_on_the_operating_line(name: str) -> None:
     assert all(np.isfinite(curve).all() for curve in curves)
 
 
+def error_of_bias(motor: Motor, design: DriveDesign, *bias: float) -> Floats:
+    """Angle errors [deg] at rated torque of observers whose q inductance is biased by factors."""
+    line = operating_line(motor, design.mtpa)
+    i = np.array([[np.interp(motor.tau_rated, torque(motor, line), x) for x in line.T]])
+    psi, L_q = flux(motor.saturation, i), np.array(bias) * apparent_q_inductance(motor, i)
+    return np.rad2deg(np.arctan2(psi[:, 1] - L_q * i[:, 1], psi[:, 0] - L_q * i[:, 0]))
+
+
 @pytest.mark.parametrize("name", DRIVEN)
 def test_each_of_the_papers_estimators_holds_rated_torque(name: str) -> None:
     """Injection at 10 % of rated speed, the observer at 30 %, in both directions of torque.
@@ -67,13 +81,9 @@ def test_each_of_the_papers_estimators_holds_rated_torque(name: str) -> None:
     high = steady(motor, design, 0.3 * motor.n_rated_rpm, tau, 0.0, settle=2.5)
     assert low.held.all() and high.held.all()
     assert np.all(np.abs(np.rad2deg(low.err)) < 1.5)
-    line = operating_line(motor, design.mtpa)
-    i = np.array([[np.interp(motor.tau_rated, torque(motor, line), x) for x in line.T]])
-    bias = np.array([design.L_q_bias, design.L_q_motoring])
-    psi, L_q = flux(motor.saturation, i), bias * apparent_q_inductance(motor, i)
-    want = np.arctan2(psi[:, 1] - L_q * i[:, 1], psi[:, 0] - L_q * i[:, 0])
+    want = np.mean(error_of_bias(motor, design, design.L_q_bias, design.L_q_motoring))
     odd = 0.5 * np.rad2deg(high.err[0] - high.err[2])
-    assert odd == pytest.approx(float(np.rad2deg(np.mean(want))), abs=0.5)
+    assert odd == pytest.approx(float(want), abs=0.5)
     assert np.all(np.rad2deg(low.err_std) < 2.0)
     assert np.all(np.rad2deg(high.err_std) < 2.5), "a weak magnet's EMF hunts without load"
 
@@ -91,12 +101,9 @@ def test_the_default_drive_holds_rated_torque(name: str) -> None:
     high = steady(motor, design, 0.3 * motor.n_rated_rpm, tau, 0.0, settle=2.5)
     assert low.held.all() and high.held.all()
     assert np.all(np.abs(np.rad2deg(low.err)) < 1.5)
-    line = operating_line(motor, design.mtpa)
-    i = np.array([[np.interp(motor.tau_rated, torque(motor, line), x) for x in line.T]])
-    psi, L_q = flux(motor.saturation, i), design.coupled_L_q_bias * apparent_q_inductance(motor, i)
-    want = np.arctan2(psi[:, 1] - L_q * i[:, 1], psi[:, 0] - L_q * i[:, 0])
+    (want,) = error_of_bias(motor, design, design.coupled_L_q_bias)
     odd = 0.5 * np.rad2deg(high.err[0] - high.err[2])
-    assert odd == pytest.approx(float(np.rad2deg(want[0])), abs=2.5)
+    assert odd == pytest.approx(float(want), abs=2.5)
     assert np.all(np.rad2deg(low.err_std) < 2.0)
     assert np.all(np.rad2deg(high.err_std) < 2.5)
 
