@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from sensorless.design.drive import DriveDesign
-from sensorless.export import selftest
+from sensorless.evaluation import compare
+from sensorless.export import judge, selftest
 from sensorless.export.export import Exported, export
 from sensorless.machine.map_file import load_map
 from sensorless.machine.map_fit import MapFit, fit_map
@@ -24,6 +25,8 @@ from sensorless.table.ks_table import Axis, KsTable
 from tests.helpers.machines import MEASURED_MAP
 from tests.helpers.objects import Failed, Objects
 from tests.helpers.scenarios import lasting
+
+SHIPPED_FLAGS, FULL_DPI = selftest.FLAGS, figure.DPI
 
 
 @pytest.fixture(scope="session")
@@ -62,7 +65,9 @@ def exported(
 ) -> Exported:
     """An export of ``table``, with the flags of a user's."""
     folder = tmp_path_factory.mktemp("export") / "made" / "here"
-    return export(table, motor, design, folder, policy="trial")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(selftest, "FLAGS", SHIPPED_FLAGS)
+        return export(table, motor, design, folder, policy="trial")
 
 
 @pytest.fixture(scope="session")
@@ -73,12 +78,20 @@ def baldor() -> MapFit:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def full_dpi() -> Iterator[int]:
-    """Pictures are drawn with a third of their dots a side; the report's own has all of them."""
+def small() -> Iterator[None]:
+    """What costs time and is not what a test is about, for all tests at once.
+
+    Self tests on export compile without optimisation; ``identity`` compares the levels. Commands
+    that end with a verdict run it on few short scenarios; ``test_compare`` on more. Pictures are
+    drawn with a third of their dots a side: half the bytes, as those of all dots have a palette.
+    """
     with pytest.MonkeyPatch.context() as patch:
-        full = figure.DPI
-        patch.setattr(figure, "DPI", full // 3)
-        yield full
+        patch.setattr(selftest, "FLAGS", (*SHIPPED_FLAGS, "-O0"))
+        patch.setattr(judge, "SIZE", 8)
+        patch.setattr(compare, "SIZE", 8)
+        patch.setattr(compare, "suite", lasting(0.1))
+        patch.setattr(figure, "DPI", FULL_DPI // 3)
+        yield
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -111,20 +124,6 @@ def brief(monkeypatch: pytest.MonkeyPatch) -> None:
 def without_selftest(monkeypatch: pytest.MonkeyPatch) -> None:
     """Exports are written as where there is no compiler; the target runs their tests, or others."""
     monkeypatch.setattr(selftest, "find_compiler", lambda: None)
-
-
-@pytest.fixture(autouse=True)
-def selftest_without_optimisation(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Self tests of other exports compile in half the time; ``identity`` compares the levels."""
-    monkeypatch.setattr(selftest, "FLAGS", (*selftest.FLAGS, "-O0"))
-
-
-@pytest.fixture(autouse=True)
-def verdicts_of_few_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Commands that end with a verdict run it on few short scenarios; ``test_compare`` on more."""
-    for module in ("evaluation.compare", "export.judge"):
-        monkeypatch.setattr(f"sensorless.{module}.SIZE", 8)
-    monkeypatch.setattr("sensorless.evaluation.compare.suite", lasting(0.1))
 
 
 def pytest_collection_finish() -> None:

@@ -47,9 +47,12 @@ def is_file(word: str) -> bool:
     return "/" in word or word.endswith((".json", ".toml"))
 
 
+SENSORLESS: Any = typer.main.get_command(app)
+
+
 def check_sensorless(words: list[str], whole: bool) -> None:
     """Command, options and the names among their values exist; a whole one lacks no argument."""
-    command: Any = typer.main.get_command(app)
+    command = SENSORLESS
     while words and (known := getattr(command, "commands", {})):
         n = next((n for n in (2, 1) if " ".join(words[:n]) in known), 0)
         if not n:

@@ -16,13 +16,13 @@ from sensorless.envs.scenarios.machine_family import (
     family,
     family_digest,
 )
-from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.evaluation.rollout import rollout
 from sensorless.machine.magnetics import flux, inverse_inductance, torque
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import make_policy
+from tests.helpers.drives import Alone
 
 FIRST = range(16)
 
@@ -95,6 +95,6 @@ def test_the_sensored_twin_loses_nothing(index: int, machines: tuple[Motor, ...]
     run = rollout(
         make_policy("sensored", motor),
         suite("stress-1", motor, 3, 32, "tune"),
-        SimFactory(motor, DriveDesign()),
+        Alone(motor, DriveDesign()),  # it is its own twin
     )
     assert not run.lost.any()
