@@ -19,14 +19,19 @@ def flags(makefile: Path, *names: str) -> list[str]:
 
 @dataclass(frozen=True)
 class Objects:
-    """Objects in a folder, by the text of the sources, the compiler and its flags."""
+    """Objects in a folder, by the text of the sources, the compiler and its flags.
+
+    Warnings are no such flag: ``make selftest`` compiles with all of them at every level.
+    """
 
     folder: Path
 
     def place(self, core: Path, command: list[str]) -> Path:
         """Where the objects of a folder ``core`` are kept under a command, if they are."""
         program = Path(shutil.which(command[0]) or command[0]).resolve()
-        digest = hashlib.sha256(repr([program, *command[1:]]).encode())
+        levels = [word for word in command if word.startswith("-O")]
+        others = {word for word in command[1:] if not word.startswith(("-O", "-W"))}
+        digest = hashlib.sha256(repr([program, levels[-1:], sorted(others)]).encode())
         for path in sorted(core.glob("*.[ch]")):
             digest.update(path.name.encode() + path.read_bytes())
         return self.folder / digest.hexdigest()
