@@ -127,6 +127,7 @@ def without_selftest(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """What the imports left is not searched for garbage again."""
+    """What the imports left is not searched for garbage again; the rest, more seldom."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(100_000)

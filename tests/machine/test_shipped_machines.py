@@ -64,7 +64,8 @@ def error_of_bias(motor: Motor, design: DriveDesign, *bias: float) -> Floats:
     line = operating_line(motor, design.mtpa)
     i = np.array([[np.interp(motor.tau_rated, torque(motor, line), x) for x in line.T]])
     psi, L_q = flux(motor.saturation, i), np.array(bias) * apparent_q_inductance(motor, i)
-    return np.rad2deg(np.arctan2(psi[:, 1] - L_q * i[:, 1], psi[:, 0] - L_q * i[:, 0]))
+    err = np.arctan2(psi[:, 1] - L_q * i[:, 1], psi[:, 0] - L_q * i[:, 0])
+    return np.asarray(np.rad2deg(err))
 
 
 @pytest.mark.parametrize("name", DRIVEN)
