@@ -67,13 +67,6 @@ def test_a_mistake_is_one_line(words: list[str], said: str, tmp_path: Path) -> N
     assert not list(tmp_path.iterdir()), "nothing half-written"
 
 
-def test_a_mistake_ends_the_process_with_status_2(tmp_path: Path) -> None:
-    done = process("evaluate", "--policy", "nobody", cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
-    assert done.stderr == run("evaluate", "--policy", "nobody", cwd=tmp_path).stderr
-
-
 def test_evaluation_is_the_same_file_to_the_bit(tmp_path: Path) -> None:
     """Also from another process."""
     words = ["evaluate", "--policy", "eq25", "--policy", "hysteresis", "--suite", "stress-1"]

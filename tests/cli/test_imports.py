@@ -1,11 +1,16 @@
-"""Quick commands do not load slow libraries; a fresh process tells."""
+"""Quick commands do not load slow libraries, and a mistake ends with 2; a fresh process tells."""
 
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+from tests.helpers.command import run
+
 STEPS = """
 import os
+import runpy
 import sys
 
 HEAVY = {"torch", "stable_baselines3", "matplotlib", "tensorboard", "ray", "cma", "jinja2"}
@@ -37,12 +42,28 @@ compare.SIZE = judge.SIZE = 8
 os.environ["PATH"] = ""  # a self test of the export is C alone
 run("export", "eq25", "--out", "exported")
 run("replay", "log.csv")
-print("done")
+print("done", flush=True)
+sys.argv = ["sensorless", "evaluate", "--policy", "nobody"]
+runpy.run_module("sensorless", run_name="__main__")
 """
 
 
-def test_quick_commands_load_no_slow_library(tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", STEPS], cwd=tmp_path, capture_output=True, text=True, check=False
+@pytest.fixture(scope="module")
+def done(tmp_path_factory: pytest.TempPathFactory) -> subprocess.CompletedProcess[str]:
+    """The process that took all steps, the last of which is a mistake."""
+    folder = tmp_path_factory.mktemp("process")
+    return subprocess.run(
+        [sys.executable, "-c", STEPS], cwd=folder, capture_output=True, text=True, check=False
     )
+
+
+def test_quick_commands_load_no_slow_library(done: subprocess.CompletedProcess[str]) -> None:
     assert done.stdout == "done\n", done.stderr
+
+
+def test_a_mistake_ends_the_process_with_status_2(
+    done: subprocess.CompletedProcess[str], tmp_path: Path
+) -> None:
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
+    assert done.stderr == run("evaluate", "--policy", "nobody", cwd=tmp_path).stderr
