@@ -6,12 +6,12 @@ Usage: python -m benchmarks.bench [SECONDS], the least time for a variant, 3 by 
 import json
 import os
 import platform
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from benchmarks import core_speed, env_speed, memory, training_speed
+from benchmarks.words import parser
 from sensorless.core.api import ffi, lib
 from sensorless.files import write_atomic
 
@@ -40,7 +40,9 @@ def show(title: str, entries: dict[str, Any], indent: str = "") -> None:
 
 def main() -> None:
     """Measure all parts."""
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 3.0
+    words = parser(__doc__)
+    words.add_argument("seconds", nargs="?", type=float, default=3.0, help="time for a variant [s]")
+    seconds = float(words.parse_args().seconds)
     result: dict[str, Any] = {
         "machine": processor(),
         "cores": os.cpu_count(),

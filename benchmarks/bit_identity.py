@@ -3,6 +3,7 @@
 Usage: python benchmarks/bit_identity.py [PERIODS], writes build/bit_identity.json
 """
 
+import argparse
 import dataclasses
 import json
 import sys
@@ -12,6 +13,7 @@ import numpy as np
 
 from sensorless.core.api import ffi, lib
 from sensorless.design.drive import DriveDesign
+from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.pil.identity import identity
 from sensorless.table.ks_table import Axis, KsTable
@@ -28,7 +30,9 @@ def bumpy_table() -> KsTable:
 
 def main() -> int:
     """Run and report; status 1 if a word differs."""
-    periods = int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000
+    words = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    words.add_argument("periods", nargs="?", type=int, default=1_000_000, help="PWM periods")
+    periods = int(words.parse_args().periods)
     rows = []
     for x in identity(bumpy_table(), Motor.load("paper"), DriveDesign(), periods):
         c = x.configuration
@@ -40,7 +44,7 @@ def main() -> int:
     out = Path("build/bit_identity.json")
     out.parent.mkdir(exist_ok=True)
     core = ffi.string(lib.core_hash).decode()
-    out.write_text(json.dumps({"core_hash": core, "rows": rows}, indent=2) + "\n")
+    write_atomic(out, json.dumps({"core_hash": core, "rows": rows}, indent=2) + "\n")
     print(f"wrote {out}")
     return int(any(row["mismatches"] for row in rows))
 

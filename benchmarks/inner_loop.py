@@ -13,6 +13,7 @@ from collections import Counter
 from pathlib import Path
 
 from benchmarks.core_speed import LONG, core_loop
+from benchmarks.words import parser
 from sensorless import _core  # type: ignore[attr-defined]
 from sensorless.core.api import lib
 
@@ -101,4 +102,6 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    repeat() if sys.argv[1:] == ["repeat"] else main()
+    words = parser(__doc__)
+    words.add_argument("what", nargs="?", choices=["repeat"], help="run only what is sampled")
+    repeat() if words.parse_args().what else main()

@@ -14,6 +14,7 @@ import gymnasium
 import numpy as np
 
 import sensorless  # noqa: F401  (registers the environment)
+from benchmarks.words import parser
 from sensorless.core.api import SIM
 from sensorless.decision import decision_periods
 from sensorless.machine.motor import Motor
@@ -58,6 +59,7 @@ def measure() -> dict[str, Any]:
 
 def main() -> None:
     """Measure and print as JSON."""
+    parser(__doc__).parse_args()
     if not Path("/proc/self/status").exists():
         print(json.dumps({"sim_bytes": SIM.itemsize}))
         return

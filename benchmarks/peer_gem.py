@@ -2,17 +2,20 @@
 
 import warnings
 
-import gym_electric_motor as gem
 import numpy as np
-from gym_electric_motor import physical_systems
 
 from benchmarks.peer_clock import rate, tell
+from benchmarks.words import parser
 
 STEPS = 100
 
 
 def main() -> None:
     """Steps of 200 us of the environment, and of its simulated system alone, with two solvers."""
+    parser(__doc__).parse_args()
+    import gym_electric_motor as gem
+    from gym_electric_motor import physical_systems
+
     warnings.simplefilter("ignore")
     action, rates = np.array([0.1, 0.0, -0.1]), {}
     for name, solver in {

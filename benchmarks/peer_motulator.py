@@ -3,10 +3,8 @@
 Averaged converter without dead time, or carrier PWM with 2 us of it; no measurement errors.
 """
 
-from motulator.drive import model
-from motulator.drive.control import sm
-
 from benchmarks.peer_clock import rate, tell
+from benchmarks.words import parser
 
 J = 0.02
 T_STOP = 0.2
@@ -14,6 +12,9 @@ T_STOP = 0.2
 
 def drive(kind: str, pwm: bool) -> int:
     """Run one drive at 350 r/min; returns its control periods."""
+    from motulator.drive import model
+    from motulator.drive.control import sm
+
     par = model.SynchronousMachinePars(n_p=2, R_s=2.484, L_d=0.063, L_q=0.126, psi_f=0.993)
     plant = model.Drive(
         model.SynchronousMachine(par),
@@ -37,6 +38,7 @@ def drive(kind: str, pwm: bool) -> int:
 
 def main() -> None:
     """Control periods with and without PWM and dead time, for two ways to find the angle."""
+    parser(__doc__).parse_args()
     rates = {
         f"{kind}, {'PWM and dead time' if pwm else 'averaged'}": rate(
             lambda kind=kind, pwm=pwm: drive(kind, pwm)  # type: ignore[misc]

@@ -1,10 +1,9 @@
 """Our machine alone, and its drives in blocks: one thread of one process."""
 
-import sys
-
 import numpy as np
 
 from benchmarks.peer_clock import rate, tell
+from benchmarks.words import parser
 from sensorless.core.api import PLANT_STATE, SIGNAL_N, Array, sim_run
 from sensorless.core.machine import plant_run
 from sensorless.design.drive import DriveDesign
@@ -20,6 +19,9 @@ STEPS = 50_000
 
 def main() -> None:
     """Rates of the machine alone and of the closed loop; with ``drives``, of the latter alone."""
+    words = parser(__doc__)
+    words.add_argument("what", nargs="?", choices=["drives"], help="only the drives")
+    machine_too = words.parse_args().what is None
     motor = Motor.load("paper")
     plant, state = plant_record(motor).reshape(1), np.zeros(1, dtype=PLANT_STATE)
     u = np.tile([30.0, 0.0, 0.0], (STEPS, 1))
@@ -33,7 +35,7 @@ def main() -> None:
     s.omega[:] = s.omega_0[:, None]
     k_s = np.full(DRIVES, 0.5, dtype=np.float32)
     obs = np.zeros((DRIVES, SIGNAL_N), dtype=np.float32)
-    rates = {} if "drives" in sys.argv else {"machine alone": rate(machine)}
+    rates = {"machine alone": rate(machine)} if machine_too else {}
     for name, twin in {"drive and its sensored twin": True, "drive": False}.items():
         sims = SimFactory(motor, DriveDesign()).build(s, twin=twin)
 

@@ -7,6 +7,7 @@ the whole machine: our drives in one process for every core at once against the 
 which is one process. Writes ``build/bench-peers.json``.
 """
 
+import argparse
 import json
 import os
 import platform
@@ -204,6 +205,7 @@ def report(found: dict[str, Any]) -> str:
 
 def main() -> int:
     """Measure, print, and write the file."""
+    argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0]).parse_args()
     try:
         found = measure()
     except UserError as error:

@@ -52,7 +52,7 @@ def machine_command(
     """
     from sensorless.errors import UserError
     from sensorless.files import check_writable, write_atomic
-    from sensorless.identify.machine.log import read_log, write_log
+    from sensorless.identify.machine.log import plausible, read_log, write_log
     from sensorless.identify.machine.nameplate import Nameplate
     from sensorless.identify.machine.procedure import identify_machine
     from sensorless.identify.machine.result import motor_tables, screen
@@ -65,7 +65,11 @@ def machine_command(
     check_writable(out)
     given = Motor.load(motor)
     source: Source
-    source = Simulated(given, real_drive(given, seed)) if log is None else Recorded(read_log(log))
+    source = (
+        Simulated(given, real_drive(given, seed))
+        if log is None
+        else Recorded(plausible(read_log(log), given, log))
+    )
     try:
         found = identify_machine(source, Nameplate.of(given))
         data = motor_tables(found)

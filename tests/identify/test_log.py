@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from sensorless.errors import UserError
-from sensorless.identify.machine.log import COLUMNS, Part, read_log, write_log
+from sensorless.identify.machine import procedure
+from sensorless.identify.machine.log import COLUMNS, Part, plausible, read_log, write_log
+from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.source import Recorded
+from sensorless.machine.motor import Motor
 
 
 def parts() -> list[Part]:
@@ -54,3 +57,23 @@ def test_a_log_of_another_procedure_is_refused() -> None:
     source.run("offset", [])
     with pytest.raises(UserError, match="stage hold expected, stage ramp found"):
         source.run("hold", [])
+
+
+@pytest.mark.parametrize(("column", "value"), [(4, 1000.0), (3, 1e6)])
+def test_readings_that_the_drive_cannot_have_made_are_refused(column: int, value: float) -> None:
+    given = parts()
+    motor = Motor.load("paper")
+    assert plausible(given, motor, Path("log.csv")) is given
+    given[1].rows[3, column] = value
+    with pytest.raises(UserError, match=r"stage ramp: .* in row 3 of the stage, 1 of 5 rows"):
+        plausible(given, motor, Path("log.csv"))
+
+
+def test_readings_that_fit_no_machine_are_a_user_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    def singular(*_: object) -> None:
+        raise np.linalg.LinAlgError("SVD did not converge")
+
+    monkeypatch.setattr(procedure, "measure_offsets", singular)
+    plate = Nameplate.of(Motor.load("paper"))
+    with pytest.raises(UserError, match=r"SVD did not converge.*outliers"):
+        procedure.identify_machine(Recorded([]), plate)

@@ -7,12 +7,14 @@ other bits.
 """
 
 import logging
+import os
 import pickle
+import secrets
 import socket
 import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from itertools import islice
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -32,6 +34,9 @@ WINDOW_PER_CPU = 3
 
 REACH_TIME = 10.0
 """Time that a cluster has to accept a connection [s]."""
+
+LOOPBACK = "127.0.0.1"
+"""Where a cluster on this computer listens."""
 
 STORE = 256 * 2**20
 """Object store of a cluster on this computer [bytes]; a compressed result has some 100 KiB."""
@@ -111,6 +116,8 @@ def ray_engine(address: str | None) -> Iterator[RayEngine]:
     UserError
         Ray is not installed, or the cluster cannot be reached, started or entered.
     """
+    if address is None:
+        require_token()
     try:
         import ray
     except ImportError:
@@ -123,8 +130,10 @@ def ray_engine(address: str | None) -> Iterator[RayEngine]:
     options: dict[str, Any] = {"log_to_driver": False, "configure_logging": False}
     if address is None:
         options |= {"include_dashboard": False, "object_store_memory": STORE}
+        options |= {"_node_ip_address": LOOPBACK}
     try:
-        ray.init(address=address or "local", **options)
+        with on_loopback() if address is None else nullcontext():
+            ray.init(address=address or "local", **options)
     except (ConnectionError, OSError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
         where = "local" if address is None else repr(address)
         raise UserError(
@@ -135,6 +144,29 @@ def ray_engine(address: str | None) -> Iterator[RayEngine]:
         yield RayEngine(ray)
     finally:
         ray.shutdown()
+
+
+@contextmanager
+def on_loopback() -> Iterator[None]:
+    """Let Ray listen on loopback alone; by itself it takes 127.0.0.1 for the network's address."""
+    from ray._private import services
+
+    own = services.get_node_ip_address
+    vars(services)["get_node_ip_address"] = lambda *_, **__: LOOPBACK
+    try:
+        yield
+    finally:
+        vars(services)["get_node_ip_address"] = own
+
+
+def require_token() -> None:
+    """Let a cluster of ours ask for a token, which its processes inherit and nobody else has.
+
+    It stays for the life of this process, because Ray reads it once. A mode or a token of the user
+    is left alone.
+    """
+    if os.environ.setdefault("RAY_AUTH_MODE", "token") == "token":
+        os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))
 
 
 def _check_reachable(address: str) -> None:

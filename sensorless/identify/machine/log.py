@@ -13,10 +13,13 @@ import numpy as np
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
+from sensorless.machine.motor import Motor
 
 NUMBERS = ("segment", "u_a", "u_b", "u_dc", "i_a", "i_b", "theta", "omega")
 """Columns of a part, in the order of COMMISSION_* in ``core/sim/commission.h``."""
 COLUMNS = ("part", "stage", *NUMBERS)
+BEYOND = 3.0
+"""Largest plausible reading, over the converter's range or the trip, and over the DC link."""
 STAGES = ("offset", "ramp", "hold", "turn", "align", "probe", "axis", "pulse", "start", "spin")
 """What a run is for, in the order of the procedure."""
 
@@ -66,6 +69,27 @@ def read_log(path: Path) -> list[Part]:
     if missing:
         raise UserError(f"log {str(path)!r}: no column {missing[0]}; give {', '.join(COLUMNS)}")
     return list(_parts(lines[1:], [heading.index(name) for name in COLUMNS], str(path)))
+
+
+def plausible(parts: list[Part], motor: Motor, path: Path) -> list[Part]:
+    """Return the parts.
+
+    Raises
+    ------
+    UserError
+        They hold a current or a DC link that this drive cannot have measured.
+    """
+    current, link = BEYOND * max(motor.i_trip, motor.adc_range), BEYOND * motor.u_dc
+    for part in parts:
+        for name, most in (("i_a", current), ("i_b", current), ("u_dc", link)):
+            wrong = np.flatnonzero(np.abs(part[name]) > most)
+            if len(wrong):
+                raise UserError(
+                    f"log {str(path)!r}, stage {part.stage}: {name} = {part[name][wrong[0]]:g} in "
+                    f"row {wrong[0]} of the stage, {len(wrong)} of {len(part.rows)} rows beyond "
+                    f"{most:.4g}; check its unit, or measure again"
+                )
+    return parts
 
 
 def _parts(lines: Sequence[str], order: Sequence[int], where: str) -> Iterator[Part]:

@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from sensorless.errors import UserError
 from sensorless.identify.machine.axis import Aligned, align
 from sensorless.identify.machine.curves import fit_curves
 from sensorless.identify.machine.electric import Stator
@@ -34,6 +37,17 @@ def identify_machine(source: Source, plate: Nameplate) -> Identified:
     UserError
         Something cannot be identified; the message says what and why.
     """
+    try:
+        return _identified(source, plate)
+    except UserError:
+        raise
+    except (np.linalg.LinAlgError, ArithmeticError, ValueError, IndexError) as error:
+        raise UserError(
+            f"the readings fit no machine ({error}); look for outliers and wrong units in them"
+        ) from None
+
+
+def _identified(source: Source, plate: Nameplate) -> Identified:
     sensors = measure_offsets(source)
     resistance = measure_resistance(source, plate, sensors)
     stator = Stator(resistance.sensors, resistance.inverter, resistance.R_s, plate.T_s)

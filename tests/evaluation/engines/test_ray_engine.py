@@ -157,3 +157,21 @@ def test_the_command_starts_a_cluster_of_its_own(cluster: Any, tmp_path: Path) -
         assert done.returncode == 0, done.stderr
         assert done.stderr == "evaluated eq25\n"
     assert (tmp_path / "local").read_bytes() == (tmp_path / "ray").read_bytes()
+
+
+def test_a_cluster_of_ours_is_for_us_alone(cluster: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ray's servers bind to loopback alone if that is their node's address."""
+    from ray._private import services
+
+    own = services.get_node_ip_address
+    with ray_engine.on_loopback():
+        assert services.resolve_ip_for_localhost("localhost") == "127.0.0.1"
+    assert services.get_node_ip_address is own
+    for name in ("RAY_AUTH_MODE", "RAY_AUTH_TOKEN"):
+        monkeypatch.setenv(name, "")
+        monkeypatch.delenv(name)
+    ray_engine.require_token()
+    assert os.environ["RAY_AUTH_MODE"] == "token" and len(os.environ["RAY_AUTH_TOKEN"]) == 64
+    monkeypatch.setenv("RAY_AUTH_TOKEN", "mine")
+    ray_engine.require_token()
+    assert os.environ["RAY_AUTH_TOKEN"] == "mine"

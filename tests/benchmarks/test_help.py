@@ -1,0 +1,30 @@
+"""Every script explains itself, whatever is installed beside it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+LIGHT = ("peer_gem", "peer_motulator", "bit_identity", "peers")
+"""Scripts that start quickly; the others take the same parser."""
+
+
+@pytest.mark.parametrize("name", LIGHT)
+def test_help(name: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", f"benchmarks.{name}", "--help"],
+        cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0 and not done.stderr
+    assert done.stdout.startswith("usage: ")
+
+
+@pytest.mark.parametrize("folder", ["benchmarks", "studies"])
+def test_every_script_with_a_command_line_parses_it(folder: str) -> None:
+    for path in (ROOT / folder).glob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        if "__main__" in text:
+            assert "ArgumentParser(" in text or "parser(__doc__)" in text, path.name
+            assert "sys.argv[1" not in text, path.name
