@@ -21,6 +21,7 @@ from sensorless.table.image import PROBLEMS
 from sensorless.units import RPM_TO_RAD_S
 from web.fields import FIELDS, TABLE_FIELDS, offsets, response
 from web.rules import MOTORS, Named, rules
+from web.words import ESTIMATORS as WORDS
 from web.words import FAULTS, LOST, PHASES
 
 ALIGN = 8
@@ -120,7 +121,7 @@ def image() -> tuple[bytes, str]:
         "faults": _bits("FAULT_", FAULTS),
         "phases": _bits("START_", PHASES),
         "refusals": {"0": "accepted", **{str(k): text for k, text in PROBLEMS.items()}},
-        "estimators": dict(words),
+        "estimators": {**WORDS, **{k: v for k, v in words.items() if k not in WORDS}},
         "motors": [_motor(motor, made) for motor in map(Motor.load, MOTORS)],
     }
     return bytes(made.data), json.dumps(layout, separators=(",", ":"))

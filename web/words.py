@@ -13,6 +13,14 @@ LOST = {
     "nonfinite": "lost: a state is not finite",
     "twin": "not feasible: the drive with an encoder trips or runs away too",
 }
+ESTIMATORS = {
+    "coupled": "Coupled observer (default)",
+    "smo": "Sliding-mode observer (the paper's)",
+    "flux": "Flux observer",
+    "errors": "Sliding-mode, errors weighed in one loop",
+    "unwrapped": "Sliding-mode, blend as printed (Eq. 26)",
+}
+"""Estimators, in the order of the page; any other has its text of the settings."""
 PHASES = {
     "done": "in control",
     "catch": "finding the rotor: does it spin?",

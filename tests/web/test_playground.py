@@ -130,6 +130,27 @@ def test_slider_moves_the_drive(shown: Shown, motor: Motor) -> None:
     assert record["profile"]["tau"][0, 0] == np.float32(now)
 
 
+def test_node_of_the_table_is_dragged(shown: Shown, motor: Motor) -> None:
+    """By the pointer; then by a key. Another rule on the other drive leaves it as it is."""
+    from selenium.webdriver import ActionChains
+
+    repeat(shown, link(motor.name, ["coupled eq25", "smo eq25"], LEVERS, [], 10), 10)
+    node = shown.driver.find_elements("css selector", "#curve .node")[1]
+    assert float(node.get_attribute("aria-valuenow")) == 0.0
+    ActionChains(shown.driver).drag_and_drop_by_offset(node, 0, -60).perform()
+    dragged = float(node.get_attribute("aria-valuenow"))
+    assert 0.05 < dragged < 0.95
+    node.send_keys("\ue013")  # arrow up
+    values = "return [...playground.page.run.drives[0].table.values]"
+    assert shown.run(values) == pytest.approx([1.0, dragged + 0.05])
+    shown.run(
+        "const list = document.getElementById('rule-B'); list.value = 'smoothstep';"
+        "list.dispatchEvent(new Event('change')); playground.page.pace.stop();"
+    )
+    assert shown.run(values) == pytest.approx([1.0, dragged + 0.05])
+    assert shown.run("return playground.page.run.drives[1].table.n") == 65
+
+
 def test_lost_drive_is_told(shown: Shown, motor: Motor) -> None:
     """The observer alone cannot see a shaft that rests."""
     levers = {**LEVERS, "speed": 0.0, "load": 10.0}

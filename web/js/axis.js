@@ -14,7 +14,8 @@ export function digits(step) {
 
 // Ticks from low to high, at most about `most`.
 export function ticks(low, high, most) {
-  const step = roundUp((high - low) / most);
+  let step = roundUp((high - low) / most);
+  if (Math.floor(high / step) - Math.ceil(low / step) < 1) step /= 2; // at least two of them
   const out = [];
   for (let j = Math.ceil(low / step - 1e-9); j * step <= high + 1e-9 * step; j++) out.push(j * step);
   return { values: out, digits: digits(step) };

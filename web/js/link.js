@@ -4,6 +4,7 @@
 //   l levers at the start; v moves: decision, target, value; t decision at which the run was shared
 
 import { NOMINAL } from "./presets.js";
+import { NODE } from "./run.js";
 
 const LEVER_NAMES = Object.keys(NOMINAL);
 
@@ -60,7 +61,7 @@ function move(text) {
 }
 
 function known(target, sides) {
-  const node = /^([ab])(\d+)\*?$/.exec(target);
+  const node = NODE.exec(target);
   if (!node) return LEVER_NAMES.includes(target);
   const at = sides["ab".indexOf(node[1])];
   return at !== undefined && Number(node[2]) < at.rule.axes.reduce((n, axis) => n * axis.n, 1);

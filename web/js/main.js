@@ -8,9 +8,13 @@ import { Pace } from "./pace.js";
 import { Plots } from "./plots.js";
 import { PRESETS, scenario } from "./presets.js";
 import { Readout } from "./readout.js";
-import { Run } from "./run.js";
+import { NODE, Run } from "./run.js";
 import { Sides } from "./sides.js";
 import { TableEditor } from "./table_editor.js";
+
+const FIRST = "reversal"; // scenario of the first run
+const MOST_SEED = 2 ** 32 - 1;
+const PACES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
 
 const $ = (id) => document.getElementById(id);
 
@@ -21,16 +25,19 @@ class Page {
     this.run = new Run(core);
     this.run.onFault = (...what) => this.fault(...what);
     this.plots = new Plots($("plots"), $("shown"));
-    this.readout = new Readout($("now").tBodies[0], $("events"));
+    this.readout = new Readout($("now").tBodies[0], $("events"), [$("drive-A"), $("drive-B")]);
     this.levers = new Levers($("levers"), (name, value) => this.run.move(name, value));
     this.sides = new Sides([$("side-A"), $("side-B")], $("compare"), this.layout, (sides) =>
-      this.restart({ ...this.present(), sides }));
+      this.again({ sides }));
     this.editor = new TableEditor(
       { root: $("curve"), slices: $("slices"), all: $("all-slices"), status: $("check") },
       (node, value, all) => this.run.move(`${"ab"[this.edited]}${node}${all ? "*" : ""}`, value));
     this.edited = 0;
     this.choices();
     this.keys();
+    new ResizeObserver(([{ target }]) => // plots stay below it on a phone
+      document.documentElement.style.setProperty("--header", `${target.offsetHeight}px`),
+    ).observe(document.querySelector("header"));
     this.open();
     this.pace = new Pace(this.run, () => this.draw());
     if (this.goal > 0) this.pace.hurryTo(this.goal);
@@ -44,13 +51,14 @@ class Page {
     $("scenario").replaceChildren(
       ...Object.entries(PRESETS).map(([key, { text }]) => new Option(text, key)));
     $("motor").addEventListener("change", () => this.newMotor());
-    $("scenario").addEventListener("change", () => this.restart(this.present(), $("scenario").value));
-    $("seek").addEventListener("change", () =>
-      this.restart({ ...this.present(), seek: $("seek").checked }));
-    $("seed").addEventListener("change", () =>
-      this.restart({ ...this.present(), seed: Math.min(Math.max(Math.floor(+$("seed").value || 0), 0), 4294967295) }));
+    $("scenario").addEventListener("change", () => this.again(this.chosen(this.motor)));
+    $("seek").addEventListener("change", () => this.again({ seek: $("seek").checked }));
+    $("seed").addEventListener("change", () => {
+      const seed = Math.floor(Number($("seed").value)) || 0;
+      this.again({ seed: Math.min(Math.max(seed, 0), MOST_SEED) });
+    });
     $("run").addEventListener("click", () => this.toggle());
-    $("restart").addEventListener("click", () => this.repeat());
+    $("restart").addEventListener("click", () => this.again());
     $("share").addEventListener("click", () => this.share());
     $("factor").addEventListener("input", () => this.setFactor(Number($("factor").value)));
     for (const [i, name] of ["A", "B"].entries()) {
@@ -66,7 +74,7 @@ class Page {
       if (event.ctrlKey || event.metaKey || event.altKey || tagName === "SELECT") return;
       if (tagName === "BUTTON" || (tagName === "INPUT" && type !== "range")) return;
       if (event.key === " ") this.toggle();
-      else if (event.key === "r" || event.key === "R") this.repeat();
+      else if (event.key === "r" || event.key === "R") this.again();
       else return;
       event.preventDefault();
     });
@@ -75,45 +83,51 @@ class Page {
   // The run of the address, or else the first one.
   open() {
     const found = fromLink(location.hash, this.layout);
-    if (location.hash.length > 1 && !found) this.say("This link is not one of this page's: it shows its first run.");
+    if (location.hash.length > 1 && !found) {
+      this.say("This link is not one of this page's: it shows its first run.");
+    }
     const motor = found?.setup.motor ?? this.layout.motors[0];
     const [a, b] = ["sliding_mode", "reference"].map((w) => motor.rules.find((r) => r.word === w));
     const sides = [a, b].map((rule) => ({ rule, estimator: rule?.estimator }));
-    const first = { motor, seed: 0, seek: false, sides, ...scenario("ramp", motor) };
-    if (!found) $("scenario").value = "ramp";
+    const first = { motor, seed: 0, seek: false, sides, ...scenario(FIRST, motor) };
+    if (!found) $("scenario").value = FIRST;
     this.begin(found?.setup ?? first);
     this.goal = found?.decision ?? 0;
     if (this.pace && this.goal > 0) this.pace.hurryTo(this.goal);
   }
 
-  // The setup of the present run, with its levers where they are now.
-  present() {
-    return { ...this.run.setup, levers: { ...this.run.levers }, moves: [] };
-  }
-
-  // Starts anew, with a scenario's levers or those of the setup.
-  restart(setup, name = $("scenario").value) {
-    const free = name === "free";
-    if (free && name !== this.scenarioName) Object.assign(setup, scenario(name, setup.motor));
-    if (!free) Object.assign(setup, scenario(name, setup.motor));
-    this.begin(setup);
-    this.pace.start();
-  }
-
-  // Starts the same scenario again, with the tables as they are.
-  repeat() {
-    const tables = this.run.moves.filter(([at, target]) => /^[ab]\d/.test(target) && at <= this.run.decision);
-    const setup = this.present();
+  // Levers and moves of the scenario chosen; none of its own: the levers stay.
+  chosen(motor) {
     const name = $("scenario").value;
-    if (name !== "free") Object.assign(setup, scenario(name, setup.motor));
-    setup.moves = [...tables.map(([, target, value]) => [0, target, value]), ...setup.moves];
-    this.begin(setup);
+    return name === "free" && motor === this.motor
+      ? { levers: { ...this.run.levers }, moves: [] }
+      : scenario(name, motor);
+  }
+
+  // Starts anew, perhaps with something changed. What was set by hand stays: levers that the
+  // scenario does not move, and the tables of drives that keep their rule.
+  again(changes = {}) {
+    const { setup, levers, moves, upcoming } = this.run;
+    const scheduled = setup.moves.filter(([, target]) => !NODE.test(target));
+    const taken = new Set(scheduled.map(([, target]) => target));
+    const start = Object.entries(levers).map(([name, value]) =>
+      [name, taken.has(name) ? setup.levers[name] : value]);
+    const sides = changes.sides ?? setup.sides;
+    const nodes = new Map();
+    for (const [, target, value] of moves.slice(0, upcoming)) {
+      const i = "ab".indexOf(target[0]);
+      if (!NODE.test(target) || sides[i]?.rule !== setup.sides[i]?.rule) continue;
+      nodes.delete(target); // the last one counts
+      nodes.set(target, value);
+    }
+    const next = { ...setup, levers: Object.fromEntries(start), moves: scheduled, ...changes };
+    next.moves = [...[...nodes].map(([target, value]) => [0, target, value]), ...next.moves];
+    this.begin(next);
     this.pace.start();
   }
 
   begin(setup) {
     const { motor } = setup;
-    this.scenarioName = $("scenario").value;
     if (this.motor !== motor) {
       this.motor = motor;
       this.levers.build(motor);
@@ -138,9 +152,8 @@ class Page {
       return { estimator: same.estimator ?? estimator, rule: same };
     };
     const { sides, seed, seek } = this.run.setup;
-    const name = $("scenario").value;
     this.begin({
-      motor, seed, seek: seek && motor.seeks, sides: sides.map(like), ...scenario(name, motor),
+      motor, seed, seek: seek && motor.seeks, sides: sides.map(like), ...this.chosen(motor),
     });
     this.pace.start();
   }
@@ -173,7 +186,7 @@ class Page {
   }
 
   setFactor(value) {
-    this.pace.factor = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50][value];
+    this.pace.factor = PACES[value];
     $("factor-text").textContent = `${this.pace.factor}×`;
     $("factor").setAttribute("aria-valuetext", `${this.pace.factor} times real time`);
   }
@@ -181,12 +194,13 @@ class Page {
   async share() {
     const link = toLink(this.run);
     history.replaceState(null, "", link);
+    const course = this.run.complete ? "" : "; too much was moved to repeat its course: it has the levers";
     let text = "The address of this page now holds this run";
     try {
       await navigator.clipboard.writeText(location.href);
       text += " and is on the clipboard";
     } catch { /* not allowed here: the address bar has it */ }
-    this.say(`${text}${this.run.complete ? "." : "; too much was moved to repeat its course, so only its levers."}`);
+    this.say(`${text}${course}.`);
   }
 
   say(text) {
@@ -208,7 +222,8 @@ class Page {
     if ($("run").textContent !== label) $("run").textContent = label;
     $("clock").textContent = `${run.seconds.toFixed(2)} s`;
     const slow = pace.running && pace.until <= run.decision && pace.reached < 0.8 * pace.factor;
-    $("reached").textContent = slow && pace.factor > 1 ? `this computer reaches ${pace.reached.toFixed(0)}×` : "";
+    const reached = `this computer reaches ${pace.reached.toFixed(0)}×`;
+    $("reached").textContent = slow && pace.factor > 1 ? reached : "";
   }
 }
 
@@ -223,6 +238,7 @@ async function main() {
 }
 
 main().catch((error) => {
-  $("message").textContent = `The page cannot run here: ${error.message}. It needs a browser of 2023 or later.`;
+  $("message").textContent =
+    `The page cannot run here: ${error.message}. It needs a browser of 2023 or later.`;
   throw error;
 });

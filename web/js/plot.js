@@ -6,6 +6,12 @@ export const LEFT = 52; // pixels left of the axis
 const RIGHT = 8;
 const TOP = 6;
 
+// What a curve shows: a reference is the same for all drives, and one may have stopped.
+export function source(curve, histories) {
+  const longest = histories[1].count > histories[0].count ? histories[1] : histories[0];
+  return curve.common ? longest : histories[curve.side];
+}
+
 export class Plot {
   // what: title, unit, curves [{ name, side, colour, text }], range [low, high] at the beginning,
   // fixed: the range does not follow.
@@ -40,7 +46,7 @@ export class Plot {
     if (plotWidth < 20 || plotHeight < 20) return;
     const start = end - span;
     const shown = this.what.curves.filter((c) => c.side < sides && !this.hidden.has(c.text));
-    const lines = shown.map((c) => this.bands(histories[c.side], c.name, start, span, plotWidth));
+    const lines = shown.map((c) => this.bands(source(c, histories), c.name, start, span, plotWidth));
     if (!this.what.fixed) this.fit(lines);
     const { low, high } = this.range;
     const y = (v) => TOP + plotHeight * (1 - (Math.min(Math.max(v, low), high) - low) / (high - low));
@@ -81,7 +87,8 @@ export class Plot {
       const middle = (y(low[px]) + y(high[px])) / 2;
       const from = before === before ? before : middle; // joined, so that a steep curve has no gaps
       before = middle;
-      if (middle !== middle || (side === 1 && px % 10 >= 6)) continue;
+      const steep = Math.abs(from - middle) > 1;
+      if (middle !== middle || (side === 1 && px % 10 >= 6 && !steep)) continue;
       const upper = Math.min(from, middle);
       g.fillRect(LEFT + px, upper - thick / 2, 1, Math.abs(from - middle) + thick);
     }
@@ -121,7 +128,8 @@ export class Plot {
         if (high[px] > most) most = high[px];
       }
     }
-    this.range.follow(least, most);
+    const end = this.what.most ?? Infinity; // beyond it, curves run along the edge
+    this.range.follow(Math.max(least, -end), Math.min(most, end));
   }
 
   grid(g, look, y, width, height) {

@@ -1,12 +1,12 @@
 // The plots of the page: which curves, their legends, and a cursor through all of them.
 
-import { LEFT, Plot } from "./plot.js";
+import { LEFT, Plot, source } from "./plot.js";
 
 const both = (name, a = "A", b = "B") => [
   { name, side: 0, colour: "a", text: a },
   { name, side: 1, colour: "b", text: b },
 ];
-const reference = (name, text) => ({ name, side: 0, colour: "muted", text, thin: true });
+const reference = (name, text) => ({ name, side: 0, colour: "muted", text, common: true, thin: true });
 
 function kinds(motor) {
   const { rpm, tau, u_dc, i_rated } = motor;
@@ -15,12 +15,12 @@ function kinds(motor) {
       curves: [reference("speed_ref", "reference"), ...both("speed")] },
     { key: "torque", title: "Torque", unit: "N m", range: [-tau / 4, tau / 4], round: 2,
       curves: [reference("load", "load"), ...both("torque")] },
-    { key: "err", title: "Angle error of the drive", unit: "°", range: [-5, 5], round: 1,
+    { key: "err", title: "Angle error of the drive", unit: "°", range: [-5, 5], round: 1, most: 45,
       curves: both("err") },
     { key: "hfi", title: "Angle error of the injection", unit: "°", range: [-10, 10], round: 1,
-      curves: both("err_hfi") },
+      most: 45, curves: both("err_hfi") },
     { key: "observer", title: "Angle error of the observer", unit: "°", range: [-10, 10], round: 1,
-      curves: both("err_observer") },
+      most: 45, curves: both("err_observer") },
     { key: "k_s", title: "Weight of the injection k_s", unit: "", range: [-0.05, 1.05], fixed: true,
       round: 2, curves: both("k_s") },
     { key: "voltage", title: "Voltage", unit: "V", range: [0, u_dc / 4], round: 0,
@@ -140,7 +140,7 @@ export class Plots {
   // A legend names its curve, and its value at the cursor.
   label(plot, curve, key, run, cursor) {
     key.hidden = curve.side >= run.sides.length;
-    const history = run.histories[curve.side];
+    const history = source(curve, run.histories);
     let text = curve.text;
     if (cursor !== null && cursor >= history.first && cursor < history.count) {
       const slot = cursor % history.bins;

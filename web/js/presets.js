@@ -5,9 +5,14 @@ export const NOMINAL = { speed: 0, ramp: 0, load: 0, resistance: 100, magnet: 10
 
 export const PRESETS = {
   free: {
-    text: "Free: your levers only",
+    text: "None: the levers alone",
     start: { speed: 0.1, ramp: 0.5 },
     moves: [],
+  },
+  reversal: {
+    text: "Sudden reversal under load",
+    start: { speed: 0.4, load: 0.6 },
+    moves: [[1.5, "speed", -0.4], [4, "speed", 0.4]],
   },
   fig9: {
     text: "Steps of the paper's Fig. 9, no load",
@@ -23,11 +28,6 @@ export const PRESETS = {
     text: "Load steps in the middle of the hand-over",
     start: { speed: 0.23, ramp: 1 },
     moves: [[1, "load", 0.8], [2, "load", 0], [3, "load", -0.6], [4, "load", 0]],
-  },
-  reversal: {
-    text: "Reversal under load",
-    start: { speed: 0.4, ramp: 0.8, load: 0.3 },
-    moves: [[1.5, "speed", -0.4], [4, "speed", 0.4]],
   },
   hot: {
     text: "Hot winding, weak magnet, hand-over",

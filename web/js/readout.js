@@ -1,4 +1,4 @@
-// The present values of both drives as a table, and what happened to them as a list.
+// What each drive is and how it fares, its present values as a table, its faults as a list.
 
 const ROWS = [
   ["Speed", "speed", 0, "r/min"],
@@ -12,8 +12,9 @@ const ROWS = [
 const MOST_EVENTS = 50;
 
 export class Readout {
-  constructor(body, list) {
+  constructor(body, list, names) {
     this.list = list;
+    this.names = names;
     this.cells = ROWS.map(([text, , , unit]) => {
       const row = body.insertRow();
       const head = document.createElement("th");
@@ -22,12 +23,6 @@ export class Readout {
       row.append(head);
       return [row.insertCell(), row.insertCell()];
     });
-    const row = body.insertRow();
-    const head = document.createElement("th");
-    head.scope = "row";
-    head.textContent = "State";
-    row.append(head);
-    this.states = [row.insertCell(), row.insertCell()];
   }
 
   show(run, span) {
@@ -39,7 +34,15 @@ export class Readout {
         put(cell, known ? value.toFixed(digits).replace("-", "−") : "–");
       });
     });
-    this.states.forEach((cell, i) => put(cell, i < run.sides.length ? state(run, i) : "–"));
+    this.names.forEach((name, i) => {
+      name.hidden = i >= run.sides.length;
+      if (name.hidden) return;
+      const { estimator, rule } = run.sides[i];
+      put(name.children[1], `${run.core.layout.estimators[estimator]}; ${rule.text}`);
+      put(name.children[2], state(run, i));
+      name.classList.toggle("lost", run.lost[i] !== 0);
+      name.classList.toggle("fine", run.lost[i] === 0 && run.drives[i].get("drive.x.start.phase") === 0);
+    });
   }
 
   clear() {
@@ -60,7 +63,8 @@ function put(cell, text) {
 }
 
 function state(run, i) {
-  if (run.lost[i] !== 0) return "stopped";
-  const phase = run.drives[i].get("drive.x.start.phase");
-  return run.core.layout.phases[phase];
+  const { lost, phases } = run.core.layout;
+  const why = Object.keys(lost).filter((bit) => run.lost[i] & Number(bit));
+  if (why.length) return why.map((bit) => lost[bit]).join("; ");
+  return phases[run.drives[i].get("drive.x.start.phase")];
 }

@@ -7,6 +7,9 @@ import { History } from "./history.js";
 const BINS = 20000; // decisions kept for the plots: 20 s
 const MOST_MOVES = 1500; // beyond that, a link only holds the present levers
 
+// A target that is a node of a table: "a12" or "b12", that of drive A or B; "a12*", in all slices.
+export const NODE = /^([ab])(\d+)(\*?)$/;
+
 export class Run {
   constructor(core) {
     this.core = core;
@@ -56,10 +59,8 @@ export class Run {
     this.apply(target, value);
   }
 
-  // Targets: a lever by its name; "a12" or "b12", a node of that drive's table; "a12*", that node
-  // in all slices.
   apply(target, value) {
-    const node = /^([ab])(\d+)(\*?)$/.exec(target);
+    const node = NODE.exec(target);
     if (node) {
       this.drives[node[1] === "a" ? 0 : 1].table.set(Number(node[2]), value, node[3] === "*");
       return;

@@ -4,8 +4,8 @@
 import { ticks } from "./axis.js";
 
 const W = 340;
-const H = 200;
-const BOX = { left: 34, right: W - 14, top: 12, bottom: H - 26 };
+const H = 214;
+const BOX = { left: 34, right: W - 14, top: 12, bottom: H - 38 };
 const STEP = 0.05; // of an arrow key
 
 const TEXT = {
@@ -60,7 +60,7 @@ export class TableEditor {
       const x = this.x(value / this.scale);
       this.rule(x, BOX.top, x, BOX.bottom, String(Math.round(value * 100) / 100), "middle");
     }
-    const caption = svg("text", { x: BOX.right, y: H - 1, "text-anchor": "end" });
+    const caption = svg("text", { x: BOX.right, y: H - 4, "text-anchor": "end" });
     caption.textContent = this.axisText;
     this.ghosts = svg("g", { class: "ghosts" });
     this.line = svg("polyline", { class: "line" });
@@ -72,7 +72,7 @@ export class TableEditor {
 
   rule(x1, y1, x2, y2, text, anchor) {
     const label = svg("text", {
-      x: anchor === "end" ? x1 - 6 : x1, y: anchor === "end" ? y1 + 4 : y2 + 13, "text-anchor": anchor,
+      x: anchor === "end" ? x1 - 6 : x1, y: anchor === "end" ? y1 + 4 : y2 + 18, "text-anchor": anchor,
     });
     label.textContent = text;
     this.picture.append(svg("line", { x1, y1, x2, y2 }), label);
