@@ -17,13 +17,21 @@ Move = tuple[int, str, float]
 
 
 def final(
-    motor: Motor, estimator: str, word: str, levers: dict[str, float], moves: list[Move], n: int
+    motor: Motor,
+    estimator: str,
+    word: str,
+    levers: dict[str, float],
+    moves: list[Move],
+    n: int,
+    *,
+    seek: bool = False,
 ) -> Array:
     """Record of ``SIM`` (1,) after n decisions; levers as on the page."""
     share = {key: levers[key] / 100.0 for key in ("resistance", "magnet", "inertia", "link")}
     s = scenario(motor, R_s=share["resistance"], psi_f=share["magnet"], J=share["inertia"])
     s.omega[:, 0], s.tau[:, 0] = RPM_TO_RAD_S * levers["speed"], levers["load"]
     s.u_dc[:, 0] = share["link"]
+    s.seek[:] = seek
     if levers["ramp"]:
         s.omega_rate[:, 0] = levers["ramp"] * RPM_TO_RAD_S
     sim = SimFactory(motor, DriveDesign(estimator=estimator)).build(s)

@@ -82,6 +82,14 @@ def test_other_machine_has_them_too(shown: Shown) -> None:
     assert np.array_equal(state(shown, 0), native.view(np.uint8))
 
 
+def test_start_without_the_angle_has_them_too(shown: Shown, motor: Motor) -> None:
+    repeat(shown, link(motor.name, ["coupled eq25"], LEVERS, [], 500) + "&k=1", 500)
+    native = final(motor, "coupled", "eq25", LEVERS, [], 500, seek=True)
+    assert native["start"]["seek"][0] == 1
+    assert native["drive"]["x"]["start"]["phase"][0] == 0
+    assert np.array_equal(state(shown, 0), native.view(np.uint8))
+
+
 def test_scenario_shows_the_numbers_of_simulate(shown: Shown, motor: Motor) -> None:
     """The steps of Fig. 9: the last row of a trace is that of ``sensorless simulate``."""
     levers = {**dict.fromkeys(NAMES, 100.0), "speed": 200.0, "ramp": 0.0, "load": 0.0}

@@ -25,7 +25,7 @@ class Page {
     this.run = new Run(core);
     this.run.onFault = (...what) => this.fault(...what);
     this.plots = new Plots($("plots"), $("shown"));
-    this.readout = new Readout($("now").tBodies[0], $("events"), [$("drive-A"), $("drive-B")]);
+    this.readout = new Readout($("now"), $("events"), [$("drive-A"), $("drive-B")]);
     this.levers = new Levers($("levers"), (name, value) => this.run.move(name, value));
     this.sides = new Sides([$("side-A"), $("side-B")], $("compare"), this.layout, (sides) =>
       this.again({ sides }));
@@ -141,7 +141,7 @@ class Page {
     this.plots.marks = [];
     this.run.start(setup);
     this.sides.show(motor, setup.sides);
-    $("edit-B").disabled = setup.sides.length < 2;
+    $("edit-B").parentElement.hidden = setup.sides.length < 2;
     this.edit(setup.sides.length < 2 ? 0 : this.edited);
   }
 

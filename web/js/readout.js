@@ -12,11 +12,12 @@ const ROWS = [
 const MOST_EVENTS = 50;
 
 export class Readout {
-  constructor(body, list, names) {
+  constructor(table, list, names) {
+    this.table = table;
     this.list = list;
     this.names = names;
     this.cells = ROWS.map(([text, , , unit]) => {
-      const row = body.insertRow();
+      const row = table.tBodies[0].insertRow();
       const head = document.createElement("th");
       head.scope = "row";
       head.textContent = unit ? `${text} [${unit}]` : text;
@@ -34,6 +35,7 @@ export class Readout {
         put(cell, known ? value.toFixed(digits).replace("-", "−") : "–");
       });
     });
+    this.table.classList.toggle("one", run.sides.length < 2);
     this.names.forEach((name, i) => {
       name.hidden = i >= run.sides.length;
       if (name.hidden) return;
