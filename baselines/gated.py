@@ -49,10 +49,10 @@ class Gated:
         Speeds over rated speed [-], low < high.
     gate, release : float
         Disagreement [30 degrees].
-    hold : int
-        Decisions, at least 1.
-    step : float
-        Change of k_s per decision.
+    hold, ramp : float
+        Agreement in a row, and from one end to the other [s].
+    decision : float
+        Time between decisions [s]; ``follow`` changes it.
     """
 
     sensored = False
@@ -67,14 +67,20 @@ class Gated:
         force: float,
         gate: float,
         release: float,
-        hold: int,
-        step: float,
+        hold: float,
+        ramp: float,
+        decision: float,
     ) -> None:
         self.name = name
         self.low, self.high, self.force = low, high, force
-        self.gate, self.release, self.hold = gate, release, hold
-        self.step = np.float32(min(step, 1.0))
+        self.gate, self.release, self._hold, self._ramp = gate, release, hold, ramp
+        self.follow(decision)
         self.reset(0)
+
+    def follow(self, decision: float) -> None:
+        """Decide at another interval [s]."""
+        self.hold = max(1, round(self._hold / decision))
+        self.step = np.float32(min(decision / self._ramp, 1.0))
 
     def reset(self, n: int) -> None:
         """Put n drives on injection."""
@@ -119,7 +125,6 @@ class Gated:
 
 
 def _build(name: str, v: Values, motor: Motor) -> Gated:
-    dt = decision_time(motor)
     return Gated(
         name,
         low=v["lo"],
@@ -127,8 +132,9 @@ def _build(name: str, v: Values, motor: Motor) -> Gated:
         force=v["force"],
         gate=v["gate"] / DEG_30,
         release=v["release"] / DEG_30,
-        hold=max(1, round(1e-3 * v["hold"] / dt)),
-        step=dt / (1e-3 * v["ramp"]),
+        hold=1e-3 * v["hold"],
+        ramp=1e-3 * v["ramp"],
+        decision=decision_time(motor),
     )
 
 

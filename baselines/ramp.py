@@ -1,7 +1,7 @@
 """Time ramp after the crossing of a speed: k_s moves to its new end at a fixed rate.
 
     target = hard switch of the speed with a gap (see ``hysteresis``)
-    k_s moves towards target by dt / ramp per decision of dt
+    k_s moves towards target by dt / ramp per decision of dt, whatever dt is
 
 The drives of NXP and ST take 25 to 50 ms. The drive's slew limit on k_s still applies.
 """
@@ -27,18 +27,25 @@ class TimeRamp:
     name : str
     low, high : float
         Gap over rated speed [-], low < high.
-    step : float
-        Largest change of k_s per decision, above 0.
+    ramp : float
+        Time from one end to the other, above 0 [s].
+    decision : float
+        Time between decisions [s]; ``follow`` changes it.
     """
 
     sensored = False
     settings: Settings = NO_SETTINGS
 
-    def __init__(self, name: str, low: float, high: float, step: float) -> None:
+    def __init__(self, name: str, low: float, high: float, ramp: float, decision: float) -> None:
         self.name = name
-        self.step = np.float32(min(step, 1.0))
+        self._ramp = ramp
+        self.follow(decision)
         self._switch = Hysteresis(name, low, high)
         self._k_s = np.ones(0, dtype=np.float32)
+
+    def follow(self, decision: float) -> None:
+        """Decide at another interval [s]."""
+        self.step = np.float32(min(decision / self._ramp, 1.0))
 
     def reset(self, n: int) -> None:
         """Put n drives on injection."""
@@ -55,7 +62,7 @@ _CENTRE = 0.5 * (EQ25_BAND[0] + EQ25_BAND[1])
 
 
 def _build(name: str, v: Values, motor: Motor) -> TimeRamp:
-    return TimeRamp(name, v["lo"], v["hi"], decision_time(motor) / (1e-3 * v["ramp"]))
+    return TimeRamp(name, v["lo"], v["hi"], 1e-3 * v["ramp"], decision_time(motor))
 
 
 RULE = Rule(

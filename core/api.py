@@ -78,6 +78,7 @@ PLANT = struct_dtype("plant_params_t")
 PLANT_STATE = struct_dtype("plant_state_t")
 FLUX_MAP = struct_dtype("flux_map_t")
 PROFILE = struct_dtype("profile_t")
+GAINS = struct_dtype("sim_gains_t")
 TABLE = struct_dtype("ks_table_t")
 REPLAY_IN = struct_dtype("replay_in_t")
 
@@ -141,6 +142,7 @@ def sim_run(
     periods: int,
     k_s: Array,
     obs: Array,
+    gains: Array | None = None,
     *,
     plain: bool = False,
     simd: int = lib.SIMD_AVX512,
@@ -159,6 +161,8 @@ def sim_run(
         Weight wanted, 0 to 1.
     obs : array of float32, shape (n, SIGNAL_N)
         Filled with each drive's signals.
+    gains : array of GAINS, shape (n,), optional
+        Gains to change besides k_s, one a period from the second on; changed in place.
     plain : bool
         Run drive by drive instead of in blocks of vector code.
     simd : int
@@ -169,15 +173,21 @@ def sim_run(
     """
     if threads is None:
         threads = threads_allowed() if len(sims) * periods >= SMALL else 1
-    lib.sim_run(
+    lib.sim_run_gains(
         pointer(sims, "sim_t[]"),
         len(sims),
         periods,
         lib.SIMD_NONE if plain else simd,
         threads,
         pointer(k_s, "float[]"),
+        ffi.NULL if gains is None else pointer(gains, "sim_gains_t[]"),
         pointer(obs, "float[]"),
     )
+
+
+def sim_set_gain(sims: Array, gains: Array, g: int) -> None:
+    """Bring gain ``g`` of n records of ``GAINS`` into force; no drive moves."""
+    lib.sim_set_gain(pointer(sims, "sim_t[]"), pointer(gains, "sim_gains_t[]"), len(sims), g)
 
 
 def sim_signals(sims: Array, obs: Array) -> None:

@@ -30,6 +30,7 @@ HEADERS = (
     "sim/carrier.h",
     "sim/commission.h",
     "sim/replay.h",
+    "drive/gain_selftest.h",
     "drive/ks_selftest.h",
     "pil_wire.h",
 )

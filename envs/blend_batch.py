@@ -18,6 +18,7 @@ from sensorless.core.api import (
     sums_matrix,
     words,
 )
+from sensorless.core.gains import gain_records, ranks
 from sensorless.decision import whole_periods
 from sensorless.envs.blend_settings import BlendSettings
 from sensorless.envs.counter_random import Seeds, combine
@@ -25,6 +26,7 @@ from sensorless.envs.privileged import FIXED, Values, fixed, privileged
 from sensorless.envs.reward import Term, terms, total
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.signals import Observation, bounded
+from sensorless.envs.window_reward import Window, WindowWeights, window_terms
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 
@@ -55,7 +57,13 @@ class BatchState:
     constant: Values
     seeds: Seeds
     episode: Seeds
+    gains: Array | None
+    window: Array | None
+    """Sums of the reward's window, oldest first"""
 
+
+ROUNDING = np.float32(1.000001)
+"""Largest magnitude of an action: rounding may carry one past 1, where it is clipped."""
 
 AT_ONCE = 512
 """Drives made or copied at a time, to bound the memory that this takes."""
@@ -100,6 +108,19 @@ class BlendBatch:
         self._next = Prepared(np.zeros((n, len(_GIVEN)), np.uint64), self._constant.copy())
         self._ready = np.zeros(n, dtype=bool)
         self._sums = self._copied_sums()
+        self._decision = self.periods * self.motor.T_s
+        # Column of the action that has each gain, in the order in which they come into force.
+        self._columns = [1 + settings.gains.index(name) for name in ranks(settings.gains)]
+        self._gains = gain_records(
+            self._sims if self._columns else self._sims[:0], settings.ranges, self._decision
+        )
+        windowed = isinstance(settings.weights, WindowWeights)
+        self._window = Window(n, self._decision) if windowed else None
+
+    @property
+    def n_actions(self) -> int:
+        """Numbers in an action: k_s, then the gains of the settings."""
+        return 1 + len(self._columns)
 
     def __len__(self) -> int:
         """Return the number of drives."""
@@ -156,33 +177,44 @@ class BlendBatch:
         sim_signals(sims, signals)
         words(self._sims)[rows] = words(sims)
         self._signals[rows] = signals
+        if self._columns:
+            self._gains[rows] = gain_records(sims, self.settings.ranges, self._decision)
+        if self._window is not None:
+            self._window.clear(rows)
 
     def advance(self, actions: ArrayLike) -> None:
         """Advance every drive by one decision; those lost or at their end stay where they are.
 
         Parameters
         ----------
-        actions : array, shape (n,) or (n, 1)
-            -1 (k_s = 0, all observer) to 1 (k_s = 1, all injection).
+        actions : array, shape (n, n_actions), or flat for one drive or k_s alone
+            k_s from -1 (0, all observer) to 1 (1, all injection), then the gains' values.
 
         Raises
         ------
         UserError
             An action is not a number from -1 to 1; the message names the first one.
         """
-        n = len(self)
+        n, m = len(self), self.n_actions
         action = np.asarray(actions, dtype=np.float32)
-        if action.shape not in ((n, 1), (n,)):
-            raise UserError(f"action: shape {action.shape}; give shape {(n, 1)}")
-        action = action.reshape(n)
-        good = np.abs(action) <= 1.0
-        if np.count_nonzero(good) < n:
-            bad = int(np.argmin(good))
-            value = np.ravel(actions)[bad]
-            raise UserError(f"action[{bad}]: {value}; give -1 to 1, which is k_s from 0 to 1")
-        k_s = np.float32(0.5) * action + np.float32(0.5)
-        sim_run(self._sims, self.periods, k_s, self._signals)
+        if action.shape != (n, m) and not (1 in (n, m) and action.shape == (n * m,)):
+            raise UserError(f"action: shape {action.shape}; give shape {(n, m)}")
+        action = action.reshape(n, m)
+        good = np.abs(action) <= ROUNDING
+        if np.count_nonzero(good) < n * m:
+            bad = int(np.argmin(good.all(axis=1)))
+            value = np.reshape(actions, (n, m))[bad]
+            shown = value[0] if m == 1 else value
+            raise UserError(f"action[{bad}]: {shown}; give -1 to 1, which is k_s from 0 to 1")
+        action = np.clip(action, np.float32(-1.0), np.float32(1.0))
+        k_s = np.float32(0.5) * action[:, 0] + np.float32(0.5)
+        if self._columns:
+            self._gains["wanted"][:, : m - 1] = action[:, self._columns]
+        gains = self._gains if self._columns else None
+        sim_run(self._sims, self.periods, k_s, self._signals, gains)
         self._sums = self._copied_sums()
+        if self._window is not None:
+            self._window.add(self._sums)
 
     def idle(self) -> Rows:
         """Drives that the last `advance` found at the end of their episode."""
@@ -197,12 +229,26 @@ class BlendBatch:
             lost = (bits & ~LOST_TWIN) != 0
             ended = (ended | (bits == LOST_TWIN)) & ~lost
             just_lost = lost & (sums["n"] > 0.0)
-        parts = terms(sums, just_lost, self.settings.weights, self.motor)
+        weights = self.settings.weights
+        if isinstance(weights, WindowWeights):
+            assert self._window is not None
+            parts = window_terms(self._window, sums, just_lost, weights, self.motor)
+        else:
+            parts = terms(sums, just_lost, weights, self.motor)
         return Outcome(total(parts), parts, lost, ended)
 
     def observation(self) -> Observation:
         """What a policy may see (n, SIGNAL_N), a copy."""
         return bounded(self._signals)
+
+    def sums(self) -> Array:
+        """Sums (n,) of the last decision, not a copy."""
+        return self._sums
+
+    def reference(self) -> Values:
+        """Speed reference (n,) [rad/s], mechanical."""
+        reference: Values = self._sims["now"]["omega_ref"] / self._sims["omega_scale"]
+        return reference
 
     def privileged(self) -> Values:
         """What only a critic may see (n, N_PRIVILEGED), a copy."""
@@ -219,6 +265,8 @@ class BlendBatch:
             constant=self._constant.copy(),
             seeds=self._seeds.copy(),
             episode=self._episode.copy(),
+            gains=self._gains.copy() if self._columns else None,
+            window=None if self._window is None else self._window.ordered(),
         )
 
     def restore(self, state: BatchState) -> None:
@@ -229,5 +277,9 @@ class BlendBatch:
         self._constant[:] = state.constant
         self._seeds[:] = state.seeds
         self._episode[:] = state.episode
+        if state.gains is not None:
+            self._gains[:] = state.gains
+        if self._window is not None and state.window is not None:
+            self._window.restore(state.window)
         self._ready[:] = False
         self._sums = self._copied_sums()

@@ -5,11 +5,17 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.error import ResetNeeded
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from sensorless.envs.blend_batch import BatchState, BlendBatch
-from sensorless.envs.blend_settings import BlendSettings, checked_scenario, checked_seeds
+from sensorless.envs.blend_settings import (
+    BlendSettings,
+    checked_render_mode,
+    checked_scenario,
+    checked_seeds,
+)
 from sensorless.envs.blend_vector_env import spaces
+from sensorless.envs.film import Film
 from sensorless.envs.signals import Observation
 
 _ROW = np.zeros(1, dtype=np.intp)
@@ -34,7 +40,7 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     **Action**
     ``Box(-1, 1, (1,), float32)``, mapped to the wanted weight k_s = (action + 1) / 2: 1 is all
     injection, 0 all observer. The drive limits the slope of the weight in force. Actions outside
-    -1 to 1 are refused.
+    -1 to 1 are refused, but for rounding, which is clipped.
 
     **Observation**
     ``Box((12,), float32)``, bounds in the table: only what the firmware measures or estimates,
@@ -77,8 +83,9 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
 
     Parameters
     ----------
-    render_mode : None
-        There is nothing to render; use ``sensorless simulate`` for pictures.
+    render_mode : None or "rgb_array"
+        ``render()`` then returns a picture (200, 320, 3) of the last second: speed and its
+        reference, torque and the twin's, k_s.
     **settings
         Fields of `BlendSettings`: motor, design, scenarios, weights, decision_period [s] and
         max_episode_steps.
@@ -88,11 +95,16 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     Version 0. ``gymnasium.make_vec`` gives `BlendVectorEnv`: many drives, the same to the bit.
     """
 
-    def __init__(self, *, render_mode: None = None, **settings: Any) -> None:
-        self.batch = BlendBatch(1, BlendSettings(**settings))
-        self.render_mode = render_mode
-        self.metadata = {"render_modes": []}
-        self.observation_space, self.action_space = spaces()
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012
+    settings_type: type[BlendSettings] = BlendSettings
+
+    def __init__(self, *, render_mode: str | None = None, **settings: Any) -> None:
+        self.batch = BlendBatch(1, self.settings_type(**settings))
+        self.render_mode = checked_render_mode(render_mode, self.metadata["render_modes"])
+        decision = self.batch.periods * self.batch.motor.T_s
+        self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / decision))}
+        self.observation_space, self.action_space = spaces(self.batch.n_actions)
+        self._film = None if render_mode is None else Film(decision, self.batch.motor)
         self._begun = False
 
     def reset(
@@ -108,19 +120,27 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
             self.batch.seed(_ROW, [value])
         self.batch.begin(_ROW, scenario)
         self._begun = True
+        if self._film is not None:
+            self._film.clear()
         return self.batch.observation()[0], {"privileged": self.batch.privileged()[0]}
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Advance by one decision under an action of shape (1,)."""
+        """Advance by one decision under an action of shape (1,), or more with gains."""
         if not self._begun:
             raise ResetNeeded("call reset() before step()")
         self.batch.advance(action)
+        if self._film is not None:
+            self._film.add(self.batch.sums()[0], float(self.batch.reference()[0]))
         outcome = self.batch.outcome()
         info: dict[str, Any] = {name: float(term[0]) for name, term in outcome.terms.items()}
         info["lost"] = bool(outcome.lost[0])
         info["privileged"] = self.batch.privileged()[0]
         reward, ended = float(outcome.reward[0]), bool(outcome.ended[0])
         return self.batch.observation()[0], reward, info["lost"], ended, info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Picture of the last second; None without a render mode."""
+        return None if self._film is None else self._film.picture()
 
     def state(self) -> BatchState:
         """Copy of all memory of the drive."""

@@ -1,19 +1,21 @@
 """What a user hands to the environments, and the checks on it."""
 
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, SupportsIndex
 
 import numpy as np
 
-from sensorless.decision import RUNNING
+from sensorless.core.gains import DEFAULT, Gain
+from sensorless.decision import RUNNING, TRAINING
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import Seeds
 from sensorless.envs.reward import RewardWeights
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.stress import stress_1_scenarios
+from sensorless.envs.window_reward import WindowWeights
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.settings import check, number
@@ -31,13 +33,22 @@ class BlendSettings:
     """Bandwidths of observers and control."""
     scenarios: Sampler = stress_1_scenarios
     """Function of (motor, seeds (n,)) that draws n scenarios, row i from seed i alone."""
-    weights: RewardWeights = field(default_factory=RewardWeights)
-    """Weights of the reward's terms."""
+    weights: RewardWeights | WindowWeights = field(default_factory=RewardWeights)
+    """Weights of the reward's terms; their type says which reward it is."""
     decision_period: float = number(
         RUNNING, "s", 1e-6, 1, "time between decisions, rounded to whole PWM periods"
     )
     max_episode_steps: int | None = None
     """Decisions until truncation; None: run to the scenario's end."""
+    gains: tuple[str, ...] = ()
+    """Gains that the agent sets besides k_s, by name, in the order of the action."""
+    gain_ranges: Mapping[str, Gain] = field(default_factory=dict)
+    """Ranges other than those of ``gains.DEFAULT``, by name."""
+
+    @property
+    def ranges(self) -> dict[str, Gain]:
+        """Range of each gain that the agent sets."""
+        return {name: self.gain_ranges.get(name, DEFAULT[name]) for name in self.gains}
 
     def __post_init__(self) -> None:
         """Check the numbers.
@@ -51,6 +62,38 @@ class BlendSettings:
         steps = self.max_episode_steps
         if steps is not None and (_index(steps) or 0) < 1:
             raise UserError(f"max_episode_steps: {steps!r}: must be None or a whole number above 0")
+        names = (self.gains,) if isinstance(self.gains, str) else tuple(self.gains)
+        for name in (*names, *self.gain_ranges):
+            if name not in DEFAULT:
+                raise UserError(f"gains: {name!r} is unknown; choose from {', '.join(DEFAULT)}")
+        if len(set(names)) < len(names):
+            raise UserError(f"gains: {', '.join(names)}; name each gain once")
+        object.__setattr__(self, "gains", names)
+
+
+@dataclass(frozen=True)
+class GainSettings(BlendSettings):
+    """The same with the defaults of ``sensorless/Blend-v1``."""
+
+    weights: RewardWeights | WindowWeights = field(default_factory=WindowWeights)
+    decision_period: float = number(
+        TRAINING, "s", 1e-6, 1, "time between decisions, rounded to whole PWM periods"
+    )
+    gains: tuple[str, ...] = tuple(DEFAULT)
+
+
+def checked_render_mode(mode: object, known: Sequence[str]) -> str | None:
+    """Return the render mode.
+
+    Raises
+    ------
+    UserError
+        It is unknown.
+    """
+    if mode is None or (isinstance(mode, str) and mode in known):
+        return mode
+    choices = ", ".join(["None", *(repr(name) for name in known)])
+    raise UserError(f"render_mode: {mode!r}; choose from {choices}")
 
 
 def checked_count(n: object) -> int:

@@ -14,6 +14,7 @@ from sensorless.envs.blend_batch import BatchState, BlendBatch, Flags, Outcome
 from sensorless.envs.blend_settings import (
     BlendSettings,
     checked_count,
+    checked_render_mode,
     checked_scenario,
     checked_seeds,
 )
@@ -24,11 +25,11 @@ from sensorless.errors import UserError
 Step = tuple[Observation, Term, Flags, Flags, dict[str, Any]]
 
 
-def spaces() -> "tuple[Box[np.float32], Box[np.float32]]":
+def spaces(n_actions: int = 1) -> "tuple[Box[np.float32], Box[np.float32]]":
     """Observation and action space of one drive."""
     return (
         Box(LOW, HIGH, dtype=np.float32),
-        Box(-1.0, 1.0, (1,), dtype=np.float32),
+        Box(-1.0, 1.0, (n_actions,), dtype=np.float32),
     )
 
 
@@ -60,6 +61,8 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
         max_episode_steps.
     """
 
+    settings_type: type[BlendSettings] = BlendSettings
+
     def __init__(
         self,
         num_envs: int = 1,
@@ -70,10 +73,10 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
     ) -> None:
         mode = _checked_mode(autoreset_mode)
         self.num_envs = checked_count(num_envs)
-        self.batch = BlendBatch(num_envs, BlendSettings(**settings))
-        self.render_mode = render_mode
+        self.batch = BlendBatch(num_envs, self.settings_type(**settings))
+        self.render_mode = checked_render_mode(render_mode, ())
         self.metadata = {"render_modes": [], "autoreset_mode": mode}
-        self.single_observation_space, self.single_action_space = spaces()
+        self.single_observation_space, self.single_action_space = spaces(self.batch.n_actions)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._same_step = mode is AutoresetMode.SAME_STEP
@@ -112,7 +115,7 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
 
         Parameters
         ----------
-        actions : array, shape (n, 1)
+        actions : array, shape (n, 1), or more columns with gains
             -1 to 1 for k_s from 0 to 1.
         """
         if not self._begun:

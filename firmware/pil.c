@@ -8,6 +8,10 @@
 
 static drive_state_t drive[PIL_DRIVES];
 static ks_schedule_state_t schedule[PIL_DRIVES];
+#if KS_TABLE_GAINS
+static gain_schedule_state_t gains[PIL_DRIVES];
+static drive_params_t live[PIL_DRIVES];
+#endif
 
 static union {
     pil_start_t start[PIL_DRIVES];
@@ -54,8 +58,17 @@ static uint32_t tests(void) {
         ks_table_selftest(&ks_table_f32, ks_values_f32, ks_vectors_f32, KS_VECTORS_F32, &first);
     y->lookups_q15 =
         ks_table_selftest(&ks_table_q15, ks_values_q15, ks_vectors_q15, KS_VECTORS_Q15, &first);
+#if KS_TABLE_GAINS
+    y->lookups_f32 += gain_table_selftest(&gain_table_f32, &ks_table_f32, gain_values_f32,
+                                          gain_vectors_f32, KS_GAIN_VECTORS_F32, &first);
+    y->lookups_q15 += gain_table_selftest(&gain_table_q15, &ks_table_q15, gain_values_q15,
+                                          gain_vectors_q15, KS_GAIN_VECTORS_Q15, &first);
+    y->periods = gain_drive_selftest(&drive_params, &live[0], &gain_schedule_params, &drive_start,
+                                     drive_vectors, DRIVE_VECTORS, &first);
+#else
     y->periods = drive_selftest(&drive_params, &schedule_params, &drive_start, drive_vectors,
                                 DRIVE_VECTORS, &first);
+#endif
     y->flips_f32 = faults_flips(&ks_table_f32, ks_values_f32, MOTOR_HASH);
     y->flips_q15 = faults_flips(&ks_table_q15, ks_values_q15, MOTOR_HASH);
     y->refusals = faults_refusals(&schedule_params, &drive_params.signal);
@@ -74,6 +87,9 @@ static void start(uint32_t j) {
         drive_find_rotor(&drive[j]);
     }
     ks_schedule_init(&schedule_params, &schedule[j]);
+#if KS_TABLE_GAINS
+    gain_schedule_init(&gain_schedule_params, &gains[j], &drive_params, &live[j]);
+#endif
     y->x = drive[j];
     y->schedule = schedule[j];
     y->u.a = 0.0f;
@@ -82,19 +98,42 @@ static void start(uint32_t j) {
     y->ticks_drive = 0;
 }
 
+/* Weight for this period; raw: that of the request. */
+static float decide(uint32_t j, const drive_in_t *in, int raw) {
+    if (raw != 0) {
+        return in->k_s_ref;
+    }
+#if KS_TABLE_GAINS
+    return gain_schedule_step(&gain_schedule_params, &gains[j], &drive_params, &live[j],
+                              &drive[j].signal);
+#else
+    return ks_schedule_step(&schedule_params, &schedule[j], &drive_params.signal, &drive[j].signal);
+#endif
+}
+
+/* Numbers that drive j runs on. */
+static const drive_params_t *numbers(uint32_t j) {
+#if KS_TABLE_GAINS
+    return &live[j];
+#else
+    (void)j;
+    return &drive_params;
+#endif
+}
+
 static void step(uint32_t j, int raw) {
     pil_step_t *y = &answer.step[j];
     drive_in_t in = item.in[j];
     uint32_t t = port_ticks();
-    if (raw == 0) {
-        in.k_s_ref = ks_schedule_step(&schedule_params, &schedule[j], &drive_params.signal,
-                                      &drive[j].signal);
-    }
+    in.k_s_ref = decide(j, &in, raw);
     uint32_t t_drive = port_ticks();
-    y->u = drive_step(&drive_params, &drive[j], &in);
+    y->u = drive_step(numbers(j), &drive[j], &in);
     y->ticks_drive = port_since(t_drive);
     y->ticks = port_since(t);
     y->x = drive[j];
+#if KS_TABLE_GAINS
+    schedule[j] = gains[j].ks;
+#endif
     y->schedule = schedule[j];
 }
 

@@ -50,6 +50,36 @@ static void test_faults(const char *name, const char *what, uint32_t bad) {
     }
 }
 
+#if KS_TABLE_GAINS
+static drive_params_t live;
+
+static void test_gains(const char *name, const gain_table_t *t, const ks_table_t *axes,
+                       const void *values, const gain_vector_t *vectors, uint32_t n) {
+    uint32_t first;
+    int check = gain_table_check(t, axes, values);
+    if (check != KS_OK) {
+        fprintf(stderr, "self test FAILED: %s: check: %s (code %d)\n", name, problem[check], check);
+        failures++;
+        return;
+    }
+    uint32_t bad = gain_table_selftest(t, axes, values, vectors, n, &first);
+    if (bad != 0) {
+        fail(name, "lookups that differ from the golden vectors", bad, first);
+    }
+}
+#endif
+
+/* All of the drive's periods, under the schedule that was exported. */
+static uint32_t periods(uint32_t *first) {
+#if KS_TABLE_GAINS
+    return gain_drive_selftest(&drive_params, &live, &gain_schedule_params, &drive_start,
+                               drive_vectors, DRIVE_VECTORS, first);
+#else
+    return drive_selftest(&drive_params, &schedule_params, &drive_start, drive_vectors,
+                          DRIVE_VECTORS, first);
+#endif
+}
+
 int main(void) {
     uint32_t first;
     const char *fault = arithmetic_fault();
@@ -59,8 +89,13 @@ int main(void) {
     }
     test_table("float table", &ks_table_f32, ks_values_f32, ks_vectors_f32, KS_VECTORS_F32);
     test_table("Q15 table", &ks_table_q15, ks_values_q15, ks_vectors_q15, KS_VECTORS_Q15);
-    uint32_t bad = drive_selftest(&drive_params, &schedule_params, &drive_start, drive_vectors,
-                                  DRIVE_VECTORS, &first);
+#if KS_TABLE_GAINS
+    test_gains("float gains", &gain_table_f32, &ks_table_f32, gain_values_f32, gain_vectors_f32,
+               KS_GAIN_VECTORS_F32);
+    test_gains("Q15 gains", &gain_table_q15, &ks_table_q15, gain_values_q15, gain_vectors_q15,
+               KS_GAIN_VECTORS_Q15);
+#endif
+    uint32_t bad = periods(&first);
     if (bad != 0) {
         fail("control core", "periods that differ from the golden vectors", bad, first);
     }

@@ -7,3 +7,8 @@ _register(
     entry_point="sensorless.envs.blend_env:BlendEnv",
     vector_entry_point="sensorless.envs.blend_vector_env:BlendVectorEnv",
 )
+_register(
+    id="sensorless/Blend-v1",
+    entry_point="sensorless.envs.blend_v1:GainEnv",
+    vector_entry_point="sensorless.envs.blend_v1:GainVectorEnv",
+)

@@ -1,4 +1,4 @@
-"""Policies: what chooses the weight k_s at every decision."""
+"""Policies: what chooses the weight k_s, and gains of the drive, at every decision."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
+from sensorless.core.gains import Gain, Values, write_wanted
 from sensorless.design.drive import DriveDesign
 from sensorless.table.ks_table import KsTable
 
@@ -36,6 +37,14 @@ class Policy(Protocol):
 
 
 @runtime_checkable
+class PacedPolicy(Policy, Protocol):
+    """A policy whose memory counts time; it is made for ``decision.RUNNING``."""
+
+    def follow(self, decision: float) -> None:
+        """Decide at another interval [s]."""
+
+
+@runtime_checkable
 class PrivilegedPolicy(Policy, Protocol):
     """An upper bound, not a rule for a drive: it sees what no firmware can."""
 
@@ -57,6 +66,32 @@ def decide(policy: Policy, obs: Signals, sims: Array) -> NDArray[np.float32]:
     )  # a protocol's isinstance takes 100 times as long
     chosen: NDArray[np.float32] = policy.act(obs) if knowing is None else knowing(obs, sims)
     return chosen
+
+
+@runtime_checkable
+class GainPolicy(Policy, Protocol):
+    """A policy that sets gains of the drive besides k_s."""
+
+    ranges: Mapping[str, Gain]
+    """Range of each gain that it sets; empty: k_s alone."""
+
+    def act_gains(self, obs: Signals) -> Values:
+        """Values of the gains (n, GAIN_N), -1 to 1, at the signals that ``act`` just saw."""
+
+
+NO_GAINS: Mapping[str, Gain] = {}
+
+
+def gains_of(policy: Policy) -> Mapping[str, Gain]:
+    """Gains that a policy sets besides k_s, by name."""
+    found: Mapping[str, Gain] = getattr(policy, "ranges", NO_GAINS)
+    return found
+
+
+def decide_gains(policy: Policy, obs: Signals, gains: Array) -> None:
+    """Write the values that a policy with ``gains_of`` wants into records of ``GAINS`` (n,)."""
+    assert isinstance(policy, GainPolicy)
+    write_wanted(gains, policy.act_gains(obs))
 
 
 class TablePolicy:
@@ -83,3 +118,12 @@ class TablePolicy:
     def act(self, obs: Signals) -> NDArray[np.float32]:
         """Interpolated weights (n,)."""
         return self.table.evaluate(obs)
+
+    @property
+    def ranges(self) -> Mapping[str, Gain]:
+        """Range of each gain that the table sets."""
+        return self.table.ranges
+
+    def act_gains(self, obs: Signals) -> Values:
+        """Interpolated values of the gains (n, GAIN_N)."""
+        return self.table.evaluate_gains(obs)

@@ -87,8 +87,31 @@ typedef struct {
     sim_t *s;
     int32_t n, periods, simd;
     const float *k_s_ref;
+    sim_gains_t *gains;
     float *obs;
 } run_t;
+
+void sim_set_gain(sim_t *s, sim_gains_t *gains, int32_t n, uint32_t g) {
+    for (int32_t i = 0; i < n; i++) {
+        sim_gains_t *x = &gains[i];
+        float wanted = gain_bounded(&x->limit[g], x->wanted[g]);
+        x->value[g] =
+            gain_step(&x->limit[g], x->which[g], x->value[g], wanted, &x->design, &s[i].control);
+    }
+}
+
+/* Advances up to LANES drives; their sums go on. */
+static void run_lanes(const run_t *run, int32_t first, int32_t count, int32_t periods) {
+    sim_t *s = &run->s[first];
+    int simd = batch_fits(s, count, run->simd);
+    if (simd != SIMD_NONE) {
+        batch_run(s, count, periods, simd, &run->k_s_ref[first]);
+    } else {
+        for (int32_t i = 0; i < count; i++) {
+            run_one(&s[i], periods, run->k_s_ref[first + i]);
+        }
+    }
+}
 
 /* Runs LANES drives, or those that are left. */
 static void run_piece(void *job, int32_t piece) {
@@ -100,25 +123,35 @@ static void run_piece(void *job, int32_t piece) {
     for (int32_t i = 0; i < count; i++) {
         s[i].sums = none;
     }
-    int simd = batch_fits(s, count, run->simd);
-    if (simd != SIMD_NONE) {
-        batch_run(s, count, run->periods, simd, &run->k_s_ref[first]);
-    } else {
-        for (int32_t i = 0; i < count; i++) {
-            run_one(&s[i], run->periods, run->k_s_ref[first + i]);
+    int32_t left = run->periods;
+    if (run->gains != 0) {
+        uint32_t g = 0;
+        sim_gains_t *gains = &run->gains[first];
+        for (; g < gains->n && left > 1; g++, left--) {
+            run_lanes(run, first, count, 1);
+            sim_set_gain(s, gains, count, g);
+        }
+        for (; g < gains->n; g++) {
+            sim_set_gain(s, gains, count, g);
         }
     }
+    run_lanes(run, first, count, left);
     sim_signals(s, count, &run->obs[(long)first * SIGNAL_N]);
 }
 
 #define PERIODS_A_THREAD 5000 /* with fewer, a thread takes longer to start than it saves */
 
-void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
-             const float *k_s_ref, float *obs) {
-    run_t run = {s, n, periods, simd, k_s_ref, obs};
+void sim_run_gains(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
+                   const float *k_s_ref, sim_gains_t *gains, float *obs) {
+    run_t run = {s, n, periods, simd, k_s_ref, gains, obs};
     int64_t worth = (int64_t)n * periods / PERIODS_A_THREAD;
     workers_run(run_piece, &run, (n + LANES - 1) / LANES,
                 worth < threads ? (int32_t)worth : threads);
+}
+
+void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
+             const float *k_s_ref, float *obs) {
+    sim_run_gains(s, n, periods, simd, threads, k_s_ref, 0, obs);
 }
 
 void sim_inputs(const sim_t *s, int32_t n, drive_in_t *in) {

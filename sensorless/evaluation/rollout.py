@@ -16,10 +16,11 @@ from sensorless.core.api import (
     sim_signals,
     sums_matrix,
 )
+from sensorless.core.gains import gain_records
 from sensorless.decision import decision_periods, decision_time
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
-from sensorless.policy import NO_SETTINGS, Policy, Settings, decide
+from sensorless.policy import NO_SETTINGS, Policy, Settings, decide, decide_gains, gains_of
 
 CHUNK = 256
 """Scenarios at a time: with ``sums_t`` of 80 bytes, 2 s of them take 41 MB."""
@@ -86,13 +87,17 @@ def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollou
     sums = np.zeros((decisions, n), dtype=SIM["sums"])
     rows, now = sums.view(np.float32).reshape(decisions, n, -1), sums_matrix(sims)
     obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
+    ranges = gains_of(policy)
+    gains = gain_records(sims, ranges, decision_time(factory.motor)) if ranges else None
     policy.reset(n)
     sim_signals(sims, obs)
     for j in range(decisions):
         k_s = np.ascontiguousarray(decide(policy, obs.copy(), sims), dtype=np.float32)
         if k_s.shape != (n,):
             raise ValueError(f"policy {policy.name}: weights of shape {k_s.shape}; return ({n},)")
-        sim_run(sims, periods, k_s, obs)
+        if gains is not None:
+            decide_gains(policy, obs.copy(), gains)
+        sim_run(sims, periods, k_s, obs, gains)
         rows[j] = now
     return Rollout(factory.motor, scenarios, sums, sims["lost"].copy(), sims["k"].astype(np.int64))
 

@@ -5,15 +5,16 @@ from pathlib import Path
 
 import numpy as np
 
-from sensorless.core.api import SIGNAL_N, TRACE_NAMES, Array, sim_signals, sim_trace
-from sensorless.decision import decision_periods
+from sensorless.core.api import SIGNAL_N, TRACE_NAMES, Array, sim_set_gain, sim_signals, sim_trace
+from sensorless.core.gains import due, gain_records
+from sensorless.decision import decision_periods, decision_time
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.rollout import CAUSES
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
-from sensorless.policy import Policy, decide
+from sensorless.policy import Policy, decide, decide_gains, gains_of
 
 Trace = dict[str, Array]
 """Columns of ``TRACE_NAMES`` (``core/sim/simulate.h``), each (periods,): SI units, rad, rad/s."""
@@ -53,9 +54,18 @@ def trace(
     sim_signals(sim, obs)
     policy.reset(1)
     rows = []
+    periods, ranges = decision_periods(motor), gains_of(policy)
+    gains = gain_records(sim, ranges, decision_time(motor))
     while sim["lost"][0] == 0 and sim["k"][0] < sim["k_end"][0]:
-        k_s = decide(policy, obs.copy(), sim)
-        rows.append(sim_trace(sim, decision_periods(motor), float(k_s[0])))
+        k_s = float(decide(policy, obs.copy(), sim)[0])
+        if ranges:
+            decide_gains(policy, obs.copy(), gains)
+            for period in range(periods):
+                for g in due(period, periods, len(ranges)):
+                    sim_set_gain(sim, gains, g)
+                rows.append(sim_trace(sim, 1, k_s))
+        else:
+            rows.append(sim_trace(sim, periods, k_s))
         sim_signals(sim, obs)
     table = np.concatenate(rows)
     out = {name: table[:, j] for j, name in enumerate(TRACE_NAMES)}

@@ -62,8 +62,18 @@ def _number(x: Any, name: str) -> str:
     return str(int(x)) if whole else c_float(x, name)
 
 
-def params_header(motor: Motor, start: str) -> str:
-    """``params.h``; ``start`` is the line that says whether the drive finds its rotor."""
+def params_header(motor: Motor, start: str, gains: bool = False) -> str:
+    """``params.h``.
+
+    Parameters
+    ----------
+    motor : Motor
+    start : str
+        Line that says whether the drive finds its rotor.
+    gains : bool
+        Whether the schedule also sets gains.
+    """
+    more = "\nextern const gain_schedule_params_t gain_schedule_params;\n" if gains else ""
     return f"""{NOTE}#ifndef PARAMS_H
 #define PARAMS_H
 
@@ -84,7 +94,7 @@ extern "C" {{
 extern const drive_params_t drive_params;
 
 extern const ks_schedule_params_t schedule_params;
-
+{more}
 #ifdef __cplusplus
 }}
 #endif
@@ -93,7 +103,7 @@ extern const ks_schedule_params_t schedule_params;
 """
 
 
-def params_source(drive: Array, rule: tuple[float, float], periods: int) -> str:
+def params_source(drive: Array, rule: tuple[float, float], periods: int, more: str = "") -> str:
     """``params.c``.
 
     Parameters
@@ -103,6 +113,8 @@ def params_source(drive: Array, rule: tuple[float, float], periods: int) -> str:
         Band of the built-in linear rule, speed over rated.
     periods : int
         PWM periods from one decision of the schedule to the next.
+    more : str
+        Text that follows the schedule.
     """
     return f"""{NOTE}#include "params.h"
 
@@ -116,4 +128,4 @@ const ks_schedule_params_t schedule_params = {{
     .rule = {{.x_min = {c_float(rule[0])}, .x_max = {c_float(rule[1])}}},
     .periods = {periods}, /* PWM periods from one decision to the next */
 }};
-"""
+{more}"""

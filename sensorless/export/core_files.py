@@ -11,9 +11,16 @@ _STRUCT = re.compile(r"typedef struct \{(.*?)\}\s*(\w+);", re.DOTALL)
 _FIELD = re.compile(r"^\s*\w+ (\w+)(?:\[\w+\])?; */\*(.*?)\*/", re.MULTILINE | re.DOTALL)
 
 
-def core_files() -> dict[str, bytes]:
-    """Name and content of every file of the control core: all of ``core/drive``."""
-    return {path.name: path.read_bytes() for path in sorted(CORE.glob("*.[ch]"))}
+def core_files(gains: bool = False) -> dict[str, bytes]:
+    """Name and content of every file of the control core that an export needs.
+
+    That is all of ``core/drive``, without what sets gains unless ``gains``.
+    """
+    return {
+        path.name: path.read_bytes()
+        for path in sorted(CORE.glob("*.[ch]"))
+        if gains or not path.name.startswith("gain")
+    }
 
 
 def field_docs() -> dict[tuple[str, str], str]:

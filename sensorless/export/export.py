@@ -27,6 +27,7 @@ from sensorless.export.folder import (
     sums,
     write_folder,
 )
+from sensorless.export.gains import gain_params, gain_readme
 from sensorless.export.judge import Judged, verdict
 from sensorless.export.provenance import motor_hash, provenance_text, table_json
 from sensorless.export.selftest import SelfTest, run_selftest
@@ -168,11 +169,13 @@ def _contents(
     text = {
         "README.md": readme,
         **cmsis,
-        "params.h": params_header(motor, start_define(motor)),
-        "params.c": params_source(control_record(motor, design), table.rule, periods),
-        "ks_table_data.h": table_header(len(lookups_f32), bool(cmsis)),
-        "ks_table_data.c": table_source(table, "f32", tag, lookups_f32),
-        "ks_table_q15.c": table_source(table, "q15", tag, lookups_q15),
+        "params.h": params_header(motor, start_define(motor), bool(table.gains)),
+        "params.c": params_source(
+            control_record(motor, design), table.rule, periods, gain_params(table, periods)
+        ),
+        "ks_table_data.h": table_header(table, len(lookups_f32), bool(cmsis)),
+        "ks_table_data.c": table_source(table, "f32", tag, lookups_f32, periods * motor.T_s),
+        "ks_table_q15.c": table_source(table, "q15", tag, lookups_q15, periods * motor.T_s),
         "test/drive_vectors.h": drive_vectors_header(run),
     }
     return {
@@ -180,7 +183,7 @@ def _contents(
         "Makefile": (FIRMWARE / "selftest.mk").read_bytes(),
         "LICENSE": (FIRMWARE / "LICENSE").read_bytes(),
         **{f"test/{name}": (FIRMWARE / name).read_bytes() for name in tests},
-        **{f"core/{name}": content for name, content in core_files().items()},
+        **{f"core/{name}": content for name, content in core_files(bool(table.gains)).items()},
     }
 
 
@@ -213,4 +216,5 @@ def _readme(
         start_text=start_text(motor),
         cmsis=cmsis_readme(table),
         two_threshold=texts[1],
+        **gain_readme(table),
     )

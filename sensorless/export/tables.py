@@ -1,13 +1,12 @@
 """C text of an export: the schedule's tables and all golden vectors. No logic is generated."""
 
 from sensorless.export.code import NOTE, c_float, lines
-from sensorless.export.vectors import DriveVectors, Words
+from sensorless.export.gains import INCLUDE, gain_header, gain_source
+from sensorless.export.vectors import C_TYPE, DriveVectors, Words, hex_words
 from sensorless.table.ks_table import KsTable, ValueFormat
 
-_C_TYPE: dict[ValueFormat, str] = {"f32": "float", "q15": "int16_t"}
 
-
-def table_header(vectors: int, cmsis: bool) -> str:
+def table_header(table: KsTable, vectors: int, cmsis: bool) -> str:
     """``ks_table_data.h`` with ``vectors`` golden lookups per table; whether there is a cmsis/."""
     tables = "".join(
         f"""
@@ -16,19 +15,19 @@ extern const {c_type} ks_values_{form}[];
 #define KS_VECTORS_{form.upper()} {vectors}
 extern const ks_vector_t ks_vectors_{form}[KS_VECTORS_{form.upper()}];
 """
-        for form, c_type in _C_TYPE.items()
+        for form, c_type in C_TYPE.items()
     )
     return f"""{NOTE}#ifndef KS_TABLE_DATA_H
 #define KS_TABLE_DATA_H
 
 #include "core/ks_selftest.h"
-
+{INCLUDE if table.gains else ""}
 #define KS_TABLE_CMSIS {int(cmsis)} /* 1: cmsis/ holds the table, too */
 
 #ifdef __cplusplus
 extern "C" {{
 #endif
-{tables}
+{tables}{gain_header(table)}
 #ifdef __cplusplus
 }}
 #endif
@@ -37,7 +36,9 @@ extern "C" {{
 """
 
 
-def table_source(table: KsTable, form: ValueFormat, motor_hash: int, vectors: Words) -> str:
+def table_source(
+    table: KsTable, form: ValueFormat, motor_hash: int, vectors: Words, decision: float
+) -> str:
     """``ks_table_data.c`` or ``ks_table_q15.c``: header, node values, golden lookups."""
     t = table.record(form, motor_hash=motor_hash)
     names = [f"SIGNAL_{axis.signal.upper()}" for axis in table.axes]
@@ -69,7 +70,7 @@ const ks_table_t ks_table_{form} = {{
 }};
 
 /* k_s at the nodes; the last axis varies fastest, one row of it per line. */
-const {_C_TYPE[form]} ks_values_{form}[] = {{
+const {C_TYPE[form]} ks_values_{form}[] = {{
 {lines(values, "    ", table.axes[-1].n)}
 }};
 
@@ -77,7 +78,7 @@ const {_C_TYPE[form]} ks_values_{form}[] = {{
 const ks_vector_t ks_vectors_{form}[KS_VECTORS_{form.upper()}] = {{
 {lookups}
 }};
-"""
+{gain_source(table, form, motor_hash, decision)}"""
 
 
 def drive_vectors_header(vectors: DriveVectors) -> str:
@@ -94,8 +95,3 @@ static const drive_vector_t drive_vectors[DRIVE_VECTORS] = {{
 {rows}
 }};
 """
-
-
-def hex_words(words: Words) -> str:
-    """Comma-separated 32-bit literals."""
-    return ", ".join(f"0x{int(w):08X}" for w in words)

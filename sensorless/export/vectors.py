@@ -14,8 +14,11 @@ from sensorless.core.api import (
     ffi,
     lib,
     pointer,
+    sim_set_gain,
+    sim_signals,
     sim_trace,
 )
+from sensorless.core.gains import due, gain_records, write_wanted
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
@@ -36,8 +39,12 @@ DURATION = 0.9
 NOISE_SEED = 2025
 
 
-def table_vectors(table: KsTable, form: ValueFormat) -> Words:
-    """Lookups (n, axes + 1): the signal of each axis, then the weight.
+C_TYPE: dict[ValueFormat, str] = {"f32": "float", "q15": "int16_t"}
+"""C type of the stored values."""
+
+
+def places(table: KsTable) -> NDArray[np.float32]:
+    """Signals (n, axes) to look up.
 
     They take edges, first nodes and middles of the axes in combination, random places inside and
     outside, and on one axis at a time infinities, NaN, huge, tiny and negative-zero numbers.
@@ -54,11 +61,16 @@ def table_vectors(table: KsTable, form: ValueFormat) -> Words:
     centre = 0.5 * (low + high)
     single = [np.where(np.arange(len(low)) == a, x, centre) for a in range(len(low)) for x in odd]
     corners = list(itertools.islice(itertools.product(*ends), 0, None, 1 if len(low) < 3 else 7))
-    places = np.concatenate([np.array(corners), inside, np.array(single)]).astype(np.float32)
-    obs = np.zeros((len(places), SIGNAL_N), dtype=np.float32)
-    obs[:, [SIGNAL_NAMES.index(a.signal) for a in table.axes]] = places
+    return np.concatenate([np.array(corners), inside, np.array(single)]).astype(np.float32)
+
+
+def table_vectors(table: KsTable, form: ValueFormat) -> Words:
+    """Lookups (n, axes + 1) at `places`: the signal of each axis, then the weight."""
+    at = places(table)
+    obs = np.zeros((len(at), SIGNAL_N), dtype=np.float32)
+    obs[:, [SIGNAL_NAMES.index(a.signal) for a in table.axes]] = at
     k_s = lookup(table.record(form).reshape(1), table.stored(form), obs)
-    return np.column_stack([_words(places), _words(k_s)])
+    return np.column_stack([as_words(at), as_words(k_s)])
 
 
 @dataclass(frozen=True)
@@ -81,6 +93,9 @@ def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: in
     """
     sim = SimFactory(motor, design).build(_scenario(motor), twin=False)
     schedule = Schedule(table, periods)
+    decision = periods * motor.T_s
+    gains = gain_records(sim, table.ranges, decision)
+    obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
     n = int(sim["k_end"][0])
     out = np.zeros((n, 9), dtype=np.float32)
     column = {name: j for j, name in enumerate(TRACE_NAMES)}
@@ -90,6 +105,12 @@ def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: in
     start = (float(est["theta"]), float(est["omega"]), float(x["k_s"][0]))
     for j in range(n):
         k_s_ref = schedule.step(control, x)
+        if table.gains:
+            if j % periods == 0:
+                sim_signals(sim, obs)
+                write_wanted(gains, table.evaluate_gains(obs))
+            for g in due(j % periods, periods, len(table.gains)):
+                sim_set_gain(sim, gains, g)
         row = sim_trace(sim, 1, k_s_ref)
         if not len(row):  # the drive was lost: keep what it did until then
             out = out[:j]
@@ -99,7 +120,7 @@ def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: in
         out[j, 3], out[j, 4] = sim["now"]["omega_ref"][0], k_s_ref
         u, est = sim["drive"]["u"][0], x["est"][0]
         out[j, 5:] = u["a"], u["b"], est["theta"], est["omega"]
-    return DriveVectors(_words(out), start)
+    return DriveVectors(as_words(out), start)
 
 
 class Schedule:
@@ -139,7 +160,12 @@ def _scenario(motor: Motor) -> Scenarios:
     return s
 
 
-def _words(x: NDArray[np.float32]) -> Words:
+def as_words(x: NDArray[np.float32]) -> Words:
     """Bits of float32 numbers; every NaN gets the same bits."""
     y = np.where(np.isnan(x), np.float32(np.nan), x).astype(np.float32)
     return y.view(np.uint32)
+
+
+def hex_words(words: Words) -> str:
+    """Comma-separated 32-bit literals."""
+    return ", ".join(f"0x{int(w):08X}" for w in words)

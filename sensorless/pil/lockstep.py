@@ -6,7 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core.api import SIGNAL_N, SIM, Array, lib, pointer, sim_run, sim_signals
+from sensorless.core.api import (
+    SIGNAL_N,
+    SIM,
+    Array,
+    lib,
+    pointer,
+    sim_run,
+    sim_set_gain,
+    sim_signals,
+)
+from sensorless.core.gains import due, gain_records, write_wanted
 from sensorless.pil.device import (
     DRIVE_IN,
     DRIVES,
@@ -85,6 +95,8 @@ def lockstep(
     k_s = np.ones(n, dtype=np.float32)
     inputs = np.zeros(n, dtype=DRIVE_IN)
     schedule = np.zeros(n, dtype=STEP_ANSWER["schedule"])
+    decision = periods * float(sims["control"]["T_s"][0])
+    gains = gain_records(sims, table.ranges, decision)
     out = Lockstep(
         np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), None, sims["lost"],
         np.zeros((0, 2), dtype=np.uint32), np.tile(np.array([2.0, -1.0], dtype=np.float32), (n, 1)),
@@ -107,6 +119,10 @@ def lockstep(
             break
         if k % periods == 0:
             k_s = table.evaluate(obs)
+            if table.gains:
+                write_wanted(gains, table.evaluate_gains(obs))
+        for g in due(k % periods, periods, len(table.gains)):
+            sim_set_gain(sims, gains, g)
         schedule["k_s_ref"], schedule["wait"] = k_s, periods - 1 - k % periods
         lib.sim_inputs(pointer(sims, "sim_t[]"), n, pointer(inputs, "drive_in_t[]"))
         device.send(Operation.STEP, inputs)

@@ -116,10 +116,10 @@ def stack_of(folder: Path, functions: tuple[str, ...]) -> int:
     return max((int(row[1]) for row in rows if row[0].split(":")[-1] in functions), default=0)
 
 
-def shipped() -> list[str]:
+def shipped(gains: bool) -> list[str]:
     """Objects of the control core without the golden-vector test, which a product can leave out."""
-    sources = (Path(name) for name in core_files() if name.endswith(".c"))
-    return [path.stem for path in sources if path.stem != "ks_selftest"]
+    sources = (Path(name) for name in core_files(gains) if name.endswith(".c"))
+    return [path.stem for path in sources if not path.stem.endswith("_selftest")]
 
 
 def memory(folder: Path) -> dict[str, dict[str, int]]:
@@ -129,7 +129,10 @@ def memory(folder: Path) -> dict[str, dict[str, int]]:
     code = symbol_sizes(folder / "ks_table.o")
     check = sum(size for name, size in code.items() if not re.match(r"eval_|ks_table_eval", name))
     return {
-        **{f"{name}.o": sections(folder / f"{name}.o") for name in shipped()},
+        **{
+            f"{name}.o": sections(folder / f"{name}.o")
+            for name in shipped((folder / "gain_table.o").exists())
+        },
         "table_f32": {"rodata": table["ks_table_f32"] + table["ks_values_f32"]},
         "table_q15": {"rodata": q15["ks_table_q15"] + q15["ks_values_q15"]},
         "table_check": {"text": check},

@@ -8,8 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from sensorless.errors import UserError
+from sensorless.table.gain_grid import FIELDS as GAIN_FIELDS
 
 FORMAT = "sensorless-ks-table/1"
+"""A table of k_s alone."""
+FORMAT_GAINS = "sensorless-ks-table/2"
+"""A table that also sets gains, in a further field."""
 FIELDS = ("axes", "slew_per_s", "fallback", "rule", "values")
 AXIS_FIELDS = ("signal", "lo", "hi", "n")
 
@@ -25,13 +29,13 @@ def is_table(path: Path) -> bool:
         data = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return False
-    return isinstance(data, dict) and data.get("format") == FORMAT
+    return isinstance(data, dict) and data.get("format") in (FORMAT, FORMAT_GAINS)
 
 
 def to_text(fields: Mapping[str, Any], provenance: Mapping[str, Any]) -> str:
     """Return the file's text, with one line for each row of nodes along the last axis."""
     head = {
-        "format": FORMAT,
+        "format": FORMAT_GAINS if "gains" in fields else FORMAT,
         "crc32": f"0x{zlib.crc32(content(fields)):08x}",
         "provenance": _plain(provenance),
     }
@@ -41,7 +45,16 @@ def to_text(fields: Mapping[str, Any], provenance: Mapping[str, Any]) -> str:
     ]
     parts += [f'  "{key}": {json.dumps(fields[key])}' for key in FIELDS if key != "values"]
     parts.append(f'  "values": {_rows(fields["values"], "    ")}')
+    if "gains" in fields:
+        grids = ",\n".join(_grid(grid) for grid in fields["gains"])
+        parts.append(f'  "gains": [\n{grids}]')
     return "{\n" + ",\n".join(parts) + "\n}\n"
+
+
+def _grid(fields: Mapping[str, Any]) -> str:
+    head = [f'"{key}": {json.dumps(fields[key])}' for key in GAIN_FIELDS if key != "values"]
+    values = f'"values": {_rows(fields["values"], "      ")}'
+    return "    {" + ", ".join([*head, values]) + "}"
 
 
 def _plain(x: object) -> object:
@@ -71,19 +84,22 @@ def from_text(text: str, where: str) -> tuple[dict[str, Any], dict[str, Any], st
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise UserError(f"{where}: {error}; give a table in JSON") from None
-    if not isinstance(data, dict) or data.get("format") != FORMAT:
-        found = data.get("format") if isinstance(data, dict) else type(data).__name__
+    found = data.get("format") if isinstance(data, dict) else type(data).__name__
+    if found not in (FORMAT, FORMAT_GAINS) or not isinstance(data, dict):
         raise UserError(f"{where}: format {found!r} is not {FORMAT!r}; write the table again")
-    _exactly(data, ("format", "crc32", "provenance", *FIELDS), where)
+    names = FIELDS if found == FORMAT else (*FIELDS, "gains")
+    _exactly(data, ("format", "crc32", "provenance", *names), where)
     if not isinstance(data["provenance"], dict):
         raise UserError(f"{where}: provenance: {data['provenance']!r}; give an object")
-    if not isinstance(data["axes"], list):
-        raise UserError(f"{where}: axes: {data['axes']!r}; give a list of axes")
-    for axis in data["axes"]:
-        if not isinstance(axis, dict):
-            raise UserError(f"{where}: axes: {axis!r}; give an object")
-        _exactly(axis, AXIS_FIELDS, f"{where}: axes")
-    return {key: data[key] for key in FIELDS}, data["provenance"], str(data["crc32"])
+    for name, known in (("axes", AXIS_FIELDS), ("gains", GAIN_FIELDS)):
+        parts = data.get(name, [])
+        if not isinstance(parts, list):
+            raise UserError(f"{where}: {name}: {parts!r}; give a list of {name}")
+        for part in parts:
+            if not isinstance(part, dict):
+                raise UserError(f"{where}: {name}: {part!r}; give an object")
+            _exactly(part, known, f"{where}: {name}")
+    return {key: data[key] for key in names}, data["provenance"], str(data["crc32"])
 
 
 def check_crc(fields: Mapping[str, Any], stored: str, where: str) -> None:

@@ -15,13 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, TABLE, Array, lib
+from sensorless.core.gains import Gain, Values
 from sensorless.errors import UserError
 from sensorless.files import reason, write_atomic
+from sensorless.table import gain_image
 from sensorless.table.axis import MAX_NODES, Axis, decimal, float32_in
+from sensorless.table.gain_grid import GainGrid, checked_grids
 from sensorless.table.image import check, lookup, seal
 from sensorless.table.json_form import check_crc, content, from_text, to_text
 
-__all__ = ["Axis", "KsTable", "ValueFormat"]
+__all__ = ["Axis", "GainGrid", "KsTable", "ValueFormat"]
 
 ValueFormat = Literal["f32", "q15"]
 
@@ -30,7 +33,10 @@ MAX_AXES: int = lib.KS_TABLE_AXES
 
 @dataclass(frozen=True, eq=False)
 class KsTable:
-    """Weight k_s at the nodes of a grid, multilinear between them, clipped outside."""
+    """Weight k_s at the nodes of a grid, multilinear between them, clipped outside.
+
+    Gains of the drive may follow on the same grid.
+    """
 
     axes: tuple[Axis, ...]
     values: NDArray[np.float32]
@@ -43,6 +49,8 @@ class KsTable:
     """Speeds, over rated, between which the rule that replaces a damaged table falls to 0."""
     provenance: Mapping[str, Any] = field(default_factory=dict)
     """Where the table comes from (JSON types); ``motor_digest`` names its machine."""
+    gains: tuple[GainGrid, ...] = ()
+    """Gains that the schedule sets besides k_s, on the same grid."""
 
     def __post_init__(self) -> None:
         """Check every field and every node, and round to float32.
@@ -67,19 +75,38 @@ class KsTable:
             "slew_per_s": float32_in("slew_per_s", self.slew_per_s, 1e-3, 1e6),
             "fallback": float32_in("fallback", self.fallback, 0.0, 1.0),
             "rule": (low, high),
+            "gains": checked_grids(self.gains, tuple(axis.n for axis in axes)),
         }.items():
             object.__setattr__(self, name, value)
 
     def evaluate(self, obs: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return k_s (n,) at signals (n, SIGNAL_N), looked up by the firmware's code."""
-        rows = np.ascontiguousarray(obs, dtype=np.float32)
-        if rows.ndim != 2 or rows.shape[1] != SIGNAL_N:
-            raise ValueError(f"obs: shape {rows.shape}; give (n, {SIGNAL_N})")
-        return lookup(*self._image, rows)
+        return lookup(*self._image, _rows(obs))
+
+    def evaluate_gains(self, obs: NDArray[np.float32]) -> Values:
+        """Return values of the gains (n, GAIN_N) at signals (n, SIGNAL_N); the table has some."""
+        header, values = self._gain_image
+        return gain_image.lookup(header, self._image[0], values, _rows(obs))
+
+    @property
+    def ranges(self) -> dict[str, Gain]:
+        """Range of each gain that the table sets, by name."""
+        return {grid.gain: grid.range for grid in self.gains}
 
     def check(self) -> int:
         """Return the result of the firmware's own check: 0, or a key of ``image.PROBLEMS``."""
-        return check(*self._image)
+        found = check(*self._image)
+        if found or not self.gains:
+            return found
+        header, values = self._gain_image
+        return gain_image.check(header, self._image[0], values)
+
+    @cached_property
+    def _gain_image(self) -> tuple[Array, Array]:
+        return (
+            gain_image.record(self.gains, self._image[0], "f32", 1e-3),  # a lookup needs no time
+            gain_image.stored(self.gains, "f32"),
+        )
 
     @cached_property
     def _image(self) -> tuple[Array, Array]:
@@ -122,6 +149,7 @@ class KsTable:
 
     def fields(self) -> dict[str, Any]:
         """Return all numbers as JSON types, in the fewest digits that restore every float32."""
+        gains = {"gains": [grid.fields() for grid in self.gains]} if self.gains else {}
         return {
             "axes": [
                 {"signal": a.signal, "lo": decimal(a.lo), "hi": decimal(a.hi), "n": a.n}
@@ -131,6 +159,7 @@ class KsTable:
             "fallback": decimal(self.fallback),
             "rule": [decimal(x) for x in self.rule],
             "values": np.vectorize(decimal)(self.values).tolist(),
+            **gains,
         }
 
     @cached_property
@@ -180,14 +209,22 @@ class KsTable:
         fields, provenance, crc = from_text(text, where)
         try:
             table = cls(
-                axes=tuple(Axis(**axis) for axis in fields["axes"]),
-                **{name: value for name, value in fields.items() if name != "axes"},
+                axes=tuple(Axis(**axis) for axis in fields.pop("axes")),
+                gains=tuple(GainGrid(**grid) for grid in fields.pop("gains", ())),
+                **fields,
                 provenance=provenance,
             )
         except UserError as error:
             raise UserError(f"{where}: {error}") from None
         check_crc(table.fields(), crc, where)
         return table
+
+
+def _rows(obs: NDArray[np.float32]) -> NDArray[np.float32]:
+    rows = np.ascontiguousarray(obs, dtype=np.float32)
+    if rows.ndim != 2 or rows.shape[1] != SIGNAL_N:
+        raise ValueError(f"obs: shape {rows.shape}; give (n, {SIGNAL_N})")
+    return rows
 
 
 def _checked_nodes(values: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:

@@ -23,7 +23,17 @@ Make = Callable[..., Signals]
 
 @pytest.fixture
 def gated() -> Gated:
-    policy = Gated("gated", low=0.2, high=0.3, force=0.6, gate=0.5, release=1.0, hold=3, step=0.25)
+    policy = Gated(
+        "gated",
+        low=0.2,
+        high=0.3,
+        force=0.6,
+        gate=0.5,
+        release=1.0,
+        hold=3e-3,
+        ramp=4e-3,
+        decision=1e-3,
+    )
     policy.reset(1)
     return policy
 
@@ -106,3 +116,11 @@ def test_milliseconds_become_decisions() -> None:
     assert policy.hold == 7
     assert policy.step == pytest.approx(1.0 / 50.0)
     assert policy.gate == pytest.approx(0.5)
+
+
+def test_times_stay_at_another_decision_period() -> None:
+    policy = Gated("gated", low=0.2, high=0.3, force=0.6, gate=0.5, release=1.0, hold=30e-3,
+                   ramp=40e-3, decision=1e-3)  # fmt: skip
+    assert policy.hold == 30 and policy.step == pytest.approx(0.025)
+    policy.follow(5e-3)
+    assert policy.hold == 6 and policy.step == pytest.approx(0.125)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sensorless.baselines.ramp import RULE, TimeRamp
+from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.machine.motor import Motor
 from sensorless.policy import Signals
 
@@ -13,7 +14,7 @@ PAPER = Motor.load("paper")
 
 
 def test_it_takes_its_time_and_can_turn_around(signals: Callable[..., Signals]) -> None:
-    policy = TimeRamp("ramp", 0.2, 0.3, 0.25)
+    policy = TimeRamp("ramp", 0.2, 0.3, 4e-3, 1e-3)
     policy.reset(2)
     path = [(0.25, 0.25), (0.31, 0.25), (0.31, 0.25), (0.19, 0.25), (0.25, 0.25), (0.31, 0.4)]
     k_s = [policy.act(signals(speed=v)).tolist() for v in path]
@@ -30,8 +31,21 @@ def test_40_ms_are_40_decisions(signals: Callable[..., Signals]) -> None:
 
 
 def test_reset_forgets(signals: Callable[..., Signals]) -> None:
-    policy = TimeRamp("ramp", 0.2, 0.3, 0.25)
+    policy = TimeRamp("ramp", 0.2, 0.3, 4e-3, 1e-3)
     policy.reset(1)
     policy.act(signals(speed=1.0))
     policy.reset(1)
     assert policy.act(signals(speed=0.25)).tolist() == [1.0]
+
+
+def test_a_ramp_takes_its_time_at_any_decision_period() -> None:
+    policy = TimeRamp("ramp", 0.2, 0.3, 40e-3, 1e-3)
+    for decision in (1e-3, 5e-3, 20e-3):
+        policy.follow(decision)
+        policy.reset(1)
+        fast = np.zeros((1, SIGNAL_N), dtype=np.float32)
+        fast[0, SIGNAL_NAMES.index("speed")] = 0.5
+        n = 1
+        while policy.act(fast)[0] > 0.0:
+            n += 1
+        assert 40e-3 - 1e-9 <= n * decision <= 41e-3  # rounding may leave one more step of 1 ms

@@ -1,0 +1,62 @@
+/* Decides on k_s, and in the periods after that on the gains. */
+#include "gain_schedule.h"
+
+#include "ks_lookup.h"
+
+int gain_schedule_init(const gain_schedule_params_t *p, gain_schedule_state_t *x,
+                       const drive_params_t *drive, drive_params_t *live) {
+    *live = *drive;
+    ks_schedule_init(&p->ks, &x->ks);
+    x->check = x->ks.check;
+    if (x->check == KS_OK) {
+        x->check = p->table != 0 && p->values != 0
+                       ? gain_table_check(p->table, p->ks.table, p->values)
+                       : KS_BAD_MAGIC;
+    }
+    x->ks.fault |= x->check == KS_OK ? 0 : KS_FAULT_GAINS;
+    x->next = 0;
+    for (int g = 0; g < GAIN_N; g++) {
+        x->value[g] = 0.0f;
+    }
+    return x->check;
+}
+
+/* k_s at the present signals, whose place is kept. */
+static float decide(const gain_schedule_params_t *p, gain_schedule_state_t *x,
+                    const signal_params_t *signal_params, const signal_state_t *signals) {
+    float y[SIGNAL_N];
+    int finite = ks_read_axes(p->ks.table, signal_params, signals, y);
+    x->ks.fault |= finite ? 0 : KS_FAULT_INPUT;
+    x->next = finite ? 0 : p->table->n_gains;
+    ks_table_place(p->ks.table, y, &x->cell);
+    return ks_table_at(p->ks.table, p->ks.values, &x->cell);
+}
+
+/* The next gain. */
+static void advance(const gain_schedule_params_t *p, gain_schedule_state_t *x,
+                    const drive_params_t *drive, drive_params_t *live) {
+    uint32_t g = x->next;
+    float wanted = gain_table_at(p->table, p->ks.table, p->values, &x->cell, g);
+    x->value[g] =
+        gain_step(&p->table->limit[g], p->table->gain[g], x->value[g], wanted, drive, live);
+    x->next = g + 1;
+}
+
+float gain_schedule_step(const gain_schedule_params_t *p, gain_schedule_state_t *x,
+                         const drive_params_t *drive, drive_params_t *live,
+                         const signal_state_t *signals) {
+    if (x->check != KS_OK) {
+        return ks_schedule_step(&p->ks, &x->ks, &drive->signal, signals);
+    }
+    if (x->ks.wait <= 0 || x->ks.wait > p->ks.periods) {
+        x->ks.k_s_ref = decide(p, x, &drive->signal, signals);
+        x->ks.wait = p->ks.periods;
+    } else if (x->next < p->table->n_gains) {
+        advance(p, x, drive, live);
+    }
+    x->ks.wait -= 1;
+    while (x->ks.wait == 0 && x->next < p->table->n_gains) {
+        advance(p, x, drive, live);
+    }
+    return x->ks.k_s_ref;
+}

@@ -1,0 +1,173 @@
+r"""Reward of ``Blend-v1``: running costs of the last 20 ms, integrated over time.
+
+Weights are per 1 ms and every cost is taken over the same 20 ms, so a return does not depend on the
+decision period. With v a root mean square over these 20 ms and s its scale below,
+
+    cost = v^2 / (v^2 + s^2)
+
+which is quadratic while small and cannot exceed 1 in a disturbance. Deviations are those from the
+sensored twin, so a load step or a ramp, which moves both, costs nothing:
+
+    torque_deviation   v: torque minus the twin's, without the injection band
+    torque_ripple      the same about its mean
+    speed_deviation    v: mean speed minus the twin's: overshoot and dips that the estimate caused
+    angle              v: angle error beyond 20 degrees, as a share of the way to lost lock
+    activity           movement of k_s, as its share of the fastest
+    injection          share of time with injection on
+
+Near good schedules a percent of ripple counts four times a percent of deviation: with equal weights
+an agent that also sets gains buys deviation with ripple. A lost scenario costs a multiple of what a
+good schedule pays in one, so that losing early never pays, but not so much that one loss in several
+hundred episodes is all that a learner sees; docs/how-it-learns.md has the figures.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core.api import Array
+from sensorless.envs.reward import ANGLE_FREE, ANGLE_LOST, INF, Term
+from sensorless.machine.motor import Motor
+from sensorless.settings import check, number
+
+WINDOW = 0.02
+"""Time over which every running cost is taken [s]: the window of the published ripple."""
+
+SCALE_TORQUE = 0.20
+"""Torque deviation at which the cost is one half [rated torque]."""
+SCALE_RIPPLE = 0.05
+"""Torque ripple at which the cost is one half [rated torque]."""
+SCALE_SPEED = 0.05
+"""Speed deviation at which the cost is one half [rated speed]."""
+
+KEPT = ("n", "dev_lf_sq", "tau", "tau_twin", "omega_m", "omega_m_twin", "err_sq", "k_s_moved",
+        "injecting")  # fmt: skip
+"""Sums of ``sums_t`` that the costs need."""
+
+
+@dataclass(frozen=True)
+class WindowWeights:
+    """Largest value of each cost."""
+
+    torque_deviation: float = number(
+        0.050, "1/ms", 0, INF, "torque minus the sensored twin's, without the injection band"
+    )
+    torque_ripple: float = number(0.050, "1/ms", 0, INF, "the same about its mean over 20 ms")
+    speed_deviation: float = number(
+        0.050, "1/ms", 0, INF, "speed minus the twin's: overshoot and dips that the estimate caused"
+    )
+    angle: float = number(
+        0.200, "1/ms", 0, INF, "angle error of the blend near losing lock: the warning before"
+    )
+    activity: float = number(0.001, "1/ms", 0, INF, "movement of k_s")
+    injection: float = number(0.0002, "1/ms", 0, INF, "share of time with injection on")
+    lost: float = number(100.0, "1", 0, INF, "once, when lock is lost")
+
+    def __post_init__(self) -> None:
+        """Check every weight.
+
+        Raises
+        ------
+        UserError
+            Names the weight, its value and what it must be.
+        """
+        check(self, "reward weight ")
+
+
+class Window:
+    """Sums of n drives over the last 20 ms, or over their life if that is shorter.
+
+    Parameters
+    ----------
+    n : int
+        Drives.
+    decision : float
+        Time between decisions [s]; the window is the nearest whole number of them.
+    """
+
+    def __init__(self, n: int, decision: float) -> None:
+        self.kept = np.zeros((max(1, round(WINDOW / decision)), len(KEPT), n))
+        """(decisions, sums, n); the oldest is replaced next"""
+        self.at = 0
+
+    def add(self, sums: Array) -> None:
+        """Take in the sums (n,) of a decision."""
+        for j, name in enumerate(KEPT):
+            self.kept[self.at, j] = np.nan_to_num(sums[name], nan=1e12, posinf=1e12, neginf=-1e12)
+        self.at = (self.at + 1) % len(self.kept)
+
+    def clear(self, rows: NDArray[np.intp]) -> None:
+        """Forget the past of some drives."""
+        self.kept[:, :, rows] = 0.0
+
+    def ordered(self) -> NDArray[np.float64]:
+        """Copy of all sums, oldest first."""
+        return np.roll(self.kept, -self.at, axis=0)
+
+    def restore(self, ordered: NDArray[np.float64]) -> None:
+        """Continue from such a copy."""
+        self.kept[:] = ordered
+        self.at = 0
+
+    def totals(self) -> dict[str, NDArray[np.float64]]:
+        """Each sum over the window (n,), added from the oldest on."""
+        return dict(zip(KEPT, self.ordered().sum(axis=0), strict=True))
+
+
+def window_terms(
+    window: Window, sums: Array, lost: NDArray[np.bool_], weights: WindowWeights, motor: Motor
+) -> dict[str, Term]:
+    """Terms of the reward of one decision.
+
+    Parameters
+    ----------
+    window : Window
+        It has taken in ``sums``.
+    sums : array of ``SIM["sums"]``, shape (n,)
+        Sums over the periods of the decision; a drive that did not move earns 0.
+    lost : array of bool, shape (n,)
+        Drives that lost lock in this decision.
+    weights : WindowWeights
+    motor : Motor
+
+    Returns
+    -------
+    dict of str to array of float32, shape (n,)
+        One array per name of ``reward.TERMS``, none above 0; the reward is their sum.
+    """
+    w = window.totals()
+    count = np.maximum(w["n"], 1.0)
+    dev_sq = w["dev_lf_sq"] / count
+    ripple_sq = np.maximum(dev_sq - ((w["tau"] - w["tau_twin"]) / count) ** 2, 0.0)
+    speed = (w["omega_m"] - w["omega_m_twin"]) / count
+    above = (np.sqrt(w["err_sq"] / count) - ANGLE_FREE) / (ANGLE_LOST - ANGLE_FREE)
+    torque, ripple, omega, moved = _scales(motor)
+    costs = {
+        "torque_deviation": dev_sq / (dev_sq + torque),
+        "torque_ripple": ripple_sq / (ripple_sq + ripple),
+        "speed_deviation": speed**2 / (speed**2 + omega),
+        "angle": np.clip(above, 0.0, 1.0) ** 2,
+        "activity": np.minimum(w["k_s_moved"] / (count * moved), 1.0),
+        "injection": w["injecting"] / count,
+    }
+    ms = 1e3 * motor.T_s * sums["n"]
+    out = {
+        name: (-getattr(weights, name) * ms * cost).astype(np.float32)
+        for name, cost in costs.items()
+    }
+    out["lost_penalty"] = np.where(lost, np.float32(-weights.lost), np.float32(0.0))
+    return out
+
+
+@lru_cache(maxsize=8)
+def _scales(motor: Motor) -> tuple[float, float, float, float]:
+    """Squared scales of torque, ripple and speed, and the movement of k_s in a period at 50/s."""
+    tau = motor.tau_rated
+    return (
+        (SCALE_TORQUE * tau) ** 2,
+        (SCALE_RIPPLE * tau) ** 2,
+        (SCALE_SPEED * motor.omega_rated / motor.n_p) ** 2,
+        50.0 * motor.T_s,
+    )

@@ -1,0 +1,32 @@
+"""Plain PPO of stable-baselines3 against Eq. 25: python examples/ppo.py [STEPS]."""
+
+import sys
+
+import torch
+from stable_baselines3 import PPO
+
+from sensorless.agents.train.sb3_adapter import SB3VecEnv
+from sensorless.envs.blend_v1 import GainVectorEnv
+from sensorless.envs.returns import acts, returns
+from sensorless.policies.registry import make_policy
+
+torch.set_num_threads(1)
+env = GainVectorEnv(256, autoreset_mode="SameStep", gains=())  # k_s alone
+model = PPO(
+    "MlpPolicy",
+    SB3VecEnv(env),
+    n_steps=100,  # half a second, the time after which an angle shows in the speed
+    batch_size=3200,
+    n_epochs=4,
+    learning_rate=lambda left: 1e-3 * left,
+    gamma=0.99,
+    policy_kwargs={"log_std_init": -1.0},
+    seed=1,
+    device="cpu",
+)
+model.learn(int(sys.argv[1]) if len(sys.argv) > 1 else 4_000_000)
+
+judge = GainVectorEnv(1024, gains=())
+eq25 = make_policy("eq25", judge.batch.motor)
+print("Eq. 25", returns(judge, acts(eq25, judge), 10**6).mean())
+print("PPO   ", returns(judge, lambda obs: model.predict(obs, deterministic=True)[0], 10**6).mean())

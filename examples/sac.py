@@ -1,0 +1,34 @@
+"""Plain SAC of stable-baselines3 against Eq. 25: python examples/sac.py [STEPS]."""
+
+import sys
+
+import torch
+from stable_baselines3 import SAC
+
+from sensorless.agents.train.sb3_adapter import SB3VecEnv
+from sensorless.envs.blend_v1 import GainVectorEnv
+from sensorless.envs.returns import acts, returns
+from sensorless.policies.registry import make_policy
+
+torch.set_num_threads(1)
+env = GainVectorEnv(64, autoreset_mode="SameStep", gains=())  # k_s alone
+model = SAC(
+    "MlpPolicy",
+    SB3VecEnv(env),
+    learning_starts=25_600,  # one scenario of every drive
+    train_freq=1,
+    gradient_steps=2,
+    batch_size=1024,
+    learning_rate=1e-3,
+    gamma=0.99,
+    ent_coef=0.001,  # costs of a decision are that small
+    policy_kwargs={"net_arch": [64, 64]},
+    seed=1,
+    device="cpu",
+)
+model.learn(int(sys.argv[1]) if len(sys.argv) > 1 else 600_000)
+
+judge = GainVectorEnv(1024, gains=())
+eq25 = make_policy("eq25", judge.batch.motor)
+print("Eq. 25", returns(judge, acts(eq25, judge), 10**6).mean())
+print("SAC   ", returns(judge, lambda obs: model.predict(obs, deterministic=True)[0], 10**6).mean())

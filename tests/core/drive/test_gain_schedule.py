@@ -1,0 +1,186 @@
+"""A schedule that sets gains: what the drive gets, when, and what stays static."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import CONTROL, SIGNAL_N, Array, ffi, lib, pointer, sim_run, sim_signals
+from sensorless.core.gains import GAIN_NAMES, due, gain_records
+from sensorless.decision import decision_periods, decision_time
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.evaluation.rollout import rollout
+from sensorless.machine.motor import Motor
+from sensorless.policy import TablePolicy
+from sensorless.table import gain_image
+from sensorless.table.ks_table import Axis, GainGrid, KsTable
+
+AXES = (Axis("speed", 0.0, 0.6, 4), Axis("disagreement", -1.0, 1.0, 3))
+
+
+def table(gains: tuple[str, ...] = GAIN_NAMES, scale: float = 1.0) -> KsTable:
+    rng = np.random.default_rng(7)
+    k_s = np.array([1.0, 1.0, 0.3, 0.0], dtype=np.float32)[:, None] * np.ones(3, np.float32)
+    grids = tuple(
+        GainGrid(
+            name,
+            (scale * rng.uniform(-1, 0 if name == "amplitude" else 1, (4, 3))).astype(np.float32),
+        )
+        for name in gains
+    )
+    return KsTable(AXES, k_s, gains=grids)
+
+
+class Firmware:
+    """``gain_schedule_*`` for one drive, as an export calls it."""
+
+    def __init__(self, t: KsTable, design: Array, periods: int, decision: float) -> None:
+        self.axes, self.k_s = t.record().reshape(1), t.stored()
+        self.header = gain_image.record(t.gains, self.axes, "f32", decision)
+        self.values = gain_image.stored(t.gains, "f32")
+        self.design, self.live = design.reshape(1).copy(), np.zeros(1, dtype=CONTROL)
+        self.params = ffi.new("gain_schedule_params_t *")
+        self.params.ks.table = pointer(self.axes, "ks_table_t[]")
+        self.params.ks.values = pointer(self.k_s, "char[]")
+        self.params.ks.periods = periods
+        self.params.ks.rule.x_min, self.params.ks.rule.x_max = t.rule
+        self.params.table = pointer(self.header, "gain_table_t[]")
+        self.params.values = pointer(self.values, "char[]")
+        self.state = ffi.new("gain_schedule_state_t *")
+        self.start()
+
+    def _both(self) -> tuple[Any, Any]:
+        return pointer(self.design, "drive_params_t[]"), pointer(self.live, "drive_params_t[]")
+
+    def start(self) -> int:
+        return int(lib.gain_schedule_init(self.params, self.state, *self._both()))
+
+    def step(self, signals: Array) -> float:
+        x = np.ascontiguousarray(signals)
+        return float(lib.gain_schedule_step(self.params, self.state, *self._both(),
+                                            pointer(x, "signal_state_t[]")))  # fmt: skip
+
+
+@pytest.mark.parametrize("estimator", ["smo", "flux", "coupled"])
+def test_a_run_and_the_firmware_agree_to_the_bit(motor: Motor, estimator: str) -> None:
+    """Blocks of drives with gains, against one drive a period at a time as a target runs it."""
+    factory = SimFactory(motor, DriveDesign(estimator=estimator))
+    scenarios = suite("stress-1", motor, 5, 6)
+    scenarios.duration[:] = 0.3
+    t = table()
+    run = rollout(TablePolicy("t", t), scenarios, factory)
+    periods = decision_periods(motor)
+    sims = factory.build(scenarios)
+    schedules = [Firmware(t, c, periods, decision_time(motor)) for c in sims["control"]]
+    obs = np.zeros((6, SIGNAL_N), dtype=np.float32)
+    total = np.zeros_like(sims["sums"]["tau"])
+    for _ in range(int(sims["k_end"].max())):
+        signals = sims["drive"]["x"]["signal"]
+        k_s = np.array([s.step(signals[i]) for i, s in enumerate(schedules)], np.float32)
+        sims["control"] = np.concatenate([s.live for s in schedules])
+        sim_run(sims, 1, k_s, obs, plain=True)
+        total += sims["sums"]["dev_sq"]
+    assert sims["control"]["L_q"]["y"].std() > 0.0
+    np.testing.assert_allclose(run.sums["dev_sq"].sum(axis=0), total, rtol=1e-4)
+    np.testing.assert_array_equal(run.periods, sims["k"])
+    last = rollout_state(t, scenarios, factory)
+    for field in ("theta", "omega"):
+        np.testing.assert_array_equal(
+            last["drive"]["x"]["est"][field], sims["drive"]["x"]["est"][field]
+        )
+
+
+def rollout_state(t: KsTable, scenarios: Any, factory: SimFactory) -> Array:
+    """Drives at the end of what ``rollout`` does."""
+    motor = factory.motor
+    sims = factory.build(scenarios)
+    gains = gain_records(sims, t.ranges, decision_time(motor))
+    obs = np.zeros((len(sims), SIGNAL_N), dtype=np.float32)
+    sim_signals(sims, obs)
+    for _ in range(int(sims["k_end"].max()) // decision_periods(motor)):
+        k_s = t.evaluate(obs)
+        gains["wanted"] = t.evaluate_gains(obs)
+        sim_run(sims, decision_periods(motor), k_s, obs, gains)
+    return sims
+
+
+def test_zero_is_the_static_drive(motor: Motor) -> None:
+    factory = SimFactory(motor, DriveDesign())
+    scenarios = suite("stress-1", motor, 3, 5)
+    t = table(scale=0.0)
+    alone = KsTable(t.axes, t.values)
+    with_gains = rollout(TablePolicy("t", t), scenarios, factory)
+    without = rollout(TablePolicy("t", alone), scenarios, factory)
+    np.testing.assert_array_equal(with_gains.sums, without.sums)
+
+
+@pytest.fixture
+def firmware(motor: Motor) -> Firmware:
+    sims = SimFactory(motor, DriveDesign(estimator="smo")).build(suite("stress-1", motor, 3, 1))
+    return Firmware(table(), sims["control"], 5, 1e-3)
+
+
+def signals_at(speed: float, motor: Motor) -> Array:
+    from sensorless.core.api import SIM
+
+    x = np.zeros(1, dtype=SIM["drive"]["x"]["signal"])
+    x["omega"] = speed * motor.omega_rated
+    return x
+
+
+def test_bandwidths_set_both_gains_of_a_loop(firmware: Firmware, motor: Motor) -> None:
+    for _ in range(500):
+        firmware.step(signals_at(0.3, motor))
+    design, live = firmware.design[0], firmware.live[0]
+    for loop, j in (("smo", 0), ("hfi", 1)):
+        x = firmware.header["limit"][0, j]
+        v = float(firmware.state.value[j])
+        factor = 1.0 + v * (float(x["rise"]) + float(x["bend"]) * v)
+        assert abs(factor - 1.0) > 0.01
+        assert live[loop]["pll"]["k_p"] == pytest.approx(design[loop]["pll"]["k_p"] * factor)
+        assert live[loop]["pll"]["k_i"] == pytest.approx(design[loop]["pll"]["k_i"] * factor**2)
+    assert live["hfi"]["u_inj"] < design["hfi"]["u_inj"]
+    assert len(set((live["L_q"]["y"] / design["L_q"]["y"]).round(5))) == 1
+
+
+def test_one_gain_a_period_after_the_decision(firmware: Firmware, motor: Motor) -> None:
+    moved = []
+    for _ in range(5):
+        before = [float(v) for v in firmware.state.value]
+        firmware.step(signals_at(0.2, motor))
+        after = [float(v) for v in firmware.state.value]
+        moved.append([j for j in range(4) if after[j] != before[j]])
+    assert moved == [[], [0], [1], [2], [3]]
+
+
+@pytest.mark.parametrize(("periods", "n"), [(1, 4), (2, 3), (3, 4), (5, 4), (25, 2)])
+def test_every_gain_is_due_once(periods: int, n: int) -> None:
+    found = [g for period in range(periods) for g in due(period, periods, n)]
+    assert found == list(range(n))
+
+
+def test_a_refused_grid_leaves_gains_static(firmware: Firmware, motor: Motor) -> None:
+    firmware.values[3] = 0.25
+    assert firmware.start() == lib.KS_BAD_CRC
+    weights = [firmware.step(signals_at(0.3, motor)) for _ in range(20)]
+    assert weights[0] == pytest.approx(table().evaluate(_obs(0.3))[0])
+    assert firmware.state.ks.fault == lib.KS_FAULT_GAINS
+    assert firmware.live.tobytes() == firmware.design.tobytes()
+
+
+def test_a_bad_signal_leaves_gains_as_they_are(firmware: Firmware, motor: Motor) -> None:
+    for _ in range(50):
+        firmware.step(signals_at(0.3, motor))
+    held = firmware.live.tobytes()
+    for _ in range(50):
+        firmware.step(signals_at(float("nan"), motor))
+    assert firmware.live.tobytes() == held
+    assert firmware.state.ks.fault == lib.KS_FAULT_INPUT
+
+
+def _obs(speed: float) -> Array:
+    obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
+    obs[0, 0] = speed
+    return obs

@@ -1,0 +1,67 @@
+"""An export whose schedule also sets gains."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sensorless.design.drive import DriveDesign
+from sensorless.export.core_files import core_files
+from sensorless.export.export import Exported, export
+from sensorless.machine.motor import Motor
+from sensorless.table.ks_table import Axis, GainGrid, KsTable
+
+AXES = (Axis("speed", 0.1, 0.5, 3), Axis("disagreement", -1.0, 1.0, 2))
+
+
+@pytest.fixture(scope="module")
+def with_gains(motor: Motor, tmp_path_factory: pytest.TempPathFactory) -> Exported:
+    """Export that has passed its self test, where there is a compiler."""
+    k_s = np.array([[1.0, 1.0], [0.6, 0.4], [0.0, 0.0]])
+    grids = (
+        GainGrid("observer", np.array([[0.0, 0.5], [1.0, -0.2], [0.3, 0.3]])),
+        GainGrid("amplitude", np.array([[0.0, -0.5], [-1.0, -0.2], [0.0, 0.0]])),
+    )
+    table = KsTable(AXES, k_s, gains=grids)
+    folder = tmp_path_factory.mktemp("gains") / "export"
+    return export(table, motor, DriveDesign(k_s_slew=table.slew_per_s), folder)
+
+
+def test_the_self_test_covers_gains(with_gains: Exported) -> None:
+    assert with_gains.self_test.ran
+    text = (with_gains.folder / "ks_table_data.h").read_text()
+    assert "#define KS_TABLE_GAINS 2 " in text and "gain_vectors_q15" in text
+    assert (
+        ".gain = {GAIN_OBSERVER, GAIN_AMPLITUDE}"
+        in (with_gains.folder / "ks_table_data.c").read_text()
+    )
+
+
+def test_a_damaged_value_fails_the_self_test(with_gains: Exported, tmp_path: Path) -> None:
+    import shutil
+
+    from sensorless.errors import UserError
+    from sensorless.export.selftest import run_selftest
+
+    copy = shutil.copytree(with_gains.folder, tmp_path / "copy")
+    data = copy / "ks_table_q15.c"
+    text = data.read_text()
+    assert text.count("16384") >= 1  # 0.5 of the observer's grid
+    data.write_text(text.replace("16384", "16385"))
+    with pytest.raises(UserError, match="Q15 gains: check: wrong CRC"):
+        run_selftest(copy)
+
+
+def test_the_readme_calls_the_schedule_with_gains(with_gains: Exported) -> None:
+    text = (with_gains.folder / "README.md").read_text()
+    assert "gain_schedule_init(&gain_schedule_params, &schedule, &drive_params, &live)" in text
+    assert "drive_step(&live, &drive, &in)" in text
+    assert "| amplitude | 0.5 | 1 | 10 |" in text
+
+
+def test_what_sets_gains_ships_only_with_gains(with_gains: Exported, exported: Exported) -> None:
+    alone = {path.name for path in (exported.folder / "core").iterdir()}
+    assert not any(name.startswith("gain") for name in alone)
+    found = {path.name for path in (with_gains.folder / "core").iterdir()}
+    assert found == set(core_files(gains=True)) and found > alone
+    assert "ks_schedule_init(&schedule_params" in (exported.folder / "README.md").read_text()
