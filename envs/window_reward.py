@@ -8,7 +8,7 @@ decision period. With v a root mean square over these 20 ms and s its scale belo
 which is quadratic while small and cannot exceed 1 in a disturbance. Deviations are those from the
 sensored twin, so a load step or a ramp, which moves both, costs nothing:
 
-    torque_deviation   v: torque minus the twin's, without the injection band
+    torque_deviation   v: torque minus the twin's
     torque_ripple      the same about its mean
     speed_deviation    v: mean speed minus the twin's: overshoot and dips that the estimate caused
     angle              v: angle error beyond 20 degrees, as a share of the way to lost lock
@@ -42,7 +42,7 @@ SCALE_RIPPLE = 0.05
 SCALE_SPEED = 0.05
 """Speed deviation at which the cost is one half [rated speed]."""
 
-KEPT = ("n", "dev_lf_sq", "tau", "tau_twin", "omega_m", "omega_m_twin", "err_sq", "k_s_moved",
+KEPT = ("n", "dev_sq", "tau", "tau_twin", "omega_m", "omega_m_twin", "err_sq", "k_s_moved",
         "injecting")  # fmt: skip
 """Sums of ``sums_t`` that the costs need."""
 
@@ -51,9 +51,7 @@ KEPT = ("n", "dev_lf_sq", "tau", "tau_twin", "omega_m", "omega_m_twin", "err_sq"
 class WindowWeights:
     """Largest value of each cost."""
 
-    torque_deviation: float = number(
-        0.050, "1/ms", 0, INF, "torque minus the sensored twin's, without the injection band"
-    )
+    torque_deviation: float = number(0.050, "1/ms", 0, INF, "torque minus the sensored twin's")
     torque_ripple: float = number(0.050, "1/ms", 0, INF, "the same about its mean over 20 ms")
     speed_deviation: float = number(
         0.050, "1/ms", 0, INF, "speed minus the twin's: overshoot and dips that the estimate caused"
@@ -139,7 +137,7 @@ def window_terms(
     """
     w = window.totals()
     count = np.maximum(w["n"], 1.0)
-    dev_sq = w["dev_lf_sq"] / count
+    dev_sq = w["dev_sq"] / count
     ripple_sq = np.maximum(dev_sq - ((w["tau"] - w["tau_twin"]) / count) ** 2, 0.0)
     speed = (w["omega_m"] - w["omega_m_twin"]) / count
     above = (np.sqrt(w["err_sq"] / count) - ANGLE_FREE) / (ANGLE_LOST - ANGLE_FREE)

@@ -47,6 +47,11 @@ class TableModule(nn.Module):
         k_s = torch.tensor(table.values.reshape(-1))
         beyond = MARGIN * ((k_s >= 1.0).float() - (k_s <= 0.0).float())
         self.values = nn.Parameter(k_s + beyond)
+        grids = [torch.tensor(grid.values.reshape(-1)) for grid in table.gains]
+        self.gains = nn.Parameter(torch.stack(grids)) if grids else None
+        """Values of the gains (m, nodes), in their bounds"""
+        limits = [grid.range.limits(1.0) for grid in table.gains]
+        self._bounds = [(x["least"], x["most"]) for x in limits]
         for name, numbers in {
             "x0": [axis.lo for axis in axes],
             "inv_step": [float(axis.inv_step) for axis in axes],
@@ -91,6 +96,19 @@ class TableModule(nn.Module):
         beyond = self._mixed(self.values.take(nodes), frac)
         return torch.where(finite & ((k_s <= 0.0) | (k_s >= 1.0)), beyond, k_s)
 
+    @property
+    def outputs(self) -> int:
+        """Numbers of an action: k_s, then the gains."""
+        return 1 + len(self._table.gains)
+
+    def action(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
+        """Centre of the exploration as an action (n, outputs): 2 k_s - 1, then the gains."""
+        mean = 2.0 * self.centre(nodes, frac, finite)[:, None] - 1.0
+        if self.gains is None:
+            return mean
+        values = [self._mixed(grid.take(nodes), frac)[:, None] for grid in self.gains]
+        return torch.cat((mean, *values), dim=1)
+
     def _mixed(self, value: Tensor, frac: Tensor) -> Tensor:
         """Interpolate (n,) between the values (n, 2^axes) of the corners."""
         for a in reversed(range(len(self.shape))):
@@ -122,6 +140,8 @@ class TableModule(nn.Module):
             and the running maximum from above, which leaves a falling line unchanged.
         """
         self.values.clamp_(-MARGIN, 1.0 + MARGIN)
+        for grid, (least, most) in zip(self.gains or (), self._bounds, strict=False):
+            grid.clamp_(least, most)
         if not monotone or self._speed not in self._columns:
             return
         axis = self._columns.index(self._speed)
@@ -130,7 +150,18 @@ class TableModule(nn.Module):
         most = grid.flip(axis).cummax(dim=axis).values.flip(axis)
         grid.copy_(0.5 * (least + most))
 
-    def table(self, values: Tensor | None = None) -> KsTable:
-        """Return the table with the present values, or with ``values``."""
-        nodes = (self.values.detach() if values is None else values).clamp(0.0, 1.0)
-        return replace(self._table, values=nodes.numpy().reshape(self.shape).copy())
+    def vector(self) -> Tensor:
+        """Copy of all node values, k_s first."""
+        parts = [self.values] if self.gains is None else [self.values, self.gains.reshape(-1)]
+        return torch.cat([part.detach() for part in parts])
+
+    def table(self, vector: Tensor | None = None) -> KsTable:
+        """Return the table with the present values, or with those of a ``vector``."""
+        given = self.vector() if vector is None else vector
+        k_s, *gains = given.split(self.values.numel())
+        grids = tuple(
+            replace(grid, values=v.clamp(least, most).numpy().reshape(self.shape).copy())
+            for grid, v, (least, most) in zip(self._table.gains, gains, self._bounds, strict=True)
+        )
+        nodes = k_s.clamp(0.0, 1.0).numpy().reshape(self.shape).copy()
+        return replace(self._table, values=nodes, gains=grids)

@@ -20,24 +20,27 @@ class NodeNoise(DiagGaussianDistribution):
     single action is Normal(mean, std), and that is what PPO's ratio uses.
     """
 
-    def __init__(self, kernel: NodeKernel) -> None:
-        super().__init__(action_dim=1)
+    def __init__(self, kernel: NodeKernel, outputs: int = 1) -> None:
+        super().__init__(action_dim=outputs)
         self._kernel = kernel
-        self.z = torch.zeros(0, 0)
-        """(n_envs, nodes) noise that is held."""
-        self._offset = torch.zeros(0, 1)
+        self.z = torch.zeros(0, outputs, 0)
+        """(n_envs, outputs, nodes) noise that is held."""
+        self._offset = torch.zeros(0, outputs)
 
     def draw(self, n_envs: int) -> None:
         """Draw new noise for every pair of environments and every node, opposite within a pair."""
-        self.z = opposite(self._kernel.sample((n_envs + 1) // 2))[:n_envs]
+        pairs = (n_envs + 1) // 2
+        z = self._kernel.sample(pairs * self.action_dim).reshape(pairs, self.action_dim, -1)
+        self.z = opposite(z)[:n_envs]
 
     def at(
         self, mean: Tensor, std: Tensor, nodes: Tensor, frac: Tensor, weights: Tensor
     ) -> "NodeNoise":
-        """Set the distribution at n observations from means (n, 1), corner nodes and weights."""
+        """Set the distribution at n observations from means (n, outputs), corners and weights."""
         self.distribution = Normal(mean, std.expand_as(mean))
         if len(self.z) == len(mean):
-            z = (self.z.gather(1, nodes) * weights).sum(dim=1, keepdim=True)
+            corners = nodes[:, None].expand(-1, self.action_dim, -1)
+            z = (self.z.gather(2, corners) * weights[:, None]).sum(dim=2)
             self._offset = std * z / self._kernel.spread(frac)
         else:
             self._offset = std * torch.randn_like(mean)

@@ -91,8 +91,8 @@ class TableActorCritic(ActorCriticPolicy):
         )
         self.std = torch.tensor(2.0 * s["noise"])
         self.kernel = NodeKernel(self.actor.shape, s["smoothness"])
-        self._size = 0.0
-        self.exploration = NodeNoise(self.kernel)
+        self._size = [0.0] * self.actor.outputs
+        self.exploration = NodeNoise(self.kernel, self.actor.outputs)
         self.action_dist = self.exploration
         self.optimizer = torch.optim.Adam(
             [
@@ -105,14 +105,28 @@ class TableActorCritic(ActorCriticPolicy):
         self.optimizer.register_step_post_hook(self._after_step)
 
     def _before_step(self, *_: object) -> None:
-        nodes = self.actor.values
-        if nodes.grad is None or not self.learn_actor:
-            nodes.grad = None
+        grids = [self.actor.values] if self.actor.gains is None else [
+            self.actor.values, self.actor.gains
+        ]  # fmt: skip
+        if self.actor.values.grad is None or not self.learn_actor:
+            for grid in grids:
+                grid.grad = None
             return
-        smooth = self.kernel.smooth(nodes.grad)
+        output = 0
+        for grid in grids:
+            assert grid.grad is not None
+            rows = grid.grad.reshape(-1, self.actor.values.numel())
+            scaled = [self._scaled(row, output + j) for j, row in enumerate(rows)]
+            grid.grad = torch.stack(scaled).reshape(grid.shape)
+            output += len(rows)
+
+    def _scaled(self, gradient: Tensor, output: int) -> Tensor:
+        """Gradient of one grid, smoothed and in units of its usual size."""
+        smooth = self.kernel.smooth(gradient)
         size = float(smooth.square().mean().sqrt())
-        self._size += (size - self._size) * (0.05 if self._size else 1.0)
-        nodes.grad = smooth / max(self._size, 1e-30)
+        old = self._size[output]
+        self._size[output] = old + (size - old) * (0.05 if old else 1.0)
+        return smooth / max(self._size[output], 1e-30)
 
     def _after_step(self, *_: object) -> None:
         self.actor.project(monotone=self.monotone)
@@ -123,7 +137,7 @@ class TableActorCritic(ActorCriticPolicy):
 
     def _get_action_dist_from_latent(self, latent_pi: Tensor) -> Distribution:
         nodes, frac, finite = self.actor.corners(latent_pi)
-        mean = 2.0 * self.actor.centre(nodes, frac, finite)[:, None] - 1.0
+        mean = self.actor.action(nodes, frac, finite)
         return self.exploration.at(mean, self.std, nodes, frac, self.actor.weights(frac))
 
     def steps(self) -> list[float]:
@@ -131,8 +145,8 @@ class TableActorCritic(ActorCriticPolicy):
         return [self._settings["lr_nodes"], self._lr_critic]
 
     def vector(self) -> Tensor:
-        """Copy of the node values."""
-        return self.actor.values.detach().clone()
+        """Copy of all node values."""
+        return self.actor.vector()
 
     def schedule(self, vector: Tensor) -> TablePolicy:
         """Return the schedule with other node values."""

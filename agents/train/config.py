@@ -1,14 +1,17 @@
 """Settings of a training run: the options of the command and the content of ``config.json``."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from sensorless.agents.table.start import start_table
+from sensorless.core.gains import GAIN_NAMES
 from sensorless.decision import TRAINING
 from sensorless.envs.scenarios.machine_family import MOST_MACHINES
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.settings import check, number, switch, word
-from sensorless.table.ks_table import KsTable
+from sensorless.table.ks_table import GainGrid, KsTable
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,11 @@ class TrainConfig:
         "eq25",
         "start from this schedule: eq25, linear:LO,HI [r/min], a file that sensorless tune wrote, "
         "or the folder of a training run",
+    )
+    gains: str = word(
+        "",
+        "let the table also set these gains of the drive, commas between: observer, injection, "
+        "l_q, amplitude; they start static, and the reward is that of Blend-v1; tables only",
     )
     n_envs: int = number(
         256,
@@ -116,6 +124,9 @@ class TrainConfig:
         2.0, "nodes", 0, 10, "let nodes explore and move together over this distance"
     )
     monotone: bool = switch(False, "keep k_s from rising with speed; tables only")
+    ripple_weight: float = number(
+        1.0, "1", 0, 1e3, "weigh ripple so much in the objective by which the best table is kept"
+    )
     average: int = number(5, "1", 1, 10**6, "validate and keep the mean table of this many updates")
     warm_up: int = number(2, "1", 0, 10**6, "update the critic alone this many times first")
     decision_ms: float = number(
@@ -162,6 +173,12 @@ class TrainConfig:
         check(self)
         if self.monotone and self.policy_kind != "table":
             raise UserError("monotone: True: only a table can be: use policy_kind table")
+        if self.gains and self.policy_kind != "table":
+            raise UserError("gains: only a table sets them: use policy_kind table")
+        for name in self.gain_names:
+            if name not in GAIN_NAMES:
+                known = ", ".join(GAIN_NAMES)
+                raise UserError(f"gains: {name!r} is unknown; choose from {known}")
         if self.n_envs % 2:
             raise UserError(f"n_envs: {self.n_envs}: must be even")
         if 2 * self.machines > self.n_envs:
@@ -169,6 +186,21 @@ class TrainConfig:
                 f"machines: {self.machines}: must be at most half of n_envs = {self.n_envs}"
             )
 
+    @property
+    def gain_names(self) -> tuple[str, ...]:
+        """Names in ``gains``, in the order of every table."""
+        given = [name.strip() for name in self.gains.split(",") if name.strip()]
+        known = [name for name in GAIN_NAMES if name in given]
+        return (*known, *(name for name in given if name not in GAIN_NAMES))
+
     def start_table(self, source: KsTable, motor: Motor, slew_per_s: float) -> KsTable:
-        """Return the table training starts from: ``source`` on the axes of this run."""
-        return start_table(self.axes, self.start, source, motor, slew_per_s)
+        """Return the table training starts from: ``source`` on the axes of this run.
+
+        The gains of a source are kept where its axes are; others start at 0.
+        """
+        table = start_table(self.axes, self.start, source, motor, slew_per_s)
+        kept = {g.gain: g for g in source.gains} if self.axes == "start" else {}
+        zero = np.zeros(table.values.shape, dtype=np.float32)
+        names = self.gain_names
+        grids = tuple(kept[name] if name in kept else GainGrid(name, zero) for name in names)
+        return replace(table, gains=grids)

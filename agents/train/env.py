@@ -1,6 +1,7 @@
 """Environments to train in: scenarios of the suite ``stress-1`` with the role ``train``."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.envs.scenarios.suites import ROLES
 from sensorless.envs.several import SeveralMachines
+from sensorless.envs.window_reward import WindowWeights
 from sensorless.machine.motor import Motor
 
 
@@ -28,6 +30,12 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
     Pairs are spread evenly over the machines; the first machines get what is left over.
     """
     share, more = divmod(config.n_envs // 2, len(motors))
+    names = config.gain_names
+    own: dict[str, Any] = {
+        "weights": RewardWeights(lost=config.lost_penalty, angle=config.angle_cost)
+    }
+    if names:
+        own = {"weights": WindowWeights(), "gains": names}
     envs = [
         BlendVectorEnv(
             2 * (share + (i < more)),
@@ -36,7 +44,7 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
             design=design,
             decision_period=1e-3 * config.decision_ms,
             scenarios=training_scenarios,
-            weights=RewardWeights(lost=config.lost_penalty, angle=config.angle_cost),
+            **own,
         )
         for i, motor in enumerate(motors)
     ]

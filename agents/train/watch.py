@@ -107,7 +107,7 @@ class Watch(BaseCallback):
         policy = self.actor
         schedule = policy.schedule(policy.vector() if self._mean is None else self._mean)
         found = validate_all(schedule, self._factories, self._config.validate_size)
-        better = self.best is None or found.objective < self.best.objective
+        better = self.best is None or self._score(found) < self._score(self.best)
         if better:
             self.best = found
             facts = {"steps": self.model.num_timesteps, "validation": dataclasses.asdict(found)}
@@ -117,6 +117,10 @@ class Watch(BaseCallback):
         if self._report is not None:
             self._report(min(self.share, 1.0), self.model.num_timesteps, found)
         self._last_step = self.model.num_timesteps
+
+    def _score(self, cost: Cost) -> float:
+        """Objective with the run's own weight of ripple."""
+        return cost.objective + (self._config.ripple_weight - 1.0) * cost.torque_ripple
 
     def _log(self, found: Cost, better: bool) -> None:
         """Add a row to the learning curve: TensorBoard, and a file that a resumed run continues."""

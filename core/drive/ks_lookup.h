@@ -15,8 +15,8 @@ CORE_INLINE uint32_t bits_of(float x) {
     return y.u;
 }
 
-#define BITS_OF_ONE 0x3F800000UL /* as unsigned numbers, at most these: floats from 0 to 1 */
-#define BITS_OF_INFINITY 0x7F800000UL
+#define BITS_OF_ONE 0x3F800000U /* as unsigned numbers, at most these: floats from 0 to 1 */
+#define BITS_OF_INFINITY 0x7F800000U
 
 /* Fills those of y[SIGNAL_N] that the table reads. Returns whether all of them are finite: x - x is
  * 0 if x is finite and NaN if not. */
