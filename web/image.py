@@ -25,6 +25,8 @@ from web.words import ESTIMATORS as WORDS
 from web.words import FAULTS, LOST, PHASES
 
 ALIGN = 8
+SEEDS = 100
+"""Noises that the page offers, those of ``sensorless simulate --seed``."""
 LEVERS = {"R_s": "resistance", "psi_f": "magnet", "J": "inertia"}
 """Fields of ``Scenarios`` that scale parameters of the plant, and their names on the page."""
 
@@ -49,6 +51,11 @@ def scenario(motor: Motor, **changed: float) -> Scenarios:
     for name, value in changed.items():
         getattr(s, name)[:] = value
     return s
+
+
+def _noise(seed: int) -> np.uint32:
+    """Seed of a drive's sensors for a seed of the command line."""
+    return np.uint32(combine(seed, np.arange(1))[0] & np.uint64(0xFFFFFFFF))
 
 
 def template(motor: Motor, estimator: str, **changed: float) -> Array:
@@ -117,6 +124,7 @@ def image() -> tuple[bytes, str]:
         "trace": list(TRACE_NAMES),
         "signals": list(SIGNAL_NAMES),
         "rows": max(decision_periods(motor) for motor in map(Motor.load, MOTORS)),
+        "seeds": [int(_noise(seed)) for seed in range(SEEDS)],
         "lost": _bits("LOST_", LOST),
         "faults": _bits("FAULT_", FAULTS),
         "phases": _bits("START_", PHASES),

@@ -5,6 +5,7 @@ import numpy as np
 from sensorless.core.api import SIGNAL_N, Array, sim_signals, sim_trace
 from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -25,13 +26,14 @@ def final(
     n: int,
     *,
     seek: bool = False,
+    seed: int = 0,
 ) -> Array:
     """Record of ``SIM`` (1,) after n decisions; levers as on the page."""
     share = {key: levers[key] / 100.0 for key in ("resistance", "magnet", "inertia", "link")}
     s = scenario(motor, R_s=share["resistance"], psi_f=share["magnet"], J=share["inertia"])
     s.omega[:, 0], s.tau[:, 0] = RPM_TO_RAD_S * levers["speed"], levers["load"]
     s.u_dc[:, 0] = share["link"]
-    s.seek[:] = seek
+    s.seek[:], s.seed[:] = seek, combine(seed, np.arange(1))
     if levers["ramp"]:
         s.omega_rate[:, 0] = levers["ramp"] * RPM_TO_RAD_S
     sim = SimFactory(motor, DriveDesign(estimator=estimator)).build(s)

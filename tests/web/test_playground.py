@@ -16,6 +16,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from tests.web.conftest import Shown
 from tests.web.native import Move, final
+from web.browser import prefer, size_to
 from web.build import MOST
 
 NAMES = ("speed", "ramp", "load", "resistance", "magnet", "inertia", "link")
@@ -83,8 +84,8 @@ def test_other_machine_has_them_too(shown: Shown) -> None:
 
 
 def test_start_without_the_angle_has_them_too(shown: Shown, motor: Motor) -> None:
-    repeat(shown, link(motor.name, ["coupled eq25"], LEVERS, [], 500) + "&k=1", 500)
-    native = final(motor, "coupled", "eq25", LEVERS, [], 500, seek=True)
+    repeat(shown, link(motor.name, ["coupled eq25"], LEVERS, [], 500) + "&k=1&s=3", 500)
+    native = final(motor, "coupled", "eq25", LEVERS, [], 500, seek=True, seed=3)
     assert native["start"]["seek"][0] == 1
     assert native["drive"]["x"]["start"]["phase"][0] == 0
     assert np.array_equal(state(shown, 0), native.view(np.uint8))
@@ -175,7 +176,7 @@ def test_every_control_has_a_name(shown: Shown) -> None:
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_text_contrast_is_aa(shown: Shown, scheme: str) -> None:
-    shown.scheme(scheme)
+    prefer(shown.driver, scheme)
     assert shown.run(CHECKS + "return faint(4.5);") == []
 
 
@@ -184,8 +185,8 @@ def test_pictures_are_drawn_at_any_width(
     shown: Shown, motor: Motor, tmp_path: Path, width: int, height: int
 ) -> None:
     """Both drives' colours are on every plot, and nothing is wider than the window."""
-    shown.scheme("light")
-    shown.size_to(width, height, mobile=width < 500)
+    prefer(shown.driver, "light")
+    size_to(shown.driver, width, height, mobile=width < 500)
     sides = ["coupled reference", "smo sliding_mode"]
     repeat(shown, link(motor.name, sides, LEVERS, MOVES, 1600), 1600)
     wait(shown, "playground.page.plots.plots[0].width > 0")

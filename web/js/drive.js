@@ -16,7 +16,7 @@ export class Drive {
     this.template = core.image + motor.sims[estimator];
     core.copy(this.template, this.at, core.layout.sizes.sim);
     this.table.load(rule);
-    if (seed !== 0) this.set("seed", seed);
+    this.set("seed", core.layout.seeds[seed]);
     this.set("start.seek", seek ? 1 : 0);
     for (const [name, value] of Object.entries(levers)) this.pull(name, value);
     core.lib.sim_start(this.at, 1);

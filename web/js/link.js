@@ -40,7 +40,7 @@ export function fromLink(hash, layout) {
     setup: {
       motor,
       sides,
-      seed: whole(found.get("s")) >>> 0,
+      seed: Math.min(whole(found.get("s")), layout.seeds.length - 1),
       seek: found.get("k") === "1" && motor.seeks,
       levers: Object.fromEntries(LEVER_NAMES.map((name, j) => [name, numbers[j]])),
       moves,

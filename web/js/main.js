@@ -13,7 +13,6 @@ import { Sides } from "./sides.js";
 import { TableEditor } from "./table_editor.js";
 
 const FIRST = "reversal"; // scenario of the first run
-const MOST_SEED = 2 ** 32 - 1;
 const PACES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
 
 const $ = (id) => document.getElementById(id);
@@ -55,7 +54,7 @@ class Page {
     $("seek").addEventListener("change", () => this.again({ seek: $("seek").checked }));
     $("seed").addEventListener("change", () => {
       const seed = Math.floor(Number($("seed").value)) || 0;
-      this.again({ seed: Math.min(Math.max(seed, 0), MOST_SEED) });
+      this.again({ seed: Math.min(Math.max(seed, 0), this.layout.seeds.length - 1) });
     });
     $("run").addEventListener("click", () => this.toggle());
     $("restart").addEventListener("click", () => this.again());
@@ -182,7 +181,8 @@ class Page {
   }
 
   toggle() {
-    this.pace[this.pace.running ? "stop" : "start"]();
+    if (this.run.over) this.again();
+    else this.pace[this.pace.running ? "stop" : "start"]();
   }
 
   setFactor(value) {
