@@ -26,7 +26,7 @@ class GainEnv(BlendEnv):
 
     **Reward**
     The terms of `WindowWeights`: running costs over the last 20 ms, integrated over time, together
-    at most 0.36 per 1 ms, and lost_penalty (-100, once). A return does not depend on the decision
+    at most 0.30 per 1 ms, and lost_penalty (-200, once). A return does not depend on the decision
     period but for what the decisions themselves change. ``sensorless.envs.window_reward`` has the
     formulas.
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.envs.blend_vector_env import BlendVectorEnv
+from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.signals import Observation
 from sensorless.policy import PacedPolicy, Policy
 
@@ -13,12 +14,16 @@ Act = Callable[[Observation], NDArray[np.float32]]
 """From observations (n, N_SIGNALS) to actions (n, m)."""
 
 
-def returns(env: BlendVectorEnv, act: Act, seed: int) -> NDArray[np.float64]:
+def returns(
+    env: BlendVectorEnv, act: Act, seed: int, scenarios: Scenarios | None = None
+) -> NDArray[np.float64]:
     """Returns (n,) of the first episode of each drive, with seeds ``seed``, ``seed`` + 1, ...
+
+    With ``scenarios`` of n rows, these are the episodes.
 
     The environment must have ``autoreset_mode="NextStep"``, its default.
     """
-    obs, _ = env.reset(seed=seed)
+    obs, _ = env.reset(seed=seed, options=None if scenarios is None else {"scenario": scenarios})
     earned = np.zeros(env.num_envs)
     lives = np.ones(env.num_envs, dtype=bool)
     while lives.any():

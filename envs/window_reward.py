@@ -52,16 +52,16 @@ class WindowWeights:
     """Largest value of each cost."""
 
     torque_deviation: float = number(0.050, "1/ms", 0, INF, "torque minus the sensored twin's")
-    torque_ripple: float = number(0.050, "1/ms", 0, INF, "the same about its mean over 20 ms")
+    torque_ripple: float = number(0.025, "1/ms", 0, INF, "the same about its mean over 20 ms")
     speed_deviation: float = number(
-        0.050, "1/ms", 0, INF, "speed minus the twin's: overshoot and dips that the estimate caused"
+        0.020, "1/ms", 0, INF, "speed minus the twin's: overshoot and dips that the estimate caused"
     )
     angle: float = number(
         0.200, "1/ms", 0, INF, "angle error of the blend near losing lock: the warning before"
     )
     activity: float = number(0.001, "1/ms", 0, INF, "movement of k_s")
     injection: float = number(0.0002, "1/ms", 0, INF, "share of time with injection on")
-    lost: float = number(100.0, "1", 0, INF, "once, when lock is lost")
+    lost: float = number(200.0, "1", 0, INF, "once, when lock is lost")
 
     def __post_init__(self) -> None:
         """Check every weight.

@@ -140,8 +140,9 @@ class TableModule(nn.Module):
             and the running maximum from above, which leaves a falling line unchanged.
         """
         self.values.clamp_(-MARGIN, 1.0 + MARGIN)
-        for grid, (least, most) in zip(self.gains or (), self._bounds, strict=False):
-            grid.clamp_(least, most)
+        if self.gains is not None:
+            for values, (least, most) in zip(self.gains, self._bounds, strict=True):
+                values.clamp_(least, most)
         if not monotone or self._speed not in self._columns:
             return
         axis = self._columns.index(self._speed)
