@@ -117,6 +117,15 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
     x->signal.omega_ref = omega;
     x->signal.k_s = k_s;
     control_ready(&p->control, &x->control, omega);
+    x->check = 0;
     start_begin(&x->start);
     x->start.phase = START_DONE;
+}
+
+CORE_COLD ab_t drive_mend(const drive_params_t *p, drive_state_t *x) {
+    int fault = x->fault;
+    drive_init(p, x, 0.0f, 0.0f, 1.0f);
+    x->fault = fault | FAULT_STATE;
+    drive_find_rotor(x);
+    return x->u_1;
 }

@@ -7,11 +7,21 @@
 #define SENSORLESS_DRIVE_H
 
 #include "drive_actuate.h"
+#include "drive_check.h"
 #include "drive_guard.h"
 #include "drive_observe.h"
 #include "drive_start.h"
 #include "drive_types.h"
 #include "vector.h"
+
+/* No voltage and a new start in the place of a damaged state: FAULT_STATE. */
+ab_t drive_mend(const drive_params_t *p, drive_state_t *x);
+
+/* The voltage u of this period if the state is sound. */
+CORE_INLINE ab_t drive_checked(const drive_params_t *p, drive_state_t *x, ab_t u) {
+    int hurt = SCALAR_ONLY(!CORE_LIKELY(drive_sound(&p->guard, x, u)));
+    return hurt ? drive_mend(p, x) : u;
+}
 
 /* The whole period. */
 CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
@@ -19,14 +29,15 @@ CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
     drive_in_t in = drive_guard(&p->guard, x, raw);
     ab_t i_ab = phases_to_ab(in.i_a, in.i_b);
     drive_guard_current(&p->guard, x, i_ab);
+    x->check = check_next(x->check);
     if (SCALAR_ONLY(x->start.phase != START_DONE)) {
-        return drive_seek(p, x, &in, i_ab);
+        return drive_checked(p, x, drive_seek(p, x, &in, i_ab));
     }
     rot_t r = drive_observe(p, x, i_ab, in.k_s_ref);
     float s = hfi_inject(&p->hfi, &x->hfi, x->k_s > 0.0f || in.k_s_ref > 0.0f);
     ab_t u = drive_actuate(p, x, &in, i_ab, x->est, r, s);
     drive_signals(&p->signal, x, in.omega_ref);
-    return u;
+    return drive_checked(p, x, u);
 }
 
 #ifdef __cplusplus

@@ -18,11 +18,12 @@
 
 /* Bits of drive_state_t.fault. */
 enum {
-    FAULT_CURRENT = 1,      /* a current sample was not finite or beyond what can be measured */
-    FAULT_U_DC = 2,         /* the DC-link voltage was not finite, too low or too high */
-    FAULT_COMMAND = 4,      /* speed reference, k_s or an argument of drive_init out of range */
-    FAULT_POLE = 8,         /* the start sequence was not sure of the north pole */
-    FAULT_OVER_CURRENT = 16 /* the current vector was beyond the limit: open the bridge */
+    FAULT_CURRENT = 1,       /* a current sample was not finite or beyond what can be measured */
+    FAULT_U_DC = 2,          /* the DC-link voltage was not finite, too low or too high */
+    FAULT_COMMAND = 4,       /* speed reference, k_s or an argument of drive_init out of range */
+    FAULT_POLE = 8,          /* the start sequence was not sure of the north pole */
+    FAULT_OVER_CURRENT = 16, /* the current vector was beyond the limit: open the bridge */
+    FAULT_STATE = 128 /* the state was damaged: the drive started anew, without voltage at first */
 };
 
 /* What inputs of a period may be. */
@@ -32,7 +33,7 @@ typedef struct {
     float u_dc_min;  /* least DC-link voltage that sets no fault [V] */
     float u_dc_max;  /* largest plausible DC-link voltage [V] */
     float omega;     /* largest plausible speed, electrical [rad/s] */
-    float reserved;
+    float u_out;     /* largest voltage of a component that the drive can compute [V] */
 } guard_params_t;
 
 typedef struct {
@@ -66,6 +67,7 @@ typedef struct {
     float theta_hfi; /* compensated angle of the injection estimator at k [rad] */
     float theta_smo; /* angle of the observer in use at k [rad] */
     float k_s;       /* weight in force */
+    int32_t check;   /* word of the state from which the next period checks, see drive_check.h */
     int fault;       /* FAULT_* bits, kept until the caller clears them */
 } drive_state_t;
 

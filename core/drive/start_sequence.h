@@ -28,7 +28,8 @@ enum {
     START_SCAN,
     START_LOCK,
     START_POLE,
-    START_SETTLE
+    START_SETTLE,
+    START_END /* phases are below */
 };
 
 typedef struct {

@@ -20,7 +20,6 @@ enum {
 
 typedef struct {
     drive_state_t x;
-    int32_t reserved;
     plant_state_t y;
     ab_t u; /* command that acts over the next period [V] */
 } chain_t;

@@ -14,6 +14,9 @@ LINK = (0.5, 1.5)
 """Least and largest DC-link voltage over the nominal one. A rectified mains within its tolerance
 stays within 0.85 and 1.15, a brake chopper works below 1.4; below half, the drive has a quarter of
 its power and no voltage for injection at load."""
+OUTPUT = 1.5
+"""Bound on a component of the voltage over the largest DC link: the control stays within 0.58 of the
+link, and injection and dead-time compensation, each less than the link, come on top."""
 SPEED = 2.5
 """Largest speed over rated, where the setting ``speed_bound`` is less; a reference beyond the bound
 of the estimators cannot be followed."""
@@ -28,5 +31,6 @@ def design_guard(motor: Motor, omega_max: float) -> dict[str, Any]:
         "i_over_sq": min(motor.i_trip, IN_RANGE * motor.adc_range) ** 2,
         "u_dc_min": LINK[0] * motor.u_dc,
         "u_dc_max": LINK[1] * motor.u_dc,
+        "u_out": OUTPUT * LINK[1] * motor.u_dc,
         "omega": min(max(omega_max, SPEED * motor.omega_rated), SPEED_MOST),
     }

@@ -204,7 +204,8 @@ def test_drive_init_mends_its_arguments(
     motor: Motor, argument: str, value: float, becomes: float
 ) -> None:
     """Each bad argument becomes a good one, sets its bit, and no voltage is out of bounds."""
-    drive = Drive(motor, **{argument: value})
+    start = {"theta": 0.3, "omega": 50.0, "k_s": 1.0, argument: value}
+    drive = Drive(motor, start["omega"], theta=start["theta"], k_s=start["k_s"])
     found = {"theta": drive.x["est"]["theta"], "omega": drive.x["est"]["omega"]}
     found["k_s"] = drive.x["k_s"]
     assert found[argument][0] == pytest.approx(becomes, rel=1e-5)

@@ -1,0 +1,132 @@
+"""Damage to any word of the drive's state: it heals or is flagged, and no voltage shows it."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import CONTROL, Array, lib, pointer, struct_dtype
+from sensorless.design.drive import ESTIMATORS, DriveDesign
+from sensorless.design.records import control_record
+from sensorless.machine.motor import Motor
+
+STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")
+BAD = (math.nan, math.inf, -math.inf, 1e30, -1e30)
+ROUND = math.ceil(STATE.itemsize / 4 / lib.CHECK_WORDS)
+"""Periods in which the check looks at every word once."""
+AT_ONCE = ("hfi.pll", "hfi.i_", "emf.pll", "coupled.psi", "coupled.i_", "smo.omega_f", "flux.psi",
+           "control.i_1", "control.u_int", "control.i_ref", "est", "k_s", "control.i_int")  # fmt: skip
+"""Words that act on the voltage in the period itself, unless this estimator has no use for them."""
+
+
+def floats(dtype: np.dtype[np.void], path: str = "", at: int = 0) -> Iterator[tuple[str, int]]:
+    """Name and word of every float of a struct."""
+    for name in dtype.names or ():
+        field, offset = (dtype.fields or {})[name][:2]
+        if field.names:
+            yield from floats(field, f"{path}{name}.", at + offset)
+        elif field.kind == "f":
+            yield path + name, (at + offset) // 4
+
+
+FLOATS = dict(floats(STATE))
+
+
+class Drive:
+    """A drive on a turning current, as after a start or while it seeks its rotor."""
+
+    def __init__(self, motor: Motor, estimator: str, seek: bool, moment: int) -> None:
+        self.params = np.zeros(1, dtype=CONTROL)
+        self.params[0] = control_record(motor, DriveDesign(estimator=estimator))
+        self.x, self.signal = np.zeros(1, dtype=STATE), np.zeros(1, dtype=INPUT)
+        self.pointers = (
+            pointer(self.params, "drive_params_t[]"),
+            pointer(self.x, "drive_state_t[]"),
+            pointer(self.signal, "drive_in_t[]"),
+        )
+        lib.drive_init(*self.pointers[:2], 0.3, 80.0, 0.5)
+        if seek:
+            lib.drive_find_rotor(self.pointers[1])
+        self.signal["u_dc"], self.signal["omega_ref"], self.signal["k_s_ref"] = 540.0, 80.0, 0.5
+        self.k, self.words = 0, self.x.view(np.float32)
+        for _ in range(moment):
+            self.step()
+        self.kept = self.words.copy(), moment
+
+    def back(self) -> None:
+        self.words[:], self.k = self.kept
+
+    def step(self) -> float:
+        """Largest component of the voltage [V]."""
+        self.signal["i_a"] = math.cos(0.016 * self.k)
+        self.signal["i_b"] = math.cos(0.016 * self.k - 2.1)
+        self.k += 1
+        u = lib.drive_step(*self.pointers)
+        return u.a if not abs(u.a) < abs(u.b) else u.b
+
+    def sound(self) -> bool:
+        return bool((np.abs(self.words) < 1e15).all())
+
+    def flagged(self) -> bool:
+        return bool(self.x["fault"][0] & lib.FAULT_STATE)
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize(("seek", "moment"), [(False, 3), (False, 400), (True, 12), (True, 60)])
+def test_every_word_heals_or_is_flagged(
+    motor: Motor, estimator: str, seek: bool, moment: int
+) -> None:
+    drive = Drive(motor, estimator, seek, moment)
+    limit = float(drive.params["guard"]["u_out"][0])
+    for name, word in FLOATS.items():
+        for value in BAD:
+            drive.back()
+            drive.words[word] = value
+            periods = 0
+            while not drive.flagged() and (periods == 0 or not drive.sound()):
+                assert abs(drive.step()) <= limit, (name, value)
+                periods += 1
+            assert periods <= ROUND, (name, value)
+            assert drive.sound()
+            if periods > 1 and not seek and name.startswith(AT_ONCE):
+                unused = {"smo": ("coupled", "flux"), "coupled": ("smo", "flux"),
+                          "flux": ("smo", "coupled")}  # fmt: skip
+                assert name.startswith(unused.get(estimator, ("coupled", "flux"))), (name, value)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_state_of_arbitrary_bits_gives_no_voltage_beyond_the_limit(
+    motor: Motor, seed: int
+) -> None:
+    """Also phases and counters: the drive comes back to a state that is sound."""
+    rng = np.random.default_rng(seed)
+    drive = Drive(motor, list(ESTIMATORS)[seed + 2], False, 1)
+    limit = float(drive.params["guard"]["u_out"][0])
+    for trial in range(60):
+        bits = drive.words.view(np.uint32)
+        hit = rng.random(bits.shape) < (0.02, 0.3, 1.0)[trial % 3]
+        bits[hit] = rng.integers(0, 2**32, int(hit.sum()), dtype=np.uint32)
+        drive.x["fault"] = 0
+        for _ in range(3 * ROUND):
+            assert abs(drive.step()) <= limit
+        assert drive.sound()
+        assert 0 <= drive.x["start"]["phase"][0] < lib.START_END
+
+
+def test_a_damaged_drive_seeks_its_rotor_and_keeps_its_faults(motor: Motor) -> None:
+    drive = Drive(motor, "coupled", False, 100)
+    drive.x["fault"] = lib.FAULT_U_DC
+    drive.x["control"]["i_int"] = math.nan
+    assert drive.step() == 0.0
+    assert drive.x["fault"][0] == lib.FAULT_U_DC | lib.FAULT_STATE
+    assert drive.x["start"]["phase"][0] == lib.START_CATCH
+
+
+def test_a_healthy_drive_is_not_flagged_at_its_largest_voltage(motor: Motor) -> None:
+    """Voltage limit, injection and dead-time compensation at once, at the highest link."""
+    drive = Drive(motor, "coupled", False, 1)
+    drive.signal["u_dc"], drive.signal["omega_ref"] = 1.49 * motor.u_dc, 780.0
+    largest: Array = np.array([abs(drive.step()) for _ in range(3000)])
+    assert 0.5 * motor.u_dc < largest.max() < drive.params["guard"]["u_out"][0]
+    assert drive.x["fault"][0] == 0
