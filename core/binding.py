@@ -31,6 +31,7 @@ HEADERS = (
     "sim/commission.h",
     "sim/replay.h",
     "drive/gain_selftest.h",
+    "sim/faulty.h",
     "drive/ks_selftest.h",
     "pil_wire.h",
 )

@@ -15,8 +15,8 @@ LINK = (0.5, 1.5)
 stays within 0.85 and 1.15, a brake chopper works below 1.4; below half, the drive has a quarter of
 its power and no voltage for injection at load."""
 OUTPUT = 1.5
-"""Bound on a component of the voltage over the largest DC link: the control stays within 0.58 of the
-link, and injection and dead-time compensation, each less than the link, come on top."""
+"""Bound on a component of the voltage over the largest DC link: the control stays within 0.58 of
+the link, and injection and dead-time compensation, each less than the link, come on top."""
 SPEED = 2.5
 """Largest speed over rated, where the setting ``speed_bound`` is less; a reference beyond the bound
 of the estimators cannot be followed."""

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,15 +16,17 @@ STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")
 BAD = (math.nan, math.inf, -math.inf, 1e30, -1e30)
 ROUND = math.ceil(STATE.itemsize / 4 / lib.CHECK_WORDS)
 """Periods in which the check looks at every word once."""
-AT_ONCE = ("hfi.pll", "hfi.i_", "emf.pll", "coupled.psi", "coupled.i_", "smo.omega_f", "flux.psi",
-           "control.i_1", "control.u_int", "control.i_ref", "est", "k_s", "control.i_int")  # fmt: skip
-"""Words that act on the voltage in the period itself, unless this estimator has no use for them."""
+AT_ONCE = (
+    *("hfi.pll", "hfi.i_", "emf.pll", "coupled.psi", "coupled.i_", "smo.omega_f", "flux.psi"),
+    *("control.i_1", "control.u_int", "control.i_ref", "control.i_int", "est", "k_s"),
+)
+"""Words that act on the voltage in the same period, unless this estimator has no use for them."""
 
 
-def floats(dtype: np.dtype[np.void], path: str = "", at: int = 0) -> Iterator[tuple[str, int]]:
+def floats(dtype: np.dtype[Any], path: str = "", at: int = 0) -> Iterator[tuple[str, int]]:
     """Name and word of every float of a struct."""
     for name in dtype.names or ():
-        field, offset = (dtype.fields or {})[name][:2]
+        field, offset = dict(dtype.fields or {})[name][:2]
         if field.names:
             yield from floats(field, f"{path}{name}.", at + offset)
         elif field.kind == "f":
@@ -63,7 +66,7 @@ class Drive:
         self.signal["i_b"] = math.cos(0.016 * self.k - 2.1)
         self.k += 1
         u = lib.drive_step(*self.pointers)
-        return u.a if not abs(u.a) < abs(u.b) else u.b
+        return float(u.a if not abs(u.a) < abs(u.b) else u.b)
 
     def sound(self) -> bool:
         return bool((np.abs(self.words) < 1e15).all())
@@ -105,8 +108,8 @@ def test_a_state_of_arbitrary_bits_gives_no_voltage_beyond_the_limit(
     limit = float(drive.params["guard"]["u_out"][0])
     for trial in range(60):
         bits = drive.words.view(np.uint32)
-        hit = rng.random(bits.shape) < (0.02, 0.3, 1.0)[trial % 3]
-        bits[hit] = rng.integers(0, 2**32, int(hit.sum()), dtype=np.uint32)
+        hit = np.flatnonzero(rng.random(bits.shape) < (0.02, 0.3, 1.0)[trial % 3])
+        bits[hit] = rng.integers(0, 2**32, len(hit), dtype=np.uint64).astype(np.uint32)
         drive.x["fault"] = 0
         for _ in range(3 * ROUND):
             assert abs(drive.step()) <= limit

@@ -1,0 +1,64 @@
+"""The fault campaign: what a drive does with faulty sensors, link and interrupts."""
+
+import json
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import lib
+from sensorless.design.drive import DriveDesign
+from sensorless.machine.motor import Motor
+from tests.helpers.script import script
+
+SEEDS = range(101, 104)
+
+
+@pytest.fixture(scope="module")
+def study() -> ModuleType:
+    return script("studies/fault_campaign.py")
+
+
+def test_without_a_fault_nothing_is_flagged(study: ModuleType, motor: Motor) -> None:
+    plan = [study.Case("none", 0.0, 0.0), study.Case("gain", 1.0, 10.0)]
+    for estimator in ("coupled", "flux"):
+        end = study.run(motor, DriveDesign(estimator=estimator), plan, SEEDS)
+        assert not end["fault"].any() and not end["lost"].any()
+        assert np.all(end["k_flag"] == -1) and np.all(end["k_lost"] == -1)
+        assert np.array_equal(end["i_peak"], end["i_unseen"])
+
+
+def test_what_a_limit_says_is_flagged_in_its_period(study: ModuleType, motor: Motor) -> None:
+    """Samples and links beyond the machine's limits; the current ends with the bit."""
+    plan = [study.Case("stuck", 2.0, 0.002), study.Case("link", 0.0, 0.002),
+            study.Case("link", 3.0, 0.002)]  # fmt: skip
+    end = study.run(motor, DriveDesign(), plan, SEEDS)
+    assert np.all(end["k_flag"] == round(study.FROM / motor.T_s) + 1)
+    assert np.all(end["fault"][0] & lib.FAULT_OVER_CURRENT)
+    assert np.all(end["fault"][1:] & lib.FAULT_U_DC)
+    assert np.all(end["i_peak"][0] < 0.98 * motor.adc_range)
+
+
+def test_every_fault_leaves_numbers(study: ModuleType, motor: Motor) -> None:
+    """The current stays below what a period beyond the trip can add; no state is damaged."""
+    plan = [case for case in study.cases() if case.duration == 0.02]
+    end = study.run(motor, DriveDesign(), plan, range(101, 102))
+    rise = motor.u_dc * motor.T_s / motor.L_d
+    assert np.all(np.isfinite(end["i_peak"])) and end["i_peak"].max() < motor.i_trip + 2.0 * rise
+    assert not np.any(end["fault"] & lib.FAULT_STATE)
+
+
+def test_the_study_writes_its_record(
+    study: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "campaign.json"
+    monkeypatch.setattr(study, "FAULTS", {"open": (0.0,), "late": (1.0,)})
+    words = ["--estimator", "coupled", "--seeds", "2", "--out", str(out)]
+    monkeypatch.setattr(sys, "argv", ["fault_campaign", *words])
+    study.main()
+    record = json.loads(out.read_text())["coupled"]
+    assert record["scenarios"] == 2
+    assert record["faults"]["open"]["cases"] == 2 * len(study.DURATIONS)
+    assert 0 <= record["faults"]["late"]["lost_unseen"] <= record["faults"]["late"]["lost"]
