@@ -14,8 +14,16 @@
 #include "drive_types.h"
 #include "vector.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* No voltage and a new start in the place of a damaged state: FAULT_STATE. */
 ab_t drive_mend(const drive_params_t *p, drive_state_t *x);
+
+#ifdef __cplusplus
+}
+#endif
 
 /* The voltage u of this period if the state is sound. */
 CORE_INLINE ab_t drive_checked(const drive_params_t *p, drive_state_t *x, ab_t u) {
