@@ -1,4 +1,4 @@
-"""Hand-over rules that the page offers: those that are tables, which the core looks up itself."""
+"""Hand-over rules that the page offers: tables of k_s alone, which the core looks up itself."""
 
 import dataclasses
 from dataclasses import dataclass
@@ -67,7 +67,7 @@ def _own() -> TablePolicy:
 
 
 def _made(word: str, motor: Motor) -> TablePolicy | None:
-    """Table policy on the default drive; None if the word is not one, or for another machine."""
+    """Table of k_s on the default drive; None if the word is not one, or for another machine."""
     try:
         policy = make_policy(word, motor)
         carried = carried_by(word)
@@ -75,7 +75,9 @@ def _made(word: str, motor: Motor) -> TablePolicy | None:
         return None
     if carried is not None and carried.made_for is not None and carried.made_for[1] != motor.digest:
         return None
-    return policy if isinstance(policy, TablePolicy) and _default(policy) else None
+    if not isinstance(policy, TablePolicy) or policy.table.gains or not _default(policy):
+        return None
+    return policy
 
 
 def _default(policy: TablePolicy) -> bool:

@@ -20,7 +20,6 @@ TOOLS = {"clang": "clang", "wasm-ld": "lld"}
 EXPORTS = (
     "page_decide",
     "sim_start",
-    "sim_run",
     "sim_signals",
     "ks_table_eval",
     "ks_table_check",

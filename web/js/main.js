@@ -9,7 +9,7 @@ import { Plots } from "./plots.js";
 import { PRESETS, scenario } from "./presets.js";
 import { Readout } from "./readout.js";
 import { NODE, Run } from "./run.js";
-import { Sides } from "./sides.js";
+import { Sides, sideOf } from "./sides.js";
 import { TableEditor } from "./table_editor.js";
 
 const FIRST = "reversal"; // scenario of the first run
@@ -86,8 +86,7 @@ class Page {
       this.say("This link is not one of this page's: it shows its first run.");
     }
     const motor = found?.setup.motor ?? this.layout.motors[0];
-    const [a, b] = ["sliding_mode", "reference"].map((w) => motor.rules.find((r) => r.word === w));
-    const sides = [a, b].map((rule) => ({ rule, estimator: rule?.estimator }));
+    const sides = ["sliding_mode", "reference"].map((word) => sideOf(word, motor));
     const first = { motor, seed: 0, seek: false, sides, ...scenario(FIRST, motor) };
     if (!found) $("scenario").value = FIRST;
     this.begin(found?.setup ?? first);

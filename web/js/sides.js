@@ -16,6 +16,12 @@ function fill(list, entries, chosen) {
   list.value = chosen;
 }
 
+// A drive with a rule, or the first one of the machine, on the estimator that it was made for.
+export function sideOf(word, motor) {
+  const rule = motor.rules.find((r) => r.word === word) ?? motor.rules[0];
+  return { rule, estimator: rule.estimator ?? "coupled" };
+}
+
 export class Sides {
   constructor(roots, compare, layout, onChange) {
     this.layout = layout;
@@ -36,10 +42,9 @@ export class Sides {
   show(motor, sides) {
     this.motor = motor;
     this.compare.checked = sides.length > 1;
-    const second = motor.rules.find((rule) => rule.word === "reference") ?? motor.rules[0];
-    const fallback = { estimator: second.estimator ?? "coupled", rule: second };
+    const second = sideOf("reference", motor);
     this.lists.forEach((list, i) => {
-      const { estimator, rule } = sides[i] ?? fallback;
+      const { estimator, rule } = sides[i] ?? second;
       fill(list.estimator, Object.entries(this.layout.estimators), estimator);
       fill(list.rule, motor.rules.map((r) => [r.word, r.text]), rule.word);
     });
