@@ -1,8 +1,10 @@
 """Pages of the site that are made from the code and its records."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
+from docs.site import notebooks
 from docs.site.tables import leaderboard, motors
 
 API = {
@@ -60,14 +62,11 @@ def _api(title: str, about: str, names: Sequence[str]) -> str:
     return f"# {title}\n\n{about}\n\n{parts}\n"
 
 
-def _api_page(name: str) -> Callable[[], str]:
-    return lambda: _api(*API[name])
-
-
 MADE: dict[str, Callable[[], str]] = {
     "environment.md": lambda: (HERE / "environment.md").read_text(encoding="utf-8"),
     "motors.md": motors,
     "leaderboard.md": leaderboard,
-    **{f"api/{name}.md": _api_page(name) for name in API},
+    **{place: partial(notebooks.page, path) for place, path in notebooks.PAGES.items()},
+    **{f"api/{name}.md": partial(_api, *about) for name, about in API.items()},
 }
 """Place on the site, and what makes the Markdown there."""

@@ -1,8 +1,6 @@
 """Every command line that the documentation shows is one: parsed, never run."""
 
 import re
-import shlex
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,29 +12,9 @@ from sensorless.design.words import design_from
 from sensorless.envs.scenarios.suites import SUITES
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import make_policy
+from tests.helpers.documentation import PAGES, ROOT, shown
 
-ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("**/*.md"))]
 MAKEFILES = ("Makefile", "firmware/Makefile", "firmware/selftest.mk")
-
-FENCED = re.compile(r"^( *)```.*?\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
-INDENTED = re.compile(r"(?<=\n\n)(?: {4,}\S.*\n)+")
-
-
-def shown(page: Path) -> Iterator[tuple[list[str], bool]]:
-    """Words of every command on a page, and whether it is whole; a span in a line may not be."""
-    text = page.read_text(encoding="utf-8")
-    blocks = [found.group(2) for found in FENCED.finditer(text)]
-    prose = FENCED.sub("", text)
-    blocks += [found.group() for found in INDENTED.finditer(prose)]
-    for block in blocks:
-        for line in re.sub(r"\\\n", " ", block).splitlines():
-            if re.match(r" *(sensorless|make|python|pytest|\.venv/bin/\w+) ", line):
-                yield shlex.split(line, comments=True), True
-    for span in re.findall(r"`([^`]+)`", INDENTED.sub("", prose)):
-        if re.match(r"(sensorless|make|python|pytest) ", span):
-            yield shlex.split(span), False
-
 
 COMMANDS = [(page, words, whole) for page in PAGES for words, whole in shown(page)]
 NAMES = [f"{page.stem}: {' '.join(words)[:60]}" for page, words, _ in COMMANDS]

@@ -36,7 +36,7 @@ GONE = ("CHANGELOG.md",)
 """Pages that also name what is no more."""
 
 FENCED = re.compile(r"^ *```(\w*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
-FILE = re.compile(r"[\w.-]*(/[\w.-]+)*\.(py|c|h|mk|ld|toml|json|csv|png|md|j2)")
+FILE = re.compile(r"[\w.-]*(/[\w.-]+)*\.(py|c|h|mk|ld|toml|json|csv|png|md|j2|ipynb)")
 FOLDER = re.compile(r"([\w.-]+/)+")
 SOURCE = re.compile(r"[\w-]+\.(py|c|h|mk|ld|j2)")
 
