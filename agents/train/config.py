@@ -62,7 +62,8 @@ class TrainConfig:
     gains: str = word(
         "",
         "let the table also set these gains of the drive, commas between: observer, injection, "
-        "l_q, amplitude; they start static, and the reward is that of Blend-v1; tables only",
+        "l_q, amplitude; they start static, and the reward is that of Blend-v1 with the two costs "
+        "below; tables only",
     )
     n_envs: int = number(
         256,

@@ -1,7 +1,6 @@
 """Environments to train in: scenarios of the suite ``stress-1`` with the role ``train``."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -31,11 +30,8 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
     """
     share, more = divmod(config.n_envs // 2, len(motors))
     names = config.gain_names
-    own: dict[str, Any] = {
-        "weights": RewardWeights(lost=config.lost_penalty, angle=config.angle_cost)
-    }
-    if names:
-        own = {"weights": WindowWeights(), "gains": names}
+    kind = WindowWeights if names else RewardWeights
+    weights = kind(lost=config.lost_penalty, angle=config.angle_cost)
     envs = [
         BlendVectorEnv(
             2 * (share + (i < more)),
@@ -44,7 +40,8 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
             design=design,
             decision_period=1e-3 * config.decision_ms,
             scenarios=training_scenarios,
-            **own,
+            weights=weights,
+            gains=names,
         )
         for i, motor in enumerate(motors)
     ]
