@@ -12,6 +12,7 @@ FIELDS = (
     *("start.omega_m", "start.theta_e", "start.theta_err", "start.k_s", "start.seek"),
     *("profile.omega_ref", "profile.omega_step", "profile.tau", "profile.tau_step"),
     *("profile.u_dc", "profile.u_dc_step"),
+    *("sensor.gain_a", "sensor.offset_a"),
     *("drive.x.fault", "drive.x.k_s", "drive.x.start.phase", "drive.x.control.u_max"),
 )
 """Numbers of ``sim_t`` that the page reads or writes."""

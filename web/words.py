@@ -5,6 +5,10 @@ FAULTS = {
     "u_dc": "the DC-link voltage was not plausible",
     "command": "speed reference or weight out of range",
     "pole": "the start sequence was not sure of the north pole",
+    "over_current": "the current vector was beyond the limit",
+    "lock": "lock lost: the estimate is not the rotor's",
+    "stopped": "no voltage any more after lost lock",
+    "state": "its state was damaged: it started anew",
 }
 """Bits of ``drive_state_t.fault``; any other has the name of the C core."""
 LOST = {

@@ -33,6 +33,7 @@ def final(
     s = scenario(motor, R_s=share["resistance"], psi_f=share["magnet"], J=share["inertia"])
     s.omega[:, 0], s.tau[:, 0] = RPM_TO_RAD_S * levers["speed"], levers["load"]
     s.u_dc[:, 0] = share["link"]
+    s.gain[:, 0], s.offset[:, 0] = levers["gain"] / 100.0, levers["offset"]
     s.seek[:], s.seed[:] = seek, combine(seed, np.arange(1))
     if levers["ramp"]:
         s.omega_rate[:, 0] = levers["ramp"] * RPM_TO_RAD_S

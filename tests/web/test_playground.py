@@ -19,7 +19,7 @@ from tests.web.native import Move, final
 from web.browser import prefer, size_to
 from web.build import MOST
 
-NAMES = ("speed", "ramp", "load", "resistance", "magnet", "inertia", "link")
+NAMES = ("speed", "ramp", "load", "resistance", "magnet", "inertia", "link", "gain", "offset")
 """Order of the levers in a link."""
 PATIENCE = 30.0
 """Longest time to wait for the page [s]."""
@@ -60,6 +60,7 @@ def state(shown: Shown, side: int) -> np.ndarray:
 LEVERS = {
     **{"speed": 90.0, "ramp": 900.0, "load": 5.6},
     **{"resistance": 137.0, "magnet": 93.0, "inertia": 140.0, "link": 95.0},
+    **{"gain": 102.0, "offset": 0.05},
 }
 MOVES: list[Move] = [(300, "speed", 700.0), (900, "load", -3.2), (1100, "speed", -450.0)]
 
@@ -93,7 +94,13 @@ def test_start_without_the_angle_has_them_too(shown: Shown, motor: Motor) -> Non
 
 def test_scenario_shows_the_numbers_of_simulate(shown: Shown, motor: Motor) -> None:
     """The steps of Fig. 9: the last row of a trace is that of ``sensorless simulate``."""
-    levers = {**dict.fromkeys(NAMES, 100.0), "speed": 200.0, "ramp": 0.0, "load": 0.0}
+    levers = {
+        **dict.fromkeys(NAMES, 100.0),
+        "speed": 200.0,
+        "ramp": 0.0,
+        "load": 0.0,
+        "offset": 0.0,
+    }
     moves: list[Move] = [(1000, "speed", 350.0), (2000, "speed", 600.0)]
     repeat(shown, link(motor.name, ["coupled eq25"], levers, moves, 2500), 2500)
     row = shown.run("const c = playground.page.core; return [...c.rows.slice(0, 5 * c.rowLength)]")

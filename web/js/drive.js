@@ -39,6 +39,8 @@ export class Drive {
     if (name === "speed") this.set("profile.omega_ref", motor.n_p * (unit * value));
     else if (name === "ramp") this.set("profile.omega_step", this.step(motor.n_p * (value * unit), value));
     else if (name === "load") this.set("profile.tau", value);
+    else if (name === "offset") this.set("sensor.offset_a", value);
+    else if (name === "gain") this.set("sensor.gain_a", value / 100);
     else if (name === "link") this.set("profile.u_dc", motor.u_dc * (value / 100));
     else this.scale(motor.levers[name], value / 100);
   }

@@ -8,6 +8,7 @@ const PERCENT = { unit: "%", step: 1 };
 function levers(motor) {
   const speed = roundUp(motor.rpm / 200);
   const load = roundUp(motor.tau / 100);
+  const offset = roundUp(motor.i_rated / 200);
   const edge = (x, step) => Math.ceil(x / step) * step;
   return [
     { name: "speed", text: "Speed reference", unit: "r/min", step: speed,
@@ -20,6 +21,9 @@ function levers(motor) {
     { name: "magnet", text: "Magnet flux", low: 60, high: 120, ...PERCENT },
     { name: "inertia", text: "Inertia", low: 25, high: 500, ...PERCENT, step: 5 },
     { name: "link", text: "DC-link voltage", low: 40, high: 120, ...PERCENT },
+    { name: "gain", text: "Gain of current sensor a", low: 0, high: 200, ...PERCENT },
+    { name: "offset", text: "Offset of current sensor a", unit: "A", step: offset,
+      low: -edge(0.5 * motor.i_rated, offset), high: edge(0.5 * motor.i_rated, offset) },
   ];
 }
 

@@ -1,7 +1,11 @@
 // Scenarios: levers at the start, and what moves when. Speeds are shares of the rated speed, loads
-// of the rated torque, ramps rated speeds per second (0: steps); the others are in percent.
+// of the rated torque, ramps rated speeds per second (0: steps), offsets amperes; the others are in
+// percent.
 
-export const NOMINAL = { speed: 0, ramp: 0, load: 0, resistance: 100, magnet: 100, inertia: 100, link: 100 };
+export const NOMINAL = {
+  ...{ speed: 0, ramp: 0, load: 0, resistance: 100, magnet: 100, inertia: 100, link: 100 },
+  ...{ gain: 100, offset: 0 },
+};
 
 export const PRESETS = {
   free: {
@@ -38,6 +42,11 @@ export const PRESETS = {
     text: "The DC link sags at rated speed",
     start: { speed: 0.3, ramp: 1, load: 0.3 },
     moves: [[0.3, "speed", 1], [2.5, "link", 70], [4, "link", 100]],
+  },
+  sensor: {
+    text: "A current sensor drifts, then dies",
+    start: { speed: 0.12, ramp: 1, load: 0.4 },
+    moves: [[1, "gain", 110], [2, "gain", 130], [3, "gain", 0]],
   },
   hold: {
     text: "Holding a load at standstill",

@@ -42,8 +42,8 @@ export class Readout {
       const { estimator, rule } = run.sides[i];
       put(name.children[1], `${run.core.layout.estimators[estimator]}; ${rule.text}`);
       put(name.children[2], state(run, i));
-      name.classList.toggle("lost", run.lost[i] !== 0);
-      name.classList.toggle("fine", run.lost[i] === 0 && run.drives[i].get("drive.x.start.phase") === 0);
+      name.classList.toggle("lost", run.lost[i] !== 0 || run.faults[i] !== 0);
+      name.classList.toggle("fine", name.children[2].textContent === run.core.layout.phases[0]);
     });
   }
 
@@ -65,8 +65,9 @@ function put(cell, text) {
 }
 
 function state(run, i) {
-  const { lost, phases } = run.core.layout;
-  const why = Object.keys(lost).filter((bit) => run.lost[i] & Number(bit));
-  if (why.length) return why.map((bit) => lost[bit]).join("; ");
-  return phases[run.drives[i].get("drive.x.start.phase")];
+  const { faults, lost, phases } = run.core.layout;
+  const told = (words, bits) =>
+    Object.keys(words).filter((bit) => bits & Number(bit)).map((bit) => words[bit]);
+  const why = [...told(lost, run.lost[i]), ...told(faults, run.faults[i])];
+  return why.join("; ") || phases[run.drives[i].get("drive.x.start.phase")];
 }
