@@ -24,7 +24,7 @@ LAYERS = (
     ("evaluation",),
     ("agents", "baselines"),
     ("policies",),
-    ("tuning",),
+    ("falsify", "tuning"),
     ("export", "identify", "pil", "plant", "replay"),
     ("plots",),
     ("report", "reproduce"),

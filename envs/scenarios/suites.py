@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.scenarios.envelope import envelope_scenarios
+from sensorless.envs.scenarios.finds import hard_scenarios
 from sensorless.envs.scenarios.handoff import handoff_scenarios
 from sensorless.envs.scenarios.load_steps import (
     impact_scenarios,
@@ -128,6 +129,8 @@ SUITES: dict[str, Callable[[Motor, Seeds, Indices, int], Scenarios]] = {
     "stress-1": lambda motor, seeds, *_: stress_1_scenarios(motor, seeds),
     "mismatch": lambda motor, seeds, *_: mismatch_scenarios(motor, seeds),
     "low-inertia": lambda motor, seeds, *_: low_inertia_scenarios(motor, seeds),
+    "hard": lambda motor, seeds, indices, _: hard_scenarios(motor, seeds, indices, 0),
+    "hard-train": lambda motor, seeds, indices, _: hard_scenarios(motor, seeds, indices, 1),
     "hold": hold_scenarios,
     "crawl": crawl_scenarios,
     "impact": impact_scenarios,

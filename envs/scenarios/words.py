@@ -1,11 +1,13 @@
 """A scenario from words of the command line: one of a suite, or plans of speed and load."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 
 from sensorless.core.api import PROFILE_N
 from sensorless.envs.counter_random import combine
+from sensorless.envs.scenarios.finds import load, scenarios_of, without
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
@@ -14,7 +16,10 @@ from sensorless.units import RPM_TO_RAD_S
 
 
 def scenario_from(word: str, motor: Motor) -> Scenarios:
-    """Return one scenario from SUITE:SEED:INDEX[:SIZE], as an evaluation lists it.
+    """Return one scenario from a word.
+
+    It is SUITE:SEED:INDEX[:SIZE], as an evaluation lists it, or FILE.json:INDEX[:min], a scenario
+    that a search found, with ``min`` what it needs to be lost and all else nominal.
 
     Raises
     ------
@@ -22,6 +27,9 @@ def scenario_from(word: str, motor: Motor) -> Scenarios:
         The word has another form, names no suite, lacks a size that the suite needs, or has an
         index beyond its size.
     """
+    found = re.fullmatch(r"(.+\.json):(\d+)(:min)?", word)
+    if found is not None:
+        return _found(Path(found[1]), int(found[2]), found[3] is not None, motor)
     match = re.fullmatch(r"([a-z][a-z0-9-]*):(\d+):(\d+)(?::(\d+))?", word)
     if match is None:
         raise UserError(
@@ -34,6 +42,14 @@ def scenario_from(word: str, motor: Motor) -> Scenarios:
     if index >= size:
         raise UserError(f"scenario: {word!r}; give an INDEX below SIZE")
     return suite(name, motor, seed, size)[index : index + 1]
+
+
+def _found(path: Path, index: int, minimal: bool, motor: Motor) -> Scenarios:
+    finds = load(path)
+    if index >= len(finds):
+        raise UserError(f"scenario: {str(path)!r} has {len(finds)} scenarios; give a lower INDEX")
+    s = scenarios_of([finds[index]], motor)
+    return without(s, finds[index].nominal, motor) if minimal else s
 
 
 def plan_from(

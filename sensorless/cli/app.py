@@ -10,6 +10,7 @@ from sensorless.cli.demo import demo_command
 from sensorless.cli.distill import distill_command
 from sensorless.cli.evaluate import evaluate_command
 from sensorless.cli.export import export_command
+from sensorless.cli.falsify import falsify_command
 from sensorless.cli.identify import app as identify_app
 from sensorless.cli.motor import app as motor_app
 from sensorless.cli.motors import motors_command
@@ -36,6 +37,7 @@ PANELS: dict[str, dict[str, Callable[..., None]]] = {
     "Judge it": {
         "evaluate": evaluate_command,
         "certify": certify_command,
+        "falsify": falsify_command,
         "report": report_command,
     },
     "Ship it": {"export": export_command, "pil": pil_command},

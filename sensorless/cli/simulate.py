@@ -49,7 +49,8 @@ def simulate_command(
             metavar="SCENARIO",
             help="Replay one scenario of a suite instead of the plans: SUITE:SEED:INDEX, or "
             "SUITE:SEED:INDEX:SIZE for the suite envelope. `sensorless evaluate` lists its worst "
-            "cases this way, for example stress-1:7:12. Default: the plans.",
+            "cases this way, for example stress-1:7:12. Or FILE.json:INDEX of a file of "
+            "`sensorless falsify`, with :min for what it needs to be lost. Default: the plans.",
         ),
     ] = None,
     seed: Annotated[

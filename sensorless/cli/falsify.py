@@ -1,0 +1,103 @@
+"""The command ``sensorless falsify``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sensorless.cli.certify import PolicyArgument
+from sensorless.cli.options import (
+    CarriedMotorOption,
+    OverrideOption,
+    SeedOption,
+    SetOption,
+    bench_of,
+    console,
+    errors,
+)
+
+
+def falsify_command(
+    policy: PolicyArgument,
+    out: Annotated[Path, typer.Option(metavar="FILE.json", help="Write what was found here.")],
+    motor: CarriedMotorOption = None,
+    suite: Annotated[
+        str,
+        typer.Option(
+            metavar="SUITE",
+            help="Search inside the ranges of this suite: stress, stress-1, mismatch or "
+            "low-inertia.",
+        ),
+    ] = "stress",
+    seed: SeedOption = 1,
+    size: Annotated[
+        int, typer.Option(metavar="N", min=128, help="Run at most this many scenarios.")
+    ] = 20_000,
+    settings: SetOption = None,
+    override: OverrideOption = False,
+) -> None:
+    """Search for scenarios that a policy loses or nearly loses, inside the ranges of a suite.
+
+    Many searches by CMA-ES, each from the worst of 128 random scenarios, move towards larger angle
+    errors. The file has the worst of each, and for a lost one which deviations from nominal it
+    needs. `sensorless simulate --scenario FILE.json:INDEX` draws it, `FILE.json:INDEX:min` with all
+    else nominal.
+
+    For example:
+
+        sensorless falsify eq25 --set estimator=smo --out finds.json
+        sensorless simulate --policy eq25 --set estimator=smo --scenario finds.json:0
+    """
+    from sensorless.envs.scenarios.finds import REMOVABLE, SEARCHED, text_of
+    from sensorless.envs.scenarios.scenario import SimFactory
+    from sensorless.errors import UserError
+    from sensorless.falsify.minimise import minimise
+    from sensorless.falsify.search import Search, search
+    from sensorless.files import check_writable, write_atomic
+    from sensorless.versions import versions
+
+    check_writable(out)
+    if suite not in SEARCHED:
+        raise UserError(f"suite: {suite!r} cannot be searched; choose from {', '.join(SEARCHED)}")
+    made = bench_of([policy], motor, settings, override)
+    rule, factory = made.policy(policy), SimFactory(made.motor, made.design)
+
+    def report(found: Search) -> None:
+        errors.print(
+            f"{found.scenarios} of {size} scenarios, {found.searches} searches: {found.lost} lost",
+            highlight=False,
+        )
+
+    found = search(rule, factory, suite, seed, size, report)
+    lost = minimise(rule, factory, found.finds)
+    kept = sorted(
+        (find for find in found.finds if find.lost_at is None), key=lambda find: -find.severity
+    )
+    facts = {
+        "policy": rule.name, "suite": suite, "seed": seed, "motor": made.motor.name,
+        "estimator": made.design.estimator, "scenarios": found.scenarios, "lost": found.lost,
+        "sampled": found.sampled, "sampled_lost": found.sampled_lost,
+        "searches": found.searches, "versions": versions(),
+    }  # fmt: skip
+    write_atomic(out, text_of([*lost, *kept], facts))
+    console.print(
+        f"{rule.name} on {suite}: {len(lost)} of {found.searches} searches end in a loss; "
+        f"{found.lost} of {found.scenarios} scenarios lost, "
+        f"{found.sampled_lost} of {found.sampled} at random",
+        highlight=False,
+        soft_wrap=True,
+    )
+    for i, find in enumerate(lost[:5]):
+        needs = [name for name in REMOVABLE if name not in find.nominal]
+        console.print(
+            f"{out}:{i}: lost at {find.lost_at:.3f} s; needs {', '.join(needs) or 'no deviation'}",
+            highlight=False,
+            soft_wrap=True,
+        )
+    if kept:
+        console.print(
+            f"{out}:{len(lost)}: keeps lock; largest angle error {kept[0].severity:.0f} degrees",
+            highlight=False,
+            soft_wrap=True,
+        )
+    console.print(f"wrote {out}", soft_wrap=True)

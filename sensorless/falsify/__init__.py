@@ -1,0 +1,1 @@
+"""Searches for scenarios that a policy loses."""

@@ -1,0 +1,67 @@
+"""A search finds losses, each comes back by its word, and what it needs is enough to lose it."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from sensorless.cli.app import app
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.finds import HARD, REMOVABLE, load, scenarios_of
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.envs.scenarios.words import scenario_from
+from sensorless.errors import UserError
+from sensorless.falsify.search import search, severity
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+
+PAPER = Motor.load("paper")
+SMO = SimFactory(PAPER, DriveDesign(estimator="smo"))
+EQ25 = make_policy("eq25", PAPER)
+
+
+def test_what_a_search_finds_comes_back_by_its_word(tmp_path: Path) -> None:
+    """The SMO loses half of ``low-inertia``; a few of the fields suffice for one of them."""
+    out = tmp_path / "finds.json"
+    words = ["falsify", "eq25", "--set", "estimator=smo", "--suite", "low-inertia"]
+    done = CliRunner().invoke(app, [*words, "--size", "128", "--out", str(out)])
+    assert done.exit_code == 0, done.output
+    facts, (find,) = json.loads(out.read_text(encoding="utf-8")), load(out)
+    assert facts["scenarios"] == facts["sampled"] == 128 and facts["lost"] > 30
+    for word in (f"{out}:0", f"{out}:0:min"):
+        score, when = severity(EQ25, scenario_from(word, PAPER), SMO)
+        assert np.isfinite(when[0]) and score[0] > 200.0
+        if not word.endswith("min"):
+            assert when[0] == find.lost_at and score[0] == pytest.approx(find.severity)
+    assert set(find.nominal) < set(REMOVABLE) and len(find.nominal) > 5
+    with pytest.raises(UserError, match="has 1 scenarios"):
+        scenario_from(f"{out}:1", PAPER)
+
+
+def test_a_search_climbs() -> None:
+    """Nothing is lost on the coupled observer, but the worst angle error grows on the way."""
+    factory = SimFactory(PAPER, DriveDesign())
+    worst = [search(EQ25, factory, "stress", 3, n).finds[0].severity for n in (128, 512)]
+    assert 5.0 < worst[0] < worst[1]
+
+
+def test_the_shipped_finds_are_split_in_halves() -> None:
+    """Later rows are neighbours of the first ones, with noise of their own."""
+    found = load(HARD)
+    half = len(found[0::2])
+    judged, trained = suite("hard", PAPER, 1, half + 1), suite("hard-train", PAPER, 1, half - 1)
+    assert not set(judged.theta_0) & set(trained.theta_0)
+    assert np.array_equal(judged.J[:half], scenarios_of(found[0::2], PAPER).J)
+    assert judged.J[half] != judged.J[0] and judged.J[half] == pytest.approx(judged.J[0], rel=0.05)
+    assert judged.seed[half] != judged.seed[0]
+
+
+@pytest.mark.parametrize("text", ["", "{}", '{"finds": [{"suite": "stress"}]}'])
+def test_another_file_is_refused(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "x.json"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(UserError, match="not a file of sensorless falsify"):
+        scenario_from(f"{path}:0", PAPER)
