@@ -59,7 +59,7 @@ SuiteOption = Annotated[
         "and crawl (loads at and near standstill), impact (rated load steps at all speeds), stop "
         "(rated speed to zero under load), unload (loads taken off), handoff (crossings between "
         "the estimators), mismatch (wrong parameters), low-inertia (15 to 50 % of the design's), "
-        "hard (what a search found), "
+        "hard and hard-train (what a search found), "
         "starts (unknown rotor angle), envelope (a grid of speed and load), nominal "
         "(stress-1 without errors of parameters and sensors), paper (figures of the "
         "source paper) or motors (handoff and stress-1 by turns). docs/suites.md has them all.",

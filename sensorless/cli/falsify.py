@@ -25,8 +25,7 @@ def falsify_command(
         str,
         typer.Option(
             metavar="SUITE",
-            help="Search inside the ranges of this suite: stress, stress-1, mismatch or "
-            "low-inertia.",
+            help="Draw from the ranges of this suite: stress, stress-1, mismatch or low-inertia.",
         ),
     ] = "stress",
     seed: SeedOption = 1,
