@@ -37,6 +37,19 @@ bench: $(READY) ## Measure speed, write build/bench.json
 bench-peers: $(READY) ## Measure speed beside other simulators
 	$(VENV)/bin/python benchmarks/peers.py
 
+lock: $(READY) ## Write constraints.txt, the versions installed here
+	@{ sed '/^[^#]/,$$d' constraints.txt; $(VENV)/bin/python -m pip freeze --exclude-editable \
+	  --exclude sensorless | sed 's/+[a-z0-9.]*$$//' | tr A-Z_ a-z- | LC_ALL=C sort; } > constraints.new
+	@mv constraints.new constraints.txt
+
+sbom: $(READY) ## Write build/sbom.json, what is installed, as CycloneDX
+	@$(PYTHON) -m venv build/tools && build/tools/bin/pip install -q 'cyclonedx-bom>=7,<8'
+	@build/tools/bin/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible \
+	  -o build/sbom.json $(VENV)/bin/python && echo "wrote build/sbom.json"
+
+test-lowest: $(READY) ## Run tests on the lowest versions that pyproject.toml allows
+	@$(VENV)/bin/python studies/lowest_versions.py
+
 reference: $(READY) ## Rebuild results/reference (about 15 minutes with -j2)
 	@$(MAKE) --no-print-directory -f results/reference.mk
 
@@ -76,7 +89,7 @@ venv:
 	@touch $(VENV)/.installing
 	@set -o pipefail; trap 'exit 130' INT TERM; \
 	$(VENV)/bin/python -m pip --require-virtualenv install --progress-bar off \
-	  -e '.[plot,tune,fuzzy,scale,dev,docs]' 2>&1 | tee $(VENV)/install.log \
+	  $(if $(LOCKED),-c constraints.txt) -e '.[plot,tune,fuzzy,scale,dev,docs]' 2>&1 | tee $(VENV)/install.log \
 	| while read -r step name _; do name=$${name##*/}; name=$${name%%-[0-9]*}; \
 	    case "$$step $$name" in \
 	    Collecting*|Processing*) printf ' %s' "$${name%%[!a-zA-Z0-9_.-]*}";; \

@@ -13,6 +13,7 @@ from sensorless.cli.options import (
     SetOption,
     bench_of,
     console,
+    errors,
 )
 
 
@@ -21,8 +22,9 @@ def replay_command(
         Path,
         typer.Argument(
             metavar="LOG.csv",
-            help="Read this log: CSV, one row per PWM period, with the columns of docs/replay.md. "
-            "The word `sample` reads the log that comes with the package.",
+            help="Read this log: CSV of any kind or MATLAB, one row per PWM period, with the "
+            "columns of docs/replay.md. The word `sample` reads the log that comes with the "
+            "package.",
         ),
     ],
     motor: CarriedMotorOption = None,
@@ -42,6 +44,16 @@ def replay_command(
             "acts in its period, 1 if it holds the command for the next."
         ),
     ] = 0,
+    names: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--map",
+            metavar="NAME=COLUMN",
+            help="Read a column under the name it has in the file, as in i_a=Ia, or i_a=-Ia to "
+            "turn its sign; repeat the option for several, or give a TOML file of such lines. "
+            "Default: the names of docs/replay.md.",
+        ),
+    ] = None,
     after: Annotated[
         float,
         typer.Option(
@@ -68,9 +80,11 @@ def replay_command(
 
         sensorless replay sample --after 0.05 --plot replay.png
         sensorless replay drive.csv --motor my.toml --out estimates.csv
+        sensorless replay scope.csv --map i_a=Ia --map i_b=Ib
     """
     from sensorless.files import check_writable
     from sensorless.policy import design_for
+    from sensorless.replay.mapping import names_from
     from sensorless.replay.replay import SAMPLE, load, replay
 
     check_writable(out)
@@ -80,14 +94,17 @@ def replay_command(
     machine, design = made.motor, design_for(rule, made.design)
     log = SAMPLE if log == Path("sample") and not log.exists() else log
     found = replay(
-        load(log, machine, design, delay),
+        load(log, machine, design, delay, names_from(names)),
         machine,
         design,
         rule,
         theta_0=math.radians(math.fmod(angle, 360.0)) if math.isfinite(angle) else angle,
         omega_0=machine.rpm_to_electrical(speed),
     )
-    console.print(found.table(after))
+    table = found.table(after)
+    for note in found.notes:
+        errors.print(f"note: {note}", markup=False, highlight=False, soft_wrap=True)
+    console.print(table)
     if out is not None:
         found.write_csv(out)
         console.print(f"wrote {out}")

@@ -3,8 +3,7 @@
 There is one row per PWM period, sampled at ``t``; ``docs/replay.md`` has all columns with units.
 """
 
-import csv
-from collections.abc import Iterable
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,12 +15,16 @@ from sensorless.evaluation.trace import Trace
 from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
+from sensorless.replay.recording import read_recording
+from sensorless.replay.signature import are_percent, is_degrees, of_voltage, time_scale
 
 VOLTAGES = (("u_alpha", "u_beta"), ("u_a", "u_b", "u_c"), ("d_a", "d_b", "d_c", "u_dc"))
 """Ways to give the voltage; the first complete one is used."""
 COLUMNS = ("t", "i_a", "i_b", "i_c", *sum(VOLTAGES, ()), "inj", "theta_e", "theta_m")
 JITTER = 0.01
 """Largest deviation of a period that counts as uniform, over the period."""
+MOST_SPEED = 10.0
+"""Largest plausible speed over rated."""
 BEYOND = 3.0
 """Largest plausible reading, over the converter's range or the trip, and over the DC link."""
 SIXTHS = np.exp(2j * np.pi * np.arange(3) / 3.0)
@@ -43,6 +46,8 @@ class Log:
     """(n,) sign of the injection over [t[k-1], t[k]], if recorded"""
     theta_e: Floats | None
     """(n,) angle of the encoder, electrical [rad], if recorded"""
+    notes: tuple[str, ...] = ()
+    """what was taken for what, and what looks wrong"""
 
     def rows(self) -> Array:
         """Rows of REPLAY_IN, shape (n,)."""
@@ -80,7 +85,15 @@ def write_log(t: Trace, path: Path) -> None:
     write_atomic(path, "\n".join([head, *lines]) + "\n")
 
 
-def read_log(path: Path, motor: Motor, *, u_dt: float, inv_i_dt: float, delay: int = 0) -> Log:
+def read_log(
+    path: Path,
+    motor: Motor,
+    *,
+    u_dt: float,
+    inv_i_dt: float,
+    delay: int = 0,
+    names: Mapping[str, str] | None = None,
+) -> Log:
     """Read a log.
 
     Parameters
@@ -94,6 +107,8 @@ def read_log(path: Path, motor: Motor, *, u_dt: float, inv_i_dt: float, delay: i
     delay : int
         Rows from a logged voltage to the row where it begins to act: 0 if it acts over the period
         that begins with its row, 1 if it was computed from the row's sample.
+    names : mapping, optional
+        Names in the file of columns that have others, see ``read_recording``.
 
     Raises
     ------
@@ -101,13 +116,15 @@ def read_log(path: Path, motor: Motor, *, u_dt: float, inv_i_dt: float, delay: i
         The file cannot be read; the message names file, line and column.
     """
     where = f"log {str(path)!r}"
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            columns, lines = _parse(file, where)
-    except OSError as error:
-        raise UserError(f"{where}: {error.strerror}; give a file that can be read") from None
-    except (csv.Error, UnicodeDecodeError) as error:
-        raise UserError(f"{where}: not a valid CSV file: {error}") from None
+    recording = read_recording(path, COLUMNS, names or {}, where)
+    columns, lines = recording.columns, recording.lines
+    for name in ("i_a", "i_b"):
+        if name not in columns:
+            raise UserError(
+                f"{where}: line 1: column {name}: missing; known are {', '.join(COLUMNS)}; name "
+                f"it with --map {name}=COLUMN"
+            )
+    notes = list(_put_right(columns, motor))
     t = columns["t"]
     _check_time(t, lines, motor, where)
     _check_sizes(columns, lines, motor, where)
@@ -123,14 +140,37 @@ def read_log(path: Path, motor: Motor, *, u_dt: float, inv_i_dt: float, delay: i
     theta_e = columns.get("theta_e")
     if theta_e is None and "theta_m" in columns:
         theta_e = motor.n_p * columns["theta_m"]
+    u = _later(_voltage(columns, i, u_dc, u_dt, inv_i_dt, where), 1 + delay)
+    phases = np.stack([i[:, 0], i[:, 1], -i.sum(axis=1)], axis=-1)
     return Log(
         t=t,
         i=i,
-        u=_later(_voltage(columns, i, u_dc, u_dt, inv_i_dt, where), 1 + delay),
+        u=u,
         u_dc=u_dc,
         inj=None if inj is None else _later(inj, 1 + delay),
         theta_e=theta_e,
+        notes=(*notes, *of_voltage(u, clarke(phases), delay)),
     )
+
+
+def _put_right(columns: dict[str, Floats], motor: Motor) -> Iterator[str]:
+    """Bring columns to their units where what they hold shows another; says which."""
+    if "t" not in columns:
+        columns["t"] = motor.T_s * np.arange(len(columns["i_a"]))
+        yield f"no time: one row a PWM period, {motor.T_s:g} s, is assumed"
+    scale, unit = time_scale(columns["t"], motor.T_s)
+    if unit != "s":
+        columns["t"] = scale * columns["t"]
+        yield f"t: taken as {unit}"
+    top = MOST_SPEED * motor.omega_rated
+    for name, fastest in (("theta_e", top), ("theta_m", top / motor.n_p)):
+        if name in columns and is_degrees(columns[name], motor.T_s, fastest):
+            columns[name] = np.radians(columns[name])
+            yield f"{name}: taken as degrees"
+    duties = [name for name in VOLTAGES[2][:3] if name in columns]
+    if duties and are_percent(np.stack([columns[name] for name in duties], axis=-1)):
+        columns |= {name: 0.01 * columns[name] for name in duties}
+        yield f"{', '.join(duties)}: taken as percent"
 
 
 def _later(x: Floats, rows: int) -> Floats:
@@ -202,41 +242,3 @@ def _check_sizes(columns: dict[str, Floats], lines: Array, motor: Motor, where: 
                 f"{len(wrong)} of {len(lines)} rows beyond {low:.4g} to {high:.4g} {unit}, which "
                 f"motor {motor.name!r} makes plausible; check its unit, or mend or cut these rows"
             )
-
-
-def _parse(file: Iterable[str], where: str) -> tuple[dict[str, Floats], Array]:
-    """Columns by name, and the line number of each row."""
-    reader = csv.reader(file)
-    header = [name.strip() for name in next(reader, [])]
-    for name in header:
-        if name in COLUMNS and header.count(name) > 1:
-            raise UserError(f"{where}: line 1: column {name}: given twice; give it once")
-    for name in ("t", "i_a", "i_b"):
-        if name not in header:
-            raise UserError(
-                f"{where}: line 1: column {name}: missing; known are {', '.join(COLUMNS)}"
-            )
-    used = [j for j, name in enumerate(header) if name in COLUMNS]
-    rows, lines = [], []
-    for row in reader:
-        if not row:
-            continue
-        at = f"{where}: line {reader.line_num}"
-        if len(row) != len(header):
-            raise UserError(f"{at}: {len(row)} values; give {len(header)}, as in the header")
-        rows.append([_value(row[j], f"{at}: {header[j]}") for j in used])
-        lines.append(reader.line_num)
-    if not rows:
-        raise UserError(f"{where}: no rows; give one per PWM period, at least 3")
-    table = np.array(rows)
-    return {header[j]: table[:, k] for k, j in enumerate(used)}, np.array(lines)
-
-
-def _value(text: str, at: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = np.nan
-    if not abs(value) < 1e15:  # also NaN
-        raise UserError(f"{at}: {text!r}; give a finite number")
-    return value

@@ -1,6 +1,7 @@
 """Runs the drive's estimators, their blend and an independent filter over a recorded log."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,11 +20,14 @@ from sensorless.machine.motor import Motor
 from sensorless.observers.ekf import run_ekf
 from sensorless.policy import Policy, PrivilegedPolicy, design_for
 from sensorless.replay.log import Log, clarke, read_log
+from sensorless.replay.signature import of_encoder
 
 SAMPLE = Path(__file__).parent / "sample_log.csv"
 """A log of the paper's motor that comes with the package."""
 
 
+LITTLE = 0.05
+"""Weight of an estimator in the blend from which it counts as its signal."""
 MOST_SPEED = 10.0
 """First speed of the estimators over rated, at most."""
 
@@ -37,7 +41,7 @@ class Estimate:
     omega_e: Floats
     """(n,) speed, electrical [rad/s]"""
     valid: Array
-    """(n,) bool: it had its own signal; otherwise it followed the blend"""
+    """(n,) bool: it had a signal; otherwise it followed the blend, and the blend its last speed"""
 
 
 @dataclass(frozen=True)
@@ -53,6 +57,8 @@ class Replay:
     """name of the observer beside the injection, see ``observer_name``"""
     estimates: dict[str, Estimate] = field(default_factory=dict)
     """by the ending of their columns: hfi, smo (the observer), blend and ekf"""
+    notes: tuple[str, ...] = ()
+    """what was taken for what in the log, and what looks wrong in it"""
 
     def label(self, name: str) -> str:
         """Name of an estimator for people."""
@@ -86,16 +92,19 @@ class Replay:
         since = f" from {after:g} s on" if after > 0.0 else ""
         table = Table(title=f"{len(self.log.t)} samples of {self.motor.name}, k_s: {self.policy}")
         table.caption = (
-            "own signal: share of samples in which the estimator had a signal of its own instead "
-            "of following the blend. RMS, largest, mean: angle error there, truth − estimate, "
-            f"electrical{since}. HFI: injection. EKF: a Kalman filter to compare with."
+            "own signal: share of samples with a signal to find the angle by. RMS, largest, mean: "
+            f"angle error there, truth − estimate, electrical{since}. without: RMS in the other "
+            "samples, which have neither injection nor speed enough: there HFI and the observer "
+            "follow the blend, and blend and EKF go on by dead reckoning. HFI: injection. EKF: a "
+            "Kalman filter to compare with."
         )
-        for heading in ("estimator", "own signal\n[%]", "RMS [°]", "largest [°]", "mean [°]"):
+        headings = ("estimator", "own\nsignal [%]", "RMS\n[°]", "largest\n[°]", "mean\n[°]")
+        for heading in (*headings, "without\n[°]"):
             table.add_column(heading, justify="left" if heading == "estimator" else "right")
         for name, row in self.summary(after).items():
-            cells = (f"{row[key]:.2f}" for key in ("rms_deg", "max_deg", "mean_deg"))
-            shown = cells if self.log.theta_e is not None and row["share"] else ("–",) * 3
-            table.add_row(self.label(name), f"{100.0 * row['share']:.0f}", *shown)
+            keys = ("rms_deg", "max_deg", "mean_deg", "without_rms_deg")
+            cells = (f"{row[key]:.2f}" if math.isfinite(row[key]) else "–" for key in keys)
+            table.add_row(self.label(name), f"{100.0 * row['share']:.0f}", *cells)
         return table
 
     def summary(self, after: float = 0.0) -> dict[str, dict[str, float]]:
@@ -104,8 +113,8 @@ class Replay:
         Returns
         -------
         dict
-            By estimator ``share``, and ``rms_deg``, ``max_deg``, ``mean_deg`` [deg], NaN without an
-            encoder or without such samples.
+            By estimator ``share``, and ``rms_deg``, ``max_deg``, ``mean_deg`` [deg] where it had a
+            signal, and ``without_rms_deg`` [deg] where not; NaN without an encoder or such samples.
 
         Raises
         ------
@@ -121,22 +130,31 @@ class Replay:
             own = late & estimate.valid
             error = self.error(name)
             deg = np.rad2deg(error[own]) if error is not None and own.any() else np.array([np.nan])
+            rest = late & ~estimate.valid & np.isfinite(estimate.theta_e)
+            lost = np.rad2deg(error[rest]) if error is not None and rest.any() else [np.nan]
             out[name] = {
                 "share": float(np.mean(estimate.valid[late])),
                 "rms_deg": float(np.sqrt(np.mean(deg**2))),
                 "max_deg": float(np.max(np.abs(deg))),
                 "mean_deg": float(np.mean(deg)),
+                "without_rms_deg": float(np.sqrt(np.mean(np.square(lost)))),
             }
         return out
 
 
-def load(path: Path, motor: Motor, design: DriveDesign, delay: int = 0) -> Log:
+def load(
+    path: Path,
+    motor: Motor,
+    design: DriveDesign,
+    delay: int = 0,
+    names: Mapping[str, str] | None = None,
+) -> Log:
     """Read a log for a drive; see ``sensorless.replay.log.read_log``."""
     if not 0 <= delay <= 2:
         raise UserError(f"delay: {delay}; give 0, 1 or 2 rows")
     control = control_record(motor, design)["control"]
     u_dt, inv_i_dt = float(control["u_dt"]), float(control["inv_i_dt"])
-    return read_log(path, motor, u_dt=u_dt, inv_i_dt=inv_i_dt, delay=delay)
+    return read_log(path, motor, u_dt=u_dt, inv_i_dt=inv_i_dt, delay=delay, names=names)
 
 
 def replay(
@@ -185,17 +203,26 @@ def replay(
         part, obs = run.advance(rows[first : first + every], k_s)
         out.append(part)
     column = dict(zip(REPLAY_NAMES, np.concatenate(out).T.astype(np.float64), strict=True))
-    always = np.ones(len(rows), dtype=bool)
+    hfi, smo, weight = column["valid_hfi"] > 0.0, column["valid_smo"] > 0.0, column["k_s"]
+    signal = {
+        "hfi": hfi,
+        "smo": smo,
+        "blend": (hfi & (weight > LITTLE)) | (smo & (weight < 1.0 - LITTLE)),
+    }
     estimates = {
-        name: Estimate(
-            column[f"theta_{name}"],
-            column[f"omega_{name}"],
-            column[f"valid_{name}"] > 0.0 if f"valid_{name}" in column else always,
-        )
-        for name in ("hfi", "smo", "blend")
+        name: Estimate(column[f"theta_{name}"], column[f"omega_{name}"], valid)
+        for name, valid in signal.items()
     }
     phases = np.stack([log.i[:, 0], log.i[:, 1], -log.i.sum(axis=1)], axis=-1)
     theta, omega = run_ekf(motor, log.u, clarke(phases), theta_0, omega_0)
-    estimates["ekf"] = Estimate(theta, omega, np.isfinite(theta))
+    estimates["ekf"] = Estimate(theta, omega, np.isfinite(theta) & (hfi | smo))
+    notes = list(log.notes)
+    if not np.isfinite(theta).all():
+        notes.append(
+            f"the Kalman filter diverged at t = {log.t[np.argmin(np.isfinite(theta))]:g} s"
+        )
+    if log.theta_e is not None:
+        blend = estimates["blend"]
+        notes += of_encoder(log.theta_e, blend.theta_e, blend.valid, motor)
     observer = observer_name(own.estimator)
-    return Replay(motor, policy.name, log, column["k_s"], observer, estimates)
+    return Replay(motor, policy.name, log, weight, observer, estimates, tuple(notes))

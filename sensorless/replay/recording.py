@@ -1,0 +1,184 @@
+"""Columns of numbers from what tools export: CSV of any kind, or MATLAB.
+
+Read as they are: separators ``,``, ``;`` and tab; decimal commas; comments with ``#`` or ``%``; a
+line of units below the header; units behind a name, as in ``i_a [mA]``; other names of the columns,
+if the caller gives them.
+"""
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sensorless.core.api import Array
+from sensorless.errors import UserError
+from sensorless.files import reason
+from sensorless.machine.magnetics import Floats
+
+UNITS = {
+    "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "a": 1.0, "ma": 1e-3, "ka": 1e3, "v": 1.0,
+    "mv": 1e-3, "kv": 1e3, "rad": 1.0, "deg": np.pi / 180.0, "°": np.pi / 180.0, "%": 0.01,
+    "1": 1.0, "-": 1.0,
+}  # fmt: skip
+"""Factors to the units of docs/replay.md."""
+HEAD = re.compile(r"\s*(.+?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*")
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Columns by name, and the line of the file of each row."""
+
+    columns: dict[str, Floats]
+    lines: Array
+
+
+def read_recording(
+    path: Path, wanted: Sequence[str], names: Mapping[str, str], where: str
+) -> Recording:
+    """Read the columns that are ``wanted``; others may hold anything.
+
+    Parameters
+    ----------
+    names : mapping
+        Name in the file of a wanted column, with ``-`` in front if its sign is to be turned.
+
+    Raises
+    ------
+    UserError
+        The file cannot be read; the message names file, line and column.
+    """
+    unknown = [name for name in names if name not in wanted]
+    if unknown:
+        raise UserError(f"map: {unknown[0]!r} is no column; known are {', '.join(wanted)}")
+    try:
+        if path.suffix.lower() == ".mat":
+            return _matlab(path, wanted, names, where)
+        text = _decoded(path.read_bytes())
+    except OSError as error:
+        raise UserError(f"{where}: {reason(error)}; give a file that can be read") from None
+    if "\0" in text:
+        raise UserError(f"{where}: not a valid CSV file; give text, or a .mat file")
+    return _text(text, wanted, names, where)
+
+
+def _decoded(raw: bytes) -> str:
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
+def _text(text: str, wanted: Sequence[str], names: Mapping[str, str], where: str) -> Recording:
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and line.lstrip()[0] not in "#%"
+    ]
+    first = lines[0][1] if lines else ""
+    mark = next((mark for mark in ";\t" if mark in first), ",")
+    try:
+        cells = list(csv.reader((line for _, line in lines), delimiter=mark))
+    except csv.Error as error:
+        raise UserError(f"{where}: not a valid CSV file: {error}") from None
+    header = [name.strip() for name in cells[0]] if cells else []
+    comma = mark != "," and any("," in cell for row in cells[1:4] for cell in row)
+    used = _used(header, wanted, names, where, lines[0][0] if lines else 1)
+    units = {name: _unit(header[j]) for name, (j, _) in used.items()}
+    body = list(zip([number for number, _ in lines[1:]], cells[1:], strict=True))
+    if body and not any(_is_number(cell, comma) for cell in body[0][1]):  # a line of units
+        for name, (j, _) in used.items():
+            units[name] = UNITS.get(body[0][1][j].strip(" []()").lower(), units[name])
+        body = body[1:]
+    rows = []
+    for number, row in body:
+        at = f"{where}: line {number}"
+        if len(row) != len(header):
+            raise UserError(f"{at}: {len(row)} values; give {len(header)}, as in the header")
+        rows.append([_value(row[j], comma, f"{at}: {header[j]}") for j, _ in used.values()])
+    if not rows:
+        raise UserError(f"{where}: no rows; give one per PWM period, at least 3")
+    table = np.array(rows)
+    columns = {
+        name: sign * units[name] * table[:, k] for k, (name, (_, sign)) in enumerate(used.items())
+    }
+    return Recording(columns, np.array([number for number, _ in body]))
+
+
+def _used(
+    header: Sequence[str], wanted: Sequence[str], names: Mapping[str, str], where: str, line: int
+) -> dict[str, tuple[int, float]]:
+    """Place and sign of every wanted column that the file has."""
+    bare = [found[1] if (found := HEAD.fullmatch(name)) else name for name in header]
+    out = {}
+    for name in wanted:
+        given = names.get(name, name)
+        sign, given = (-1.0, given[1:].strip()) if given.startswith("-") else (1.0, given)
+        places = [j for j, (b, h) in enumerate(zip(bare, header, strict=True)) if given in (b, h)]
+        if len(places) > 1:
+            raise UserError(f"{where}: line {line}: column {given}: given twice; give it once")
+        if places:
+            out[name] = (places[0], sign)
+        elif name in names:
+            raise UserError(
+                f"{where}: line {line}: column {given}, which --map names, is missing; the file "
+                f"has {', '.join(header)[:200]}"
+            )
+    return out
+
+
+def _unit(name: str) -> float:
+    """Factor of a unit in brackets behind a name."""
+    found = HEAD.fullmatch(name)
+    return UNITS.get(found[2].lower(), 1.0) if found else 1.0
+
+
+def _number(text: str, comma: bool) -> float:
+    return float(text.replace(",", ".") if comma else text)
+
+
+def _is_number(text: str, comma: bool) -> bool:
+    try:
+        _number(text, comma)
+    except ValueError:
+        return False
+    return True
+
+
+def _value(text: str, comma: bool, at: str) -> float:
+    value = _number(text, comma) if _is_number(text, comma) else np.nan
+    if not abs(value) < 1e15:  # also NaN
+        raise UserError(f"{at}: {text!r}; give a finite number")
+    return value
+
+
+def _matlab(path: Path, wanted: Sequence[str], names: Mapping[str, str], where: str) -> Recording:
+    """Vectors of a MATLAB file, or of the structures in it."""
+    from scipy.io import loadmat
+
+    try:
+        raw: dict[str, Any] = loadmat(path, squeeze_me=True)
+    except NotImplementedError:
+        raise UserError(f"{where}: a MATLAB file of version 7.3; save it with -v7") from None
+    except Exception as error:  # scipy has many for a damaged file
+        raise UserError(f"{where}: not a valid MATLAB file: {error}") from None
+    found: dict[str, Array] = {}
+    for name, value in raw.items():
+        fields = value.dtype.names if isinstance(value, np.ndarray) else None
+        parts = (
+            {f: value[f].item() for f in fields} if fields and value.ndim == 0 else {name: value}
+        )
+        found |= {k: np.asarray(v) for k, v in parts.items() if np.ndim(v) == 1}
+    vectors = {k: v.astype(float) for k, v in found.items() if v.dtype.kind in "fiub"}
+    used = _used(list(vectors), wanted, names, where, 1)
+    columns = {name: sign * list(vectors.values())[j] for name, (j, sign) in used.items()}
+    if len({len(column) for column in columns.values()}) > 1:
+        raise UserError(f"{where}: vectors of unequal length; give one number per PWM period each")
+    for name, column in columns.items():
+        if not np.all(np.abs(column) < 1e15):
+            raise UserError(f"{where}: {name}: not all numbers are finite; mend or cut these rows")
+    n = len(next(iter(columns.values()), ()))
+    return Recording(columns, np.arange(1, n + 1))

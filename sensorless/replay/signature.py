@@ -1,0 +1,128 @@
+"""What a log shows when it is not what it seems: units, signs, delay, by their signature."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from sensorless.core.api import Array
+from sensorless.machine.magnetics import Floats
+from sensorless.machine.motor import Motor
+
+CLEAR = 0.5
+"""Correlation from which steps of the voltage are the cause of those of the current."""
+BETTER = 0.1
+"""How much more another delay has to explain."""
+OPPOSITE, ASIDE = 135.0, 75.0
+"""Angles between a step of the voltage and its answer that no saliency makes [deg]."""
+AGREES, DIFFERS = 0.9, 0.6
+"""Length of the mean of exp(j error) of an encoder that turns with the estimate, or does not."""
+TURNED = 2.0 * np.pi
+"""Way of the rotor from which its direction shows [rad]."""
+SAME_STEP = 0.02
+"""Largest deviation of a period from a multiple of the motor's own."""
+STEPS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "periods": 0.0}
+"""Units of time [s]."""
+
+
+def time_scale(t: Floats, T_s: float) -> tuple[float, str]:
+    """Factor of a time column to seconds, and its unit; 1 and "s" if nothing fits."""
+    step = float(np.median(np.diff(t))) if len(t) > 1 else T_s
+    for unit, scale in STEPS.items():
+        factor = scale or T_s
+        if abs(factor * step - T_s) <= SAME_STEP * T_s:
+            return factor, unit
+    return 1.0, "s"
+
+
+def is_degrees(theta: Floats, T_s: float, omega_max: float) -> bool:
+    """Whether an angle is in degrees: it jumps by 360, or turns too fast for radians."""
+    steps = np.abs(np.diff(theta))
+    if not len(steps) or np.max(np.abs(theta)) <= 2.05 * np.pi:
+        return False
+    jumps = steps[steps > np.pi]
+    if len(jumps) and abs(float(np.median(jumps)) - 360.0) < 40.0:
+        return True
+    usual = float(np.quantile(steps, 0.9)) / T_s
+    return bool(usual > omega_max and np.radians(usual) <= omega_max)
+
+
+def are_percent(duties: Floats) -> bool:
+    """Whether duty cycles (n, 3) are in percent."""
+    return bool(1.5 < np.max(duties) <= 101.0 and np.median(duties) > 1.0)
+
+
+def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
+    """Signs and delay from what steps of the voltage do to the current.
+
+    A step of the voltage changes the slope of the current along with it, whatever the machine.
+
+    Parameters
+    ----------
+    u : (n, 2) stator voltage [V] over the period before each sample
+    i : (n, 2) stator current [A], alpha, beta
+    delay : int
+        Rows by which the voltage was shifted.
+    """
+    du = np.diff(u[:, 0] + 1j * u[:, 1])[1:]
+    bend = np.diff(i[:, 0] + 1j * i[:, 1], n=2)
+    direct, mirrored = {}, {}
+    for lag in (0, -1, 1, 2):
+        x = du[: len(du) - lag] if lag >= 0 else du[-lag:]
+        y = bend[lag:] if lag >= 0 else bend[: len(bend) + lag]
+        size = max(float(np.linalg.norm(x) * np.linalg.norm(y)), 1e-30)
+        direct[lag], mirrored[lag] = complex(np.vdot(x, y)) / size, abs(complex(x @ y)) / size
+    best = max(direct, key=lambda lag: abs(direct[lag]))
+    most, other = abs(direct[best]), max(mirrored.values())
+    angle = abs(float(np.degrees(np.angle(direct[0]))))
+    if max(most, other) < CLEAR:
+        return
+    if other > most + BETTER:
+        yield (
+            "voltage and current turn opposite ways: two phases of one of them are swapped; swap "
+            "them with --map"
+        )
+    elif most > abs(direct[0]) + BETTER:
+        way = "later" if best > 0 else "earlier"
+        right = delay + best
+        cure = f"try --delay {right}" if 0 <= right <= 2 else "the two are out of step"
+        yield f"the current answers the voltage {abs(best)} rows {way} than it should: {cure}"
+    elif angle > OPPOSITE:  # a row is half a period of an injection that changes sign every row
+        yield (
+            f"the current answers the voltage the wrong way round: try --delay {abs(delay - 1)}, "
+            "or turn a wrong sign with --map, as in i_a=-i_a"
+        )
+    elif angle > ASIDE:
+        yield (
+            f"the current answers {angle:.0f} degrees beside the voltage: the phases of one are in "
+            "another order; rename them with --map"
+        )
+
+
+def of_encoder(theta: Floats, theta_hat: Floats, own: Array, motor: Motor) -> Iterator[str]:
+    """Direction, pole pairs and zero of an encoder, beside an estimate where it had a signal."""
+    way = float(np.ptp(np.unwrap(theta_hat[own]))) if own.any() else 0.0
+    if way < TURNED:
+        return
+    turn = np.unwrap(theta)
+    means = {
+        name: complex(np.mean(np.exp(1j * (factor * turn - theta_hat)[own])))
+        for name, factor in (
+            ("as it is", 1.0), ("turned round", -1.0), ("mechanical", motor.n_p),
+            ("mechanical and turned round", -motor.n_p),
+        )
+    }  # fmt: skip
+    best = max(means, key=lambda name: abs(means[name]))
+    if abs(means["as it is"]) < DIFFERS and abs(means[best]) > AGREES:
+        columns = {
+            "turned round": "theta_e=-theta_e",
+            "mechanical": "theta_m=theta_e",
+            "mechanical and turned round": "theta_m=-theta_e",
+        }
+        yield f"the encoder's angle fits the estimate if {best}: try --map {columns[best]}"
+    elif abs(means["as it is"]) > AGREES:
+        offset = float(np.degrees(np.angle(means["as it is"])))
+        if abs(offset) > 30.0:
+            yield (
+                f"the encoder's zero is {offset:.0f} electrical degrees off the magnet, or the "
+                "phases are"
+            )

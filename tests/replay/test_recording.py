@@ -1,0 +1,149 @@
+"""The same log however a tool exports it, and what its signature says of a wrong one."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from sensorless.errors import UserError
+from sensorless.machine.magnetics import Floats
+from sensorless.machine.motor import Motor
+from sensorless.replay.log import Log, read_log
+from sensorless.replay.mapping import names_from
+from sensorless.replay.replay import SAMPLE
+
+MOTOR = Motor.load("paper")
+ROWS = 1500
+TABLE = np.genfromtxt(SAMPLE, delimiter=",", names=True)[:ROWS]
+NAMES = TABLE.dtype.names or ()
+Columns = dict[str, Floats]
+
+
+def columns(*drop: str) -> Columns:
+    return {name: TABLE[name].copy() for name in NAMES if name not in drop}
+
+
+def csv_of(values: Columns, mark: str = ",", comma: str = ".", heads: str = "") -> str:
+    table = np.stack(list(values.values()), axis=-1)
+    rows = [mark.join(f"{x:.9g}".replace(".", comma) for x in row) for row in table]
+    return "\n".join([heads or mark.join(values), *rows]) + "\n"
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Callable[..., Log]:
+    def reader(text: str, words: list[str] | None = None, delay: int = 0) -> Log:
+        path = tmp_path / "log.csv"
+        path.write_text(text, encoding="utf-8")
+        names = names_from(words)
+        return read_log(path, MOTOR, u_dt=5.4, inv_i_dt=10.0, delay=delay, names=names)
+
+    return reader
+
+
+Read = Callable[..., Log]
+
+
+@pytest.fixture
+def plain(read: Read) -> Log:
+    log = read(csv_of(columns()))
+    assert log.notes == ()
+    return log
+
+
+def same(a: Log, b: Log) -> None:
+    for name in ("t", "i", "u", "u_dc", "theta_e"):
+        assert getattr(a, name) == pytest.approx(getattr(b, name), rel=1e-6, abs=1e-6), name
+
+
+def test_separators_and_decimal_commas(read: Read, plain: Log) -> None:
+    same(read(csv_of(columns(), ";")), plain)
+    same(read(csv_of(columns(), "\t", ",")), plain)
+    same(read("# a scope\n%\n" + csv_of(columns(), ";", ",")), plain)
+
+
+def test_units_behind_a_name_and_below_it(read: Read, plain: Log) -> None:
+    values = columns()
+    values["t"], values["i_a"] = 1e3 * values["t"], 1e3 * values["i_a"]
+    heads = ",".join(values).replace("i_a", "i_a [mA]").replace("t,", "t (ms),", 1)
+    same(read(csv_of(values, heads=heads)), plain)
+    units = ["ms" if n == "t" else "mA" if n == "i_a" else "" for n in values]
+    heads = ",".join(values) + "\n" + ",".join(units)
+    same(read(csv_of(values, heads=heads)), plain)
+
+
+def test_other_names_by_words_or_by_a_file(read: Read, plain: Log, tmp_path: Path) -> None:
+    heads = ",".join(columns()).replace("i_a", "Ia").replace("i_b", "current B")
+    values = columns()
+    values["i_b"] = -values["i_b"]
+    same(read(csv_of(values, heads=heads), ["i_a=Ia", "i_b=-current B"]), plain)
+    (tmp_path / "names.toml").write_text('i_a = "Ia"\ni_b = "-current B"\n')
+    same(read(csv_of(values, heads=heads), [str(tmp_path / "names.toml")]), plain)
+
+
+def test_matlab(tmp_path: Path, plain: Log) -> None:
+    path = tmp_path / "log.mat"
+    for content in (columns(), {"log": columns()}):
+        savemat(path, content)
+        same(read_log(path, MOTOR, u_dt=5.4, inv_i_dt=10.0), plain)
+    path.write_bytes(b"MATLAB 7.3")
+    with pytest.raises(UserError, match="MATLAB"):
+        read_log(path, MOTOR, u_dt=5.4, inv_i_dt=10.0)
+
+
+@pytest.mark.parametrize(("scale", "said"), [(1e3, "taken as ms"), (1e6, "taken as µs")])
+def test_time_in_another_unit(scale: float, said: str, read: Read, plain: Log) -> None:
+    log = read(csv_of(columns() | {"t": scale * TABLE["t"]}))
+    same(log, plain)
+    assert log.notes == (f"t: {said}",)
+
+
+def test_time_may_be_missing_or_count_periods(read: Read, plain: Log) -> None:
+    log = read(csv_of(columns("t")))
+    assert log.i == pytest.approx(plain.i) and "no time" in log.notes[0]
+    assert read(csv_of(columns() | {"t": np.arange(float(ROWS))})).notes == ("t: taken as periods",)
+
+
+def test_degrees_and_percent_are_seen(read: Read, plain: Log) -> None:
+    wrapped = np.degrees(np.remainder(TABLE["theta_e"], 2.0 * np.pi))
+    log = read(csv_of(columns() | {"theta_e": wrapped}))
+    assert log.notes == ("theta_e: taken as degrees",)
+    assert log.theta_e == pytest.approx(np.radians(wrapped))
+    duties = {name: 100.0 * TABLE[name] for name in ("d_a", "d_b", "d_c")}
+    log = read(csv_of(columns("u_alpha", "u_beta") | duties))
+    assert log.notes == ("d_a, d_b, d_c: taken as percent",)
+
+
+@pytest.mark.parametrize(("late", "delay", "said"), [(1, 0, "--delay 1"), (0, 1, "--delay 0")])
+def test_a_wrong_delay_is_seen(late: int, delay: int, said: str, read: Read) -> None:
+    values = columns()
+    for name in ("u_alpha", "u_beta"):  # what was computed in a row acts one later
+        values[name] = np.roll(values[name], -late)
+    (note,) = read(csv_of(values), delay=delay).notes
+    assert said in note
+
+
+def test_a_wrong_sign_and_swapped_phases_are_seen(read: Read) -> None:
+    turned = columns()
+    turned |= {name: -turned[name] for name in ("i_a", "i_b")}
+    (note,) = read(csv_of(turned)).notes
+    assert "wrong way round" in note
+    swapped = columns()
+    swapped["i_a"], swapped["i_b"] = swapped["i_b"], swapped["i_a"]
+    (note,) = read(csv_of(swapped)).notes
+    assert "opposite ways" in note
+    shifted = columns() | {"i_a": columns()["i_b"], "i_b": -TABLE["i_a"] - TABLE["i_b"]}
+    (note,) = read(csv_of(shifted)).notes
+    assert "another order" in note
+
+
+def test_mistakes_are_named(read: Read, tmp_path: Path) -> None:
+    text = csv_of(columns())
+    for words, said in (
+        (["i_a"], "NAME=COLUMN"), (["i_x=Ia"], "'i_x' is no column"), (["i_a=Ia"], "Ia, which"),
+        ([str(tmp_path / "none.toml")], "No such file"),
+    ):  # fmt: skip
+        with pytest.raises(UserError, match="map") as error:
+            read(text, words)
+        assert said in str(error.value)
