@@ -1,4 +1,4 @@
-"""Run tests on the lowest versions of the libraries that pyproject.toml allows: ``make test-lowest``.
+"""Run tests on the lowest versions that pyproject.toml allows: ``make test-lowest``.
 
     python studies/lowest_versions.py [TESTS ...]
 
@@ -28,7 +28,7 @@ TESTS = (
     "tests/cli/test_cli.py", "tests/test_files.py", "tests/replay", "tests/agents", "tests/table",
     "tests/envs", "tests/policies",
 )  # fmt: skip
-REQUIREMENT = re.compile(r"([\w-]+)>=(\d+)\.(\d+)(?:\.(\d+))?")
+REQUIREMENT = re.compile(r"([\w-]+)>=([\d.]+)")
 
 
 def lowest(project: Path) -> Iterator[str]:
@@ -37,12 +37,12 @@ def lowest(project: Path) -> Iterator[str]:
     extras = data["optional-dependencies"]
     for line in [*data["dependencies"], *(word for name in EXTRAS for word in extras[name])]:
         if (found := REQUIREMENT.match(line)) is None:
-            raise SystemExit(f"error: {line!r} names no lowest version of two or three numbers")
-        name, major, minor, patch = found.groups()
+            raise SystemExit(f"error: {line!r} names no lowest version")
+        name, least = found.groups()
         if name == "torch":
             yield f"torch=={version('torch').split('+')[0]}"
         elif ";" not in line:
-            yield f"{name}=={major}.{minor}." + (patch or "*")
+            yield f"{name}=={least}" + (".*" if least.count(".") < 2 else "")
 
 
 def main() -> int:
