@@ -125,6 +125,9 @@ def test_link_repeats_what_was_moved(shown: Shown, motor: Motor) -> None:
     repeat(shown, fragment, 700)
     assert np.array_equal(state(shown, 0), before)
     assert shown.run("return playground.page.run.drives[0].table.refused") == 0
+    repeat(shown, fragment.replace("#c=", "#c=0"), 700)
+    assert "another version" in shown.run("return document.getElementById('message').textContent")
+    shown.run("document.getElementById('message').textContent = ''")
 
 
 @pytest.mark.parametrize("fragment", ["#m=none", "#m=paper&a=coupled+eq25&l=1", "#m=paper&a=x+y"])
@@ -165,6 +168,39 @@ def test_node_of_the_table_is_dragged(shown: Shown, motor: Motor) -> None:
     )
     assert shown.run(values) == pytest.approx([1.0, dragged + 0.05])
     assert shown.run("return playground.page.run.drives[1].table.n") == 65
+
+
+def test_node_is_dragged_by_touch(shown: Shown, motor: Motor) -> None:
+    repeat(shown, link(motor.name, ["coupled own"], LEVERS, [], 10), 10)
+    script = (
+        "const node = document.querySelectorAll('#curve .node')[8];"
+        "node.scrollIntoView({ block: 'center' }); const box = node.getBoundingClientRect();"
+        "return [box.x + box.width / 2, box.y + box.height / 2];"
+    )
+    x, y = shown.run(script)
+    for kind, at in (("touchStart", y), ("touchMove", y - 20), ("touchMove", y - 50)):
+        shown.driver.execute_cdp_cmd(
+            "Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": at}]}
+        )
+    shown.driver.execute_cdp_cmd(
+        "Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []}
+    )
+    values = shown.run("return [...playground.page.run.drives[0].table.values]")
+    assert 0.1 < values[8] < 0.9
+    assert values[9] == 0.0
+
+
+def test_keys_run_pause_and_restart(shown: Shown, motor: Motor) -> None:
+    repeat(shown, link(motor.name, ["coupled eq25"], LEVERS, [], 2000), 2000)
+    body = shown.driver.find_element("tag name", "body")
+    body.send_keys(" ")
+    wait(shown, "playground.page.pace.running && playground.page.run.decision > 2000")
+    body.send_keys(" ")
+    assert not shown.run("return playground.page.pace.running")
+    body.send_keys("r")
+    wait(shown, "playground.page.pace.running")
+    assert shown.run("return playground.page.run.decision") < 2000
+    shown.run("playground.page.pace.stop()")
 
 
 def test_lost_drive_is_told(shown: Shown, motor: Motor) -> None:

@@ -1,7 +1,8 @@
 // A run as the part of the address after "#", which never leaves the browser.
 //
 //   m motor; a, b estimator and rule of the drives; s seed; k 1: the rotor is found first;
-//   l levers at the start; v moves: decision, target, value; t decision at which the run was shared
+//   l levers at the start; v moves: decision, target, value; t decision at which the run was shared;
+//   c core that ran it
 
 import { NOMINAL } from "./presets.js";
 import { NODE } from "./run.js";
@@ -11,6 +12,7 @@ const LEVER_NAMES = Object.keys(NOMINAL);
 export function toLink(run) {
   const { motor, sides, seed, seek, levers } = run.setup;
   const out = new URLSearchParams();
+  out.set("c", run.core.layout.core);
   out.set("m", motor.name);
   sides.forEach((side, i) => out.set("ab"[i], `${side.estimator} ${side.rule.word}`));
   if (seed) out.set("s", seed);
@@ -46,6 +48,7 @@ export function fromLink(hash, layout) {
       moves,
     },
     decision: whole(found.get("t")),
+    same: (found.get("c") ?? layout.core) === layout.core,
   };
 }
 

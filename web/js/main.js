@@ -85,6 +85,9 @@ class Page {
     if (location.hash.length > 1 && !found) {
       this.say("This link is not one of this page's: it shows its first run.");
     }
+    if (found && !found.same) {
+      this.say("This link was made with another version of the core: its run may differ.");
+    }
     const motor = found?.setup.motor ?? this.layout.motors[0];
     const sides = ["sliding_mode", "reference"].map((word) => sideOf(word, motor));
     const first = { motor, seed: 0, seek: false, sides, ...scenario(FIRST, motor) };

@@ -18,6 +18,7 @@ export class Pace {
   start() {
     this.running = true;
     this.owed = 0;
+    this.until = 0;
   }
 
   stop() {
@@ -27,8 +28,8 @@ export class Pace {
 
   // Repeats a run up to a decision as fast as it can.
   hurryTo(decision) {
-    this.until = decision;
     this.start();
+    this.until = decision;
   }
 
   frame(now, before) {
