@@ -32,6 +32,8 @@ HEADERS = (
     "sim/replay.h",
     "drive/gain_selftest.h",
     "sim/faulty.h",
+    "sim/bring_up_run.h",
+    "drive/ks_hook.h",
     "drive/ks_selftest.h",
     "pil_wire.h",
 )

@@ -4,15 +4,35 @@ CC       ?= cc
 CFLAGS   ?= -O2
 FLAGS    := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARNINGS ?= -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
-SOURCES  := $(wildcard test/*.c core/*.c cmsis/*.c) params.c ks_table_data.c ks_table_q15.c
+SOURCES  := $(wildcard test/*.c core/*.c cmsis/*.c) params.c ks_hook_params.c \
+            ks_table_data.c ks_table_q15.c
 OBJECTS  := $(SOURCES:%.c=build/%.o)
 
-.PHONY: selftest clean
+# The schedule in a drive with its own observers, and a bare Cortex-M4F.
+HOOK     := core/ks_hook.c core/ks_schedule.c core/ks_table.c ks_hook_params.c ks_table_data.c
+CROSS    ?= arm-none-eabi-
+M4       := -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -ffreestanding \
+            -fno-tree-loop-distribute-patterns
+
+.PHONY: selftest example cortex_m4 clean
 selftest: build/selftest
 	@build/selftest
 
 build/selftest: $(OBJECTS)
 	@$(CC) $(FLAGS) $(CFLAGS) -o $@ $^
+
+example: build/foreign_drive
+	@build/foreign_drive
+
+build/foreign_drive: $(HOOK) example/foreign_drive.c
+	@mkdir -p $(@D)
+	@$(CC) $(FLAGS) $(CFLAGS) $(WARNINGS) -o $@ $^
+
+# One object with everything but your start-up file.
+cortex_m4: build/cortex_m4.o
+build/cortex_m4.o: $(wildcard core/*.c) params.c ks_table_data.c example/cortex_m4.c
+	@mkdir -p $(@D)
+	@$(CROSS)gcc $(FLAGS) -O2 $(M4) $(WARNINGS) -r -nostdlib -o $@ $^
 
 build/%.o: %.c Makefile
 	@mkdir -p $(@D)

@@ -62,16 +62,6 @@ static void control_clear(control_state_t *x) {
     x->u_max = 1.0f;
 }
 
-static void signal_clear(signal_state_t *x) {
-    x->i_q = 0.0f;
-    x->disagree = 0.0f;
-    x->emf = 0.0f;
-    x->hf = 0.0f;
-    x->hfi_var = 0.0f;
-    x->smo_var = 0.0f;
-    x->voltage = 0.0f;
-}
-
 #define INIT_ANGLE 1.0e4f /* beyond, a float has too few digits of an angle [rad] */
 
 /* An angle of any number of turns as one in [-pi, pi]. */
@@ -96,7 +86,7 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
     x->flux.psi.b = 0.0f;
     coupled_clear(&x->coupled);
     control_clear(&x->control);
-    signal_clear(&x->signal);
+    signals_clear(&x->signal);
     x->u_1.a = 0.0f;
     x->u_1.b = 0.0f;
     x->u_2.a = 0.0f;

@@ -73,11 +73,8 @@ CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t 
 CORE_INLINE void drive_signals(const signal_params_t *p, drive_state_t *x, float omega_ref) {
     signal_state_t *y = &x->signal;
     float a = p->alpha;
-    y->omega += a * (x->est.omega - y->omega);
-    y->omega_2 += a * (y->omega - y->omega_2);
+    signals_filter(p, y, x->est.omega, x->control.i.q, wrap_pi(x->theta_hfi - x->theta_smo));
     y->omega_ref = omega_ref;
-    y->i_q += a * (x->control.i.q - y->i_q);
-    y->disagree += a * (disagreement(wrap_pi(x->theta_hfi - x->theta_smo)) - y->disagree);
     y->emf += a * (norm_ab(x->emf.e) - y->emf);
     y->hf += a * (x->hfi.valid * x->hfi.amplitude - y->hf);
     y->hfi_var += a * (x->hfi.err * x->hfi.err - y->hfi_var);

@@ -55,6 +55,31 @@ typedef struct {
  * its range to the other, and a schedule with it. */
 CORE_INLINE float disagreement(float d) { return 2.0f * bound_f(d, HALF_PI_F) - d; }
 
+/* All signals at rest. */
+CORE_INLINE void signals_clear(signal_state_t *x) {
+    x->omega = 0.0f;
+    x->omega_2 = 0.0f;
+    x->omega_ref = 0.0f;
+    x->i_q = 0.0f;
+    x->disagree = 0.0f;
+    x->emf = 0.0f;
+    x->hf = 0.0f;
+    x->hfi_var = 0.0f;
+    x->smo_var = 0.0f;
+    x->voltage = 0.0f;
+    x->k_s = 0.0f;
+}
+
+/* Low-pass filters speed [rad/s], torque current [A] and the difference of the two angles, in
+ * [-pi, pi] [rad]. */
+CORE_INLINE void signals_filter(const signal_params_t *p, signal_state_t *x, float omega, float i_q,
+                                float difference) {
+    x->omega += p->alpha * (omega - x->omega);
+    x->omega_2 += p->alpha * (x->omega - x->omega_2);
+    x->i_q += p->alpha * (i_q - x->i_q);
+    x->disagree += p->alpha * (disagreement(difference) - x->disagree);
+}
+
 /* Direction of motion: 1 or -1. */
 CORE_INLINE float signals_direction(const signal_state_t *x) { return sign_f(x->omega); }
 

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from sensorless.cli.identify_bring_up import bring_up_command
 from sensorless.cli.identify_machine import machine_command
 from sensorless.cli.options import MotorOption, SetOption, console
 from sensorless.cli.plain import Command, Group
@@ -21,11 +22,13 @@ def identify() -> None:
 
     For example:
 
+        sensorless identify bring-up --motor paper
         sensorless identify machine --motor paper --out mine.toml
         sensorless identify cross-coupling --out cross.json
     """
 
 
+app.command("bring-up", cls=Command)(bring_up_command)
 app.command("machine", cls=Command)(machine_command)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sensorless.core.api import CONTROL, PLANT, SENSOR, Array
+from sensorless.core.bring_up import PARAMS as BRING_UP
 from sensorless.design.control import design_control, design_curves, operating_line
 from sensorless.design.derived import derive
 from sensorless.design.drive import ESTIMATORS, DriveDesign
@@ -16,6 +17,7 @@ from sensorless.errors import UserError
 from sensorless.machine.magnetics import flux_map_record
 from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import require_saliency
+from sensorless.observers.bring_up_design import design_bring_up
 from sensorless.observers.coupled_design import Bandwidths, design_coupled, load_pole
 from sensorless.observers.flux_design import design_flux
 from sensorless.observers.hfi_design import design_hfi, hf_current
@@ -175,6 +177,13 @@ def sensor_record(motor: Motor, noise_rms: float = 0.005) -> Array:
             "range": motor.adc_range,
         },
     )
+    return record
+
+
+def bring_up_record(motor: Motor) -> Array:
+    """``bring_up_params_t`` of a motor, shape ()."""
+    record = np.zeros((), dtype=BRING_UP)
+    fill(record, design_bring_up(motor))
     return record
 
 

@@ -77,6 +77,7 @@ def params_header(motor: Motor, start: str, gains: bool = False) -> str:
     return f"""{NOTE}#ifndef PARAMS_H
 #define PARAMS_H
 
+#include "core/bring_up.h"
 #include "core/drive.h"
 #include "core/ks_schedule.h"
 #include "ks_table_data.h"
@@ -94,6 +95,8 @@ extern "C" {{
 extern const drive_params_t drive_params;
 
 extern const ks_schedule_params_t schedule_params;
+
+extern const bring_up_params_t bring_up_params;
 {more}
 #ifdef __cplusplus
 }}
@@ -103,12 +106,15 @@ extern const ks_schedule_params_t schedule_params;
 """
 
 
-def params_source(drive: Array, rule: tuple[float, float], periods: int, more: str = "") -> str:
+def params_source(
+    drive: Array, check: Array, rule: tuple[float, float], periods: int, more: str = ""
+) -> str:
     """``params.c``.
 
     Parameters
     ----------
     drive : record of ``drive_params_t``
+    check : record of ``bring_up_params_t``
     rule : tuple of float
         Band of the built-in linear rule, speed over rated.
     periods : int
@@ -128,4 +134,7 @@ const ks_schedule_params_t schedule_params = {{
     .rule = {{.x_min = {c_float(rule[0])}, .x_max = {c_float(rule[1])}}},
     .periods = {periods}, /* PWM periods from one decision to the next */
 }};
+
+/* The check of the installation, before the first drive_step. */
+const bring_up_params_t bring_up_params = {initialiser(check, "bring_up_params_t")};
 {more}"""

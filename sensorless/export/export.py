@@ -4,18 +4,16 @@ import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from string import Template
 from typing import Any
 
 import numpy as np
 
+from sensorless.core.bring_up import periods_of
 from sensorless.decision import RUNNING, whole_periods
 from sensorless.design.drive import DriveDesign
-from sensorless.design.records import control_record
-from sensorless.design.words import observer_name
+from sensorless.design.records import bring_up_record, control_record
 from sensorless.errors import UserError
 from sensorless.export.cmsis import cmsis_files
-from sensorless.export.cmsis import readme as cmsis_readme
 from sensorless.export.code import params_header, params_source
 from sensorless.export.core_files import FIRMWARE, core_files
 from sensorless.export.fit import readme as rule_readme
@@ -27,11 +25,13 @@ from sensorless.export.folder import (
     sums,
     write_folder,
 )
-from sensorless.export.gains import gain_params, gain_readme
+from sensorless.export.gains import gain_params
+from sensorless.export.hook import hook_header, hook_source
 from sensorless.export.judge import Judged, verdict
 from sensorless.export.provenance import motor_hash, provenance_text, table_json
+from sensorless.export.readme import readme
 from sensorless.export.selftest import SelfTest, run_selftest
-from sensorless.export.start import start_call, start_define, start_text
+from sensorless.export.start import start_define
 from sensorless.export.tables import drive_vectors_header, table_header, table_source
 from sensorless.export.vectors import drive_vectors, table_vectors
 from sensorless.files import ensure_writable, part_of, put, reason
@@ -41,6 +41,8 @@ from sensorless.table.ks_table import KsTable
 
 TESTS = ("selftest.c", "arithmetic.c", "arithmetic.h", "faults.c", "faults.h")
 """Of ``firmware/``, into every export."""
+EXAMPLES = ("cortex_m4.c", "foreign_drive.c")
+"""Of ``firmware/example/``, likewise."""
 
 
 @dataclass(frozen=True)
@@ -163,16 +165,20 @@ def _contents(
     run = drive_vectors(table, motor, design, periods)
     tag = motor_hash(motor)
     cmsis = cmsis_files(table)
+    drive = control_record(motor, design)
     tests = [*TESTS, *(("cmsis.c", "cmsis.h") if cmsis else ())]
     vectors = len(lookups_f32), len(run.words)
-    readme = _readme(table, motor, design, policy, periods, vectors, texts)
+    check = bring_up_record(motor)
+    check_time = motor.T_s * periods_of(check)
     text = {
-        "README.md": readme,
+        "README.md": readme(
+            table, motor, drive, check_time, policy, design.estimator, periods, vectors, texts
+        ),
         **cmsis,
         "params.h": params_header(motor, start_define(motor), bool(table.gains)),
-        "params.c": params_source(
-            control_record(motor, design), table.rule, periods, gain_params(table, periods)
-        ),
+        "params.c": params_source(drive, check, table.rule, periods, gain_params(table, periods)),
+        "ks_hook_params.h": hook_header(),
+        "ks_hook_params.c": hook_source(motor, drive, table, periods),
         "ks_table_data.h": table_header(table, len(lookups_f32), bool(cmsis)),
         "ks_table_data.c": table_source(table, "f32", tag, lookups_f32, periods * motor.T_s),
         "ks_table_q15.c": table_source(table, "q15", tag, lookups_q15, periods * motor.T_s),
@@ -183,38 +189,6 @@ def _contents(
         "Makefile": (FIRMWARE / "selftest.mk").read_bytes(),
         "LICENSE": (FIRMWARE / "LICENSE").read_bytes(),
         **{f"test/{name}": (FIRMWARE / name).read_bytes() for name in tests},
+        **{f"example/{name}": (FIRMWARE / "example" / name).read_bytes() for name in EXAMPLES},
         **{f"core/{name}": content for name, content in core_files(bool(table.gains)).items()},
     }
-
-
-def _readme(
-    table: KsTable,
-    motor: Motor,
-    design: DriveDesign,
-    policy: str,
-    periods: int,
-    vectors: tuple[int, int],
-    texts: tuple[str, str],
-) -> str:
-    axes = "\n".join(
-        f"| {j} | {a.signal} | {a.lo:g} | {a.hi:g} | {a.n} |" for j, a in enumerate(table.axes)
-    )
-    return Template((FIRMWARE / "export_readme.md").read_text(encoding="utf-8")).substitute(
-        policy=policy,
-        verdict=texts[0],
-        motor=f"{motor.name} ({motor.description})",
-        T_s_us=f"{motor.T_s * 1e6:g}",
-        periods=periods,
-        observer=observer_name(design.estimator).replace("SMO", "sliding-mode observer"),
-        axes=axes,
-        drive_vectors=vectors[1],
-        table_bytes=20 * vectors[0],
-        x_min=f"{table.rule[0]:.3g}",
-        x_max=f"{table.rule[1]:.3g}",
-        fallback=f"{table.fallback:g}",
-        start_call=start_call(motor),
-        start_text=start_text(motor),
-        cmsis=cmsis_readme(table),
-        two_threshold=texts[1],
-        **gain_readme(table),
-    )

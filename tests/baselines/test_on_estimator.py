@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from sensorless.cli.app import app
 from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
-from sensorless.design.records import control_record
+from sensorless.design.records import bring_up_record, control_record
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.rollout import rollout
@@ -78,6 +78,7 @@ def test_it_is_exported_with_it(tmp_path: Path) -> None:
     assert known["design"]["estimator"] == "flux"
     want = params_source(
         control_record(PAPER, DriveDesign(estimator="flux")),
+        bring_up_record(PAPER),
         KsTable.load(out / "ks_table.json").rule,
         decision_periods(PAPER),
     )

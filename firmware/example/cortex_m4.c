@@ -1,0 +1,177 @@
+/* A complete drive on a bare Cortex-M4F: set-up, check, and the interrupt of every PWM period.
+ *
+ * Written for the registers of an STM32F405 with phase currents on PA1 and PA2, the DC link on PA3,
+ * half-bridges on TIM1, and a comparator at MOTOR_I_TRIP on PB12, active low. Your start-up file
+ * has set the clock to 168 MHz, enabled the FPU, and has adc_interrupt as the ADC's vector. Compiled
+ * in the tests of the exporter, not run on a board: pins and scales are yours to adapt. No library.
+ *
+ *   make cortex_m4
+ */
+#include "../core/bring_up.h"
+#include "../params.h"
+
+#define REG(address) (*(volatile uint32_t *)(address))
+
+/* ---- what belongs to the board ---- */
+#define TIMER_HZ 168000000.0f
+#define AMPERES_PER_STEP (2.0f * 10.0f / 4096.0f) /* full range of -10 to 10 A */
+#define VOLTS_PER_STEP (800.0f / 4096.0f)
+#define DEAD_TIME_STEPS 168u /* 1 us of TIM1's clock, coded by itself below 128 */
+
+#define RCC_AHB1ENR REG(0x40023830u)
+#define RCC_APB2ENR REG(0x40023844u)
+#define GPIOA_MODER REG(0x40020000u)
+#define GPIOA_AFRH REG(0x40020024u)
+#define GPIOB_MODER REG(0x40020400u)
+#define GPIOB_AFRH REG(0x40020424u)
+#define TIM1_CR1 REG(0x40010000u)
+#define TIM1_CR2 REG(0x40010004u)
+#define TIM1_EGR REG(0x40010014u)
+#define TIM1_CCMR1 REG(0x40010018u)
+#define TIM1_CCMR2 REG(0x4001001Cu)
+#define TIM1_CCER REG(0x40010020u)
+#define TIM1_ARR REG(0x4001002Cu)
+#define TIM1_RCR REG(0x40010030u)
+#define TIM1_CCR(phase) REG(0x40010034u + 4u * (uint32_t)(phase))
+#define TIM1_BDTR REG(0x40010044u)
+#define ADC1_SR REG(0x40012000u)
+#define ADC1_CR1 REG(0x40012004u)
+#define ADC1_CR2 REG(0x40012008u)
+#define ADC1_JSQR REG(0x40012038u)
+#define ADC1_JDR(rank) REG(0x4001203Cu + 4u * (uint32_t)(rank))
+#define NVIC_ISER0 REG(0xE000E100u)
+#define ADC_IRQ 18u
+
+enum { MODE_CHECK, MODE_RUN, MODE_TRIPPED };
+
+static drive_state_t drive;
+static ks_schedule_state_t schedule;
+static bring_up_state_t check;
+static volatile int mode;        /* MODE_* */
+static volatile float speed_rpm; /* reference, set by the application */
+static volatile int reported;    /* drive.fault, for the application */
+static float offset_a, offset_b; /* of the current channels [steps] */
+static int32_t offset_samples;
+
+static void bridge_on(void) { TIM1_BDTR |= 1u << 15; } /* MOE */
+static void bridge_off(void) { TIM1_BDTR &= ~(1u << 15); }
+
+/* Duties of a stator voltage: inverse Clarke, common-mode voltage that centres the legs, one half
+ * for no voltage. */
+static void pwm_set_next(ab_t u, float u_dc) {
+    float leg[3] = {
+        u.a,
+        -0.5f * u.a + HALF_SQRT3_F * u.b,
+        -0.5f * u.a - HALF_SQRT3_F * u.b,
+    };
+    float high = max_f(leg[0], max_f(leg[1], leg[2]));
+    float low = min_f(leg[0], min_f(leg[1], leg[2]));
+    float scale = 1.0f / max_f(u_dc, 1.0f);
+    for (int j = 0; j < 3; j++) {
+        float duty = clamp_f(0.5f + (leg[j] - 0.5f * (high + low)) * scale, 0.0f, 1.0f);
+        TIM1_CCR(j) = (uint32_t)(duty * (float)TIM1_ARR + 0.5f);
+    }
+}
+
+/* Angle and pole are unknown, as at power-up and after a trip. */
+static void control_start(void) {
+#if DRIVE_FINDS_ROTOR
+    drive_init(&drive_params, &drive, 0.0f, 0.0f, 1.0f);
+    drive_find_rotor(&drive);
+#else /* the shaft has been aligned with phase a */
+    drive_init(&drive_params, &drive, 0.0f, 0.0f, 1.0f);
+#endif
+    ks_schedule_init(&schedule_params, &schedule);
+}
+
+static ab_t control(float i_a, float i_b, float u_dc) {
+    float omega_ref = speed_rpm * (TWO_PI_F / 60.0f) * (float)MOTOR_POLE_PAIRS;
+    drive_in_t in = {i_a, i_b, u_dc, omega_ref, 0.0f};
+    in.k_s_ref = ks_schedule_step(&schedule_params, &schedule, &drive_params.signal, &drive.signal);
+    return drive_step(&drive_params, &drive, &in);
+}
+
+/* End of the injected conversions, which TIM1 triggers at the top of its count, where all low-side
+ * switches are on. The duties written here are loaded at the next top: one period of delay. */
+void adc_interrupt(void);
+void adc_interrupt(void) {
+    ADC1_SR = ~(1u << 2); /* JEOC */
+    float steps_a = (float)ADC1_JDR(0);
+    float steps_b = (float)ADC1_JDR(1);
+    float u_dc = VOLTS_PER_STEP * (float)ADC1_JDR(2);
+    if (offset_samples < 1024) { /* with the bridge open, before anything else */
+        offset_a += steps_a * (1.0f / 1024.0f);
+        offset_b += steps_b * (1.0f / 1024.0f);
+        offset_samples++;
+        if (offset_samples == 1024) {
+            bridge_on();
+        }
+        return;
+    }
+    float i_a = AMPERES_PER_STEP * (steps_a - offset_a);
+    float i_b = AMPERES_PER_STEP * (steps_b - offset_b);
+    ab_t u = {0.0f, 0.0f};
+    if (mode == MODE_CHECK) {
+        u = bring_up_step(&bring_up_params, &check, i_a, i_b);
+        if (check.phase == BRING_UP_DONE) {
+            mode = check.fault == 0 ? MODE_RUN : MODE_TRIPPED;
+            control_start();
+        }
+    } else if (mode == MODE_RUN) {
+        u = control(i_a, i_b, u_dc);
+        reported |= drive.fault;
+        mode = (drive.fault & FAULT_OVER_CURRENT) != 0 ? MODE_TRIPPED : MODE_RUN;
+    }
+    if (mode == MODE_TRIPPED) {
+        bridge_off();
+        u.a = 0.0f;
+        u.b = 0.0f;
+    }
+    pwm_set_next(u, u_dc);
+}
+
+static void pins(void) {
+    RCC_AHB1ENR |= 3u;                /* ports A and B */
+    RCC_APB2ENR |= 1u | 1u << 8;      /* TIM1, ADC1 */
+    GPIOA_MODER |= 0x2A0000u | 0xFCu; /* PA8 to PA10 alternate, PA1 to PA3 analog */
+    GPIOA_AFRH |= 0x111u;             /* TIM1_CH1 to CH3 */
+    GPIOB_MODER |= 0xAA000000u;       /* PB12 to PB15 alternate */
+    GPIOB_AFRH |= 0x11110000u;        /* TIM1_BKIN, CH1N to CH3N */
+}
+
+/* Centre-aligned: up and down once in a period. Preloaded duties; one update event a period (RCR =
+ * 1), at the top, by starting to count down from a first update at the bottom. */
+static void timer(void) {
+    TIM1_CR1 = 1u << 7 | 1u << 5; /* ARPE, centre-aligned mode 1 */
+    TIM1_ARR = (uint32_t)(0.5f * TIMER_HZ * MOTOR_T_S + 0.5f);
+    TIM1_CCMR1 = 0x6868u; /* PWM 1, preload, channels 1 and 2 */
+    TIM1_CCMR2 = 0x7868u; /* channel 3; channel 4 triggers */
+    TIM1_CCR(3) = TIM1_ARR - 1u;
+    TIM1_CR2 = 7u << 4;  /* OC4REF as trigger output */
+    TIM1_CCER = 0x1555u; /* outputs and complements on */
+    /* the break input opens the bridge in hardware */
+    TIM1_BDTR = 1u << 12 |
+                (DEAD_TIME_STEPS < 128u ? DEAD_TIME_STEPS : 0x80u + (DEAD_TIME_STEPS / 2u - 64u));
+    TIM1_RCR = 1u;
+    TIM1_EGR = 1u;
+}
+
+static void converter(void) {
+    ADC1_CR1 = 1u << 8 | 1u << 7;                         /* scan, interrupt at the end */
+    ADC1_JSQR = 2u << 20 | 3u << 15 | 2u << 10 | 1u << 5; /* channels 1, 2, 3 */
+    ADC1_CR2 = 1u | 1u << 16 | 1u << 20;                  /* on; TIM1_TRGO, rising edge */
+    NVIC_ISER0 = 1u << ADC_IRQ;
+}
+
+int main(void);
+int main(void) {
+    bring_up_init(&check);
+    mode = MODE_CHECK;
+    pins();
+    timer();
+    converter();
+    TIM1_CR1 |= 1u;
+    for (;;) { /* the application: speed_rpm in, reported and drive.est out */
+        speed_rpm = reported == 0 ? 150.0f : 0.0f;
+    }
+}

@@ -1,0 +1,124 @@
+"""Check of a drive's installation: from the machine to ``bring_up_params_t``."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sensorless.machine.magnetics import flux
+from sensorless.machine.motor import Motor
+
+VOLTAGE = 0.4
+"""Of a pulse over the link's, within the circle and with room for a sagging link."""
+CURRENT, MOST_CURRENT = 0.35, (0.6, 0.8)
+"""Current that a pulse gives along d over rated: least, and most for a long and a short hold."""
+KNEE = 0.05
+"""Current of a leg over rated below which dead time takes less than its full voltage."""
+HOLD = (2, 3, 9)
+"""Periods without voltage at a level, of which the first does not count: least, for a current that
+falls fast, and enough."""
+CYCLES = (16, 64)
+"""Pulses along d: least and most."""
+NOISE = 0.012 / 5.63
+"""Of a current sensor over rated current, RMS."""
+SHARE_NOISE, MOST_NOISE = 0.03, 0.1
+"""Noise of the share of lost voltage that is aimed at, and above which it is not judged."""
+LEAST_LOST = 0.15
+"""Share of the dead time's voltage that has to be lost: a driver that compensates leaves less."""
+THRESHOLD = 0.9
+"""Middle of a transistor's and its diode's threshold voltage [V]: lost also if dead time is not."""
+LOW_VOLTAGE, LEAST_VOLTAGE = 60.0, 2.5
+"""Link below which an inverter has MOSFETs, without thresholds; least dead-time voltage to tell
+from a threshold [V]."""
+LEG = 4.0 / 3.0
+"""Voltage along phase a that all three legs lose, over that of one."""
+
+
+def chord(motor: Motor, i: float) -> float:
+    """Inductance between the d currents -i and i [H]: what a pulse meets on the mean of both."""
+    ends = flux(motor.saturation, np.array([[i, 0.0], [-i, 0.0]]))
+    return float(ends[0, 0] - ends[1, 0]) / (2.0 * i)
+
+
+@dataclass(frozen=True)
+class Push:
+    """Pulses along d."""
+
+    reach: float
+    """current [A]"""
+    rise: int
+    """periods"""
+    hold: int
+    """periods without voltage at a level"""
+    cycles: int
+    clear: bool
+    """lost voltage stands out from noise"""
+
+
+def _rise(motor: Motor, reach: float) -> int:
+    u = reach * motor.L_d / motor.T_s
+    return 2 * max(1, math.ceil(u / (VOLTAGE * motor.u_dc) / 2.0 - 1e-9))
+
+
+def _push(motor: Motor, u_lost: float) -> Push:
+    """Pulses that show the lost voltage, if any do."""
+    gain = motor.T_s / motor.L_d
+    reach = CURRENT * motor.i_rated
+    while True:
+        rise = _rise(motor, reach)
+        fall = gain * (LEG * u_lost + 0.5 * motor.R_s * reach)
+        # from the top: hold, fall by half, hold; all above the knee of the legs with half of it
+        room = 0.5 * reach - 2.4 * KNEE * motor.i_rated
+        hold = math.floor((room / fall - 0.5 * rise) / 2.0) if fall > 0.0 else HOLD[2]
+        enough = HOLD[2] if reach <= MOST_CURRENT[0] * motor.i_rated else HOLD[1]
+        if hold >= enough or reach >= MOST_CURRENT[1] * motor.i_rated:
+            break
+        reach *= 1.05
+    short = hold < HOLD[0]
+    hold = min(max(hold, HOLD[0]), HOLD[2])
+    lsb = 2.0 * motor.adc_range / 2.0**motor.adc_bits
+    noise = math.hypot(NOISE * motor.i_rated, lsb / math.sqrt(12.0))
+    # a fall is a difference of two samples; the level without current follows from two falls
+    spread = noise * math.sqrt(10.0) / ((hold - 1) * gain * LEG * max(u_lost, 1e-9))
+    cycles = 4 * math.ceil((spread / SHARE_NOISE) ** 2 / 4.0)
+    cycles = min(max(cycles, CYCLES[0]), CYCLES[1])
+    return Push(reach, rise, hold, cycles, spread <= MOST_NOISE * math.sqrt(cycles) and not short)
+
+
+def design_bring_up(motor: Motor) -> dict[str, Any]:
+    """Fields of ``bring_up_params_t``.
+
+    ``u_lost`` is 0, so that nothing is judged, where noise or thresholds hide the dead time.
+    """
+    gain = motor.T_s / motor.L_d
+    u_max = VOLTAGE * motor.u_dc
+    u_lost = motor.u_dc * motor.dead_time / motor.T_s
+    bipolar = motor.u_dc >= LOW_VOLTAGE
+    push = _push(motor, u_lost)
+    seen = push.clear and (u_lost >= LEAST_VOLTAGE or not bipolar)
+    if not seen:  # the scale alone
+        reach = CURRENT * motor.i_rated
+        push = Push(reach, _rise(motor, reach), HOLD[0], CYCLES[0], False)
+    u_probe = min(CURRENT * motor.i_rated / gain, u_max)
+    return {
+        "T_s": motor.T_s,
+        "u_probe": u_probe,
+        "u_push": push.reach / (gain * push.rise),
+        "L_d": chord(motor, push.reach),
+        "R_s": motor.R_s,
+        "anisotropy": (motor.L_q - motor.L_d) / (motor.L_q + motor.L_d),
+        "u_lost": u_lost if seen else 0.0,
+        "i_rest": 0.05 * motor.i_rated,
+        "i_least": 0.1 * gain * u_probe,
+        "i_stop": 0.95 * min(motor.i_trip, motor.adc_range),
+        "delay_band": 0.1,
+        "scale_band": 0.15,
+        "lost_least": LEAST_LOST + (THRESHOLD / u_lost if seen and bipolar else 0.0),
+        "n_rest": 8,
+        "n_probe": 16,
+        "n_gap": 8,
+        "n_push": push.rise,
+        "n_hold": push.hold,
+        "n_cycles": push.cycles,
+    }

@@ -1,0 +1,64 @@
+"""The README's table of fault bits: meaning from the headers of the core, and what to do."""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from sensorless.export.core_files import core_files
+
+_BIT = re.compile(r"\b(\w*FAULT_\w+) = (\d+),?\s*(?:\};\s*)?/\*(.*?)\*/", re.DOTALL)
+
+DO = {
+    "FAULT_CURRENT": "look for a broken wire, the converter's range and scale; stop if it repeats",
+    "FAULT_U_DC": "look at the measurement of the link; below its least value do not start",
+    "FAULT_COMMAND": "correct what the application passes; the drive held a safe value meanwhile",
+    "FAULT_POLE": "stop and start again at less load; if it repeats, start from a known angle",
+    "FAULT_OVER_CURRENT": "open the bridge at once, find out why, then start as after a trip",
+    "FAULT_STATE": "let it start anew; if it repeats, look for what overwrites memory",
+    "KS_FAULT_TABLE": "run on, the linear rule decides; write the table to flash again",
+    "KS_FAULT_INPUT": "run on; the sample behind it has a bit of its own",
+    "KS_FAULT_GAINS": "run on, all gains are static; write the table to flash again",
+    "BRING_UP_FAULT_CURRENT": "look for a wrong scale or a short circuit",
+    "BRING_UP_FAULT_MOVES": "let the shaft come to rest; correct the offset of the sensors",
+    "BRING_UP_FAULT_DEAF": "switch the PWM on, connect the motor, check both scales",
+    "BRING_UP_FAULT_DELAY": "move sample, interrupt, or the event that loads the duty registers",
+    "BRING_UP_FAULT_SIGN": "invert both current channels, or the duties",
+    "BRING_UP_FAULT_PHASES": "exchange phases in the currents or in the duties, not in both",
+    "BRING_UP_FAULT_CHANNEL": "invert that channel",
+    "BRING_UP_FAULT_SCALE": "check duty formula, scales of currents and DC link, and L_d",
+    "BRING_UP_FAULT_DEAD_TIME": "switch the driver's compensation off, or set `u_dt` to 0",
+}
+"""What the application should do. A bit that is not here tells only what it means."""
+
+
+@dataclass(frozen=True)
+class Bit:
+    """One bit of a fault word."""
+
+    name: str
+    value: int
+    meaning: str
+
+
+def bits(gains: bool = True) -> Iterator[Bit]:
+    """Every fault bit of the core, header by header; ``gains``: also of what sets gains."""
+    for name, content in core_files(gains).items():
+        if name.endswith(".h"):
+            for bit, value, comment in _BIT.findall(content.decode()):
+                yield Bit(bit, int(value), " ".join(re.sub(r"\n\s*\*", " ", comment).split()))
+
+
+def _rows(found: list[Bit], do: Mapping[str, str]) -> str:
+    return "\n".join(
+        f"| {b.value} | `{b.name}` | {b.meaning} | {do.get(b.name, '')} |" for b in found
+    )
+
+
+def fault_tables(gains: bool = True) -> dict[str, str]:
+    """Rows for the README by the word that holds the bits: ``drive``, ``schedule``, ``check``."""
+    found = list(bits(gains))
+    heads = {"drive": "FAULT_", "schedule": "KS_FAULT_", "check": "BRING_UP_FAULT_"}
+    return {
+        word: _rows([b for b in found if b.name.startswith(head)], DO)
+        for word, head in heads.items()
+    }

@@ -1,0 +1,71 @@
+"""The README of an export, in the order in which an integrator asks."""
+
+from string import Template
+
+from sensorless.core.api import Array
+from sensorless.design.words import observer_name
+from sensorless.export.cmsis import readme as cmsis_readme
+from sensorless.export.core_files import FIRMWARE
+from sensorless.export.faults import fault_tables
+from sensorless.export.gains import gain_readme
+from sensorless.export.hook import hook_text
+from sensorless.export.start import start_call, start_text
+from sensorless.machine.motor import Motor
+from sensorless.table.ks_table import KsTable
+
+
+def readme(
+    table: KsTable,
+    motor: Motor,
+    drive: Array,
+    check_time: float,
+    policy: str,
+    observer: str,
+    periods: int,
+    vectors: tuple[int, int],
+    texts: tuple[str, str],
+) -> str:
+    """``README.md``.
+
+    Parameters
+    ----------
+    drive : record of ``drive_params_t``
+    check_time : float
+        That the check of the installation takes [s].
+    policy, observer : str
+        Names of the schedule and of the estimator that leads at high speed.
+    periods : int
+        PWM periods from one decision of the schedule to the next.
+    vectors : tuple of int
+        Golden lookups of a table; golden periods of the drive.
+    texts : tuple of str
+        Verdict, and what is said about the two thresholds.
+    """
+    axes = "\n".join(
+        f"| {j} | {a.signal} | {a.lo:g} | {a.hi:g} | {a.n} |" for j, a in enumerate(table.axes)
+    )
+    return Template((FIRMWARE / "export_readme.md").read_text(encoding="utf-8")).substitute(
+        policy=policy,
+        verdict=texts[0],
+        motor=f"{motor.name} ({motor.description})",
+        T_s_us=f"{motor.T_s * 1e6:g}",
+        n_p=motor.n_p,
+        i_trip=f"{motor.i_trip:g}",
+        u_dt=f"{float(drive['control']['u_dt']):.3g}",
+        check_ms=f"{1e3 * check_time:.0f}",
+        periods=periods,
+        observer=observer_name(observer).replace("SMO", "sliding-mode observer"),
+        axes=axes,
+        drive_vectors=vectors[1],
+        table_bytes=20 * vectors[0],
+        x_min=f"{table.rule[0]:.3g}",
+        x_max=f"{table.rule[1]:.3g}",
+        fallback=f"{table.fallback:g}",
+        start_call=start_call(motor),
+        start_text=start_text(motor),
+        cmsis=cmsis_readme(table),
+        two_threshold=texts[1],
+        hook=hook_text(table),
+        **{f"{word}_bits": rows for word, rows in fault_tables(bool(table.gains)).items()},
+        **gain_readme(table),
+    )

@@ -1,0 +1,1 @@
+"""Is a drive built in right? The core's check, on a simulated drive or on a log."""

@@ -1,0 +1,112 @@
+"""Runs the check and reads its result."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sensorless.core.api import Array
+from sensorless.core.bring_up import FAULTS, WIRINGS, bring_up_replay, bring_up_run
+from sensorless.design.drive import DriveDesign
+from sensorless.design.new_motor import LOW_VOLTAGE
+from sensorless.design.records import bring_up_record
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.envs.scenarios.stress import stress_scenarios
+from sensorless.errors import UserError
+from sensorless.files import reason, write_atomic
+from sensorless.identify.bring_up.mistakes import RIGHT, Mistake
+from sensorless.machine.motor import Motor
+from sensorless.observers.bring_up_design import KNEE
+
+COLUMNS = ("i_a", "i_b")
+"""Of a log: the samples of every PWM period from the first call of ``bring_up_step`` on."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """Result of the check."""
+
+    faults: tuple[str, ...]
+    """bits that are set, by name; none: built in right"""
+    wiring: str
+    delay: float
+    """of the voltage after its sample [periods]"""
+    scale: float
+    """voltage in force over the commanded one; 0: not measured"""
+    lost: float
+    """voltage lost by dead time over what the motor file says; 1: not judged"""
+    R_s: float
+    """[ohm]; 0: not measured"""
+
+    @classmethod
+    def of(cls, state: Array) -> "Found":
+        """Read the core's record."""
+        bits = int(state["fault"])
+        faults = tuple(name for name, bit in FAULTS.items() if bits & bit)
+        numbers = (float(state[name]) for name in ("delay", "scale", "lost", "R_s"))
+        return cls(faults, WIRINGS[int(state["wiring"])], *numbers)
+
+
+def params_of(motor: Motor) -> Array:
+    """``bring_up_params_t`` of a motor, shape (1,)."""
+    return bring_up_record(motor).reshape(1)
+
+
+def drives_at_rest(motor: Motor, seeds: Array) -> Array:
+    """Simulated drives with the errors and details of the suite stress, at rest at any angle.
+
+    A drive below ``LOW_VOLTAGE`` has MOSFETs, which have no threshold.
+    """
+    s = stress_scenarios(motor, seeds)
+    still = Scenarios.nominal(motor, seeds, 1.0)
+    for name in ("t", "omega", "omega_rate", "tau", "tau_rate", "omega_0", "duration"):
+        setattr(s, name, getattr(still, name))
+    s.u_dc = np.repeat(s.u_dc.min(axis=1, keepdims=True), s.u_dc.shape[1], axis=1)
+    if motor.u_dc < LOW_VOLTAGE:
+        s.u_transistor[:] = s.u_diode[:] = 0.0
+    return SimFactory(motor, DriveDesign()).build(s, twin=False)
+
+
+def check(motor: Motor, drive: Array, mistake: Mistake = RIGHT) -> tuple[Found, Array]:
+    """Run the check on a drive (1,) that is built in with a mistake; ``drive`` stays as it is.
+
+    Returns the result and the rows of ``core.bring_up.bring_up_run``.
+    """
+    built = mistake.record(KNEE * motor.i_rated)
+    state, rows = bring_up_run(drive.copy(), built, params_of(motor))
+    return Found.of(state), rows
+
+
+def write_log(rows: Array, path: Path) -> None:
+    """Write what firmware logs, whole or not at all."""
+    lines = [",".join((*COLUMNS, "u_a", "u_b"))]
+    write_atomic(path, "\n".join([*lines, *(",".join(f"{x:.9g}" for x in r) for r in rows)]) + "\n")
+
+
+def check_log(motor: Motor, path: Path) -> Found:
+    """Run the check on the samples of a real drive.
+
+    Raises
+    ------
+    UserError
+        The file cannot be read, has no such columns, or ends before the check does.
+    """
+    try:
+        data: Array = np.genfromtxt(path, delimiter=",", names=True, dtype=np.float64)
+        i_a, i_b = (np.atleast_1d(data[name]) for name in COLUMNS)
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"log {str(path)!r}: {reason(error)}; give a file to read") from None
+    except (ValueError, IndexError, TypeError):
+        raise UserError(
+            f"log {str(path)!r}: not a CSV table with the columns i_a and i_b [A], one row per "
+            "PWM period from the first call of bring_up_step on"
+        ) from None
+    if not (np.isfinite(i_a).all() and np.isfinite(i_b).all()):
+        raise UserError(f"log {str(path)!r}: a cell is not a finite number; give currents in A")
+    state, used = bring_up_replay(params_of(motor), i_a, i_b)
+    if int(state["phase"]) != 0:
+        raise UserError(
+            f"log {str(path)!r}: ends after {used} periods, before the check does; log every "
+            "period until bring_up_state_t.phase is BRING_UP_DONE"
+        )
+    return Found.of(state)

@@ -1,0 +1,42 @@
+"""What a result of the check means, and what to do about it."""
+
+from sensorless.identify.bring_up.check import Found
+
+WIRING = {
+    "right": "as it should be",
+    "swapped_bc": "phases b and c are swapped",
+    "swapped_ab": "phases a and b are swapped",
+    "swapped_ca": "phases c and a are swapped",
+    "next": "current channel a shows phase b, b shows c",
+    "previous": "current channel a shows phase c, b shows a",
+    "channel_a": "i_a has the wrong sign",
+    "channel_b": "i_b has the wrong sign",
+    "unknown": "no swap and no sign explains the currents: is a channel dead, or of another scale?",
+}
+"""By the names of WIRING_*."""
+CURE = {
+    "current": "the current went beyond the limit: look for a scale or a short circuit",
+    "moves": "current without voltage: let the shaft come to rest, and correct the sensors' offset",
+    "deaf": "hardly any current: is the PWM on, the motor connected, the scale right?",
+    "delay": "the voltage has to act from one period after its sample to two: move the sample, the "
+    "interrupt, or the event that loads the duty registers",
+    "sign": "invert both currents, or the duties (an active-low gate driver)",
+    "phases": "exchange the phases in the current channels or in the duties, not in both",
+    "channel": "invert that current channel",
+    "scale": "check the duty formula 0.5 + u / u_dc, the scale of currents and DC link, and L_d",
+    "dead_time": "somebody else compensates dead time: switch that off, or set u_dt to 0",
+}
+"""By the names of BRING_UP_FAULT_*."""
+
+
+def verdict(found: Found) -> list[str]:
+    """Lines for the screen: what was measured, then each fault and its cure."""
+    lines = [f"delay {found.delay:.2f} periods (right: 1.00); wiring: {WIRING[found.wiring]}"]
+    if found.scale:
+        lost = "not judged" if found.lost == 1.0 else f"{100.0 * found.lost:.0f} %"
+        lines.append(
+            f"voltage {100.0 * found.scale:.0f} % of the commanded one; lost by dead time, over "
+            f"the motor file's: {lost}; resistance {found.R_s:.3g} ohm"
+        )
+    lines += [f"{name}: {CURE[name]}" for name in found.faults]
+    return lines if found.faults else [*lines, "built in right, as far as the check can see"]

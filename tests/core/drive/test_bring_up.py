@@ -1,0 +1,127 @@
+"""The check of a drive's installation, on pulses whose answer is known in closed form."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import Array, ffi, lib, pointer
+from sensorless.core.bring_up import FAULTS, WIRINGS
+from sensorless.design.records import bring_up_record
+from sensorless.machine.motor import Motor
+
+SWAP_AB = np.array([[-0.5, 0.75**0.5], [0.75**0.5, 0.5]])
+"""Phases a and b exchanged, alpha-beta: worked out by hand from Clarke's matrix."""
+
+
+class Coil:
+    """A salient winding at rest, L di/dt = u - R i - lost sign(i), which the check runs on."""
+
+    def __init__(self, params: Array, theta: float, R: float = 0.0, lost: float = 0.0) -> None:
+        self.p = pointer(params, "bring_up_params_t[]")
+        self.x = ffi.new("bring_up_state_t *")
+        lib.bring_up_init(self.x)
+        record = params[0]
+        ratio = (1.0 + record["anisotropy"]) / (1.0 - record["anisotropy"])
+        turn = np.array([[math.cos(theta), -math.sin(theta)], [math.sin(theta), math.cos(theta)]])
+        inverse = np.diag([1.0 / record["L_d"], 1.0 / (ratio * record["L_d"])])
+        self.gain = float(record["T_s"]) * turn @ inverse @ turn.T
+        self.R, self.lost = R, lost
+
+    def run(self, delay: int = 1, sensor: Array | None = None, volts: float = 1.0) -> Array:
+        """Until the check is done; returns the currents (n, 2)."""
+        sensor = np.eye(2) if sensor is None else sensor
+        i, waiting, out = np.zeros(2), [np.zeros(2)] * delay, []
+        while self.x.phase != lib.BRING_UP_DONE:
+            out.append(i)
+            a, b = sensor @ i
+            u = lib.bring_up_step(self.p, self.x, a, -0.5 * a + 0.75**0.5 * b)
+            waiting.append(volts * np.array([u.a, u.b]))
+            size = float(np.hypot(*i))
+            drop = self.R * i + (self.lost * i / size if size > 0.0 else 0.0)
+            i = i + self.gain @ (waiting.pop(0) - drop)
+        return np.array(out)
+
+    @property
+    def faults(self) -> set[str]:
+        return {name for name, bit in FAULTS.items() if self.x.fault & bit}
+
+
+@pytest.fixture
+def params(motor: Motor) -> Array:
+    return bring_up_record(motor).reshape(1)
+
+
+@pytest.mark.parametrize("theta", np.linspace(-3.0, 3.0, 7))
+def test_it_measures_a_winding(params: Array, theta: float) -> None:
+    """Resistance and lost voltage are the coil's; the loss is that of all legs along d."""
+    record = params[0]
+    along = 2.0 / 3.0 * sum(abs(math.cos(theta - k * 2.094395)) for k in range(3))
+    lost = float(record["u_lost"]) * along
+    coil = Coil(params, theta, float(record["R_s"]), lost)
+    coil.run()
+    assert not coil.faults and WIRINGS[coil.x.wiring] == "right"
+    assert coil.x.delay == 1.0
+    assert coil.x.scale == pytest.approx(1.0, abs=0.03)
+    assert coil.x.lost == pytest.approx(1.0, abs=0.1)
+    assert coil.x.R_s == pytest.approx(float(record["R_s"]), rel=0.25)
+
+
+@pytest.mark.parametrize("delay", [0, 2, 3])
+def test_another_delay(params: Array, delay: int) -> None:
+    coil = Coil(params, 0.7)
+    coil.run(delay=delay)
+    assert coil.faults == {"delay"} and coil.x.delay == pytest.approx(delay)
+
+
+def test_wrong_wiring(params: Array) -> None:
+    """Also with every current inverted on top, and where no wiring explains the currents."""
+    for sensor, faults, wiring in (
+        (-np.eye(2), {"sign"}, "right"),
+        (SWAP_AB, {"phases"}, "swapped_ab"),
+        (-SWAP_AB, {"phases", "sign"}, "swapped_ab"),
+        (np.diag([1.0, -1.0]), {"phases"}, "swapped_bc"),
+        (np.diag([1.0, 0.0]), {"phases"}, "unknown"),
+    ):
+        coil = Coil(params, 0.4)
+        coil.run(sensor=sensor)
+        assert coil.faults == faults and WIRINGS[coil.x.wiring] == wiring
+
+
+def test_wrong_scale_and_a_driver_that_compensates(params: Array) -> None:
+    for volts in (0.5, 0.75, 1.3, 2.0):
+        coil = Coil(params, 1.1)
+        coil.run(volts=volts)
+        assert coil.faults == {"scale"} and coil.x.scale == pytest.approx(volts, rel=0.02)
+    coil = Coil(params, 1.1, float(params[0]["R_s"]))
+    coil.run()
+    assert coil.faults == {"dead_time"} and abs(coil.x.lost) < 0.05
+
+
+def test_it_stops_before_harm(params: Array) -> None:
+    """Too much current, no number, a shaft that turns, and a motor that is not there."""
+    for i_a, fault in ((1e3, "current"), (math.nan, "current"), (0.4, "moves"), (0.0, "deaf")):
+        coil = Coil(params, 0.0)
+        for _ in range(1000):
+            u = lib.bring_up_step(coil.p, coil.x, i_a, 0.0)
+            if coil.x.phase == lib.BRING_UP_DONE:
+                break
+        assert coil.faults == {fault} and (u.a, u.b) == (0.0, 0.0)
+
+
+def test_the_currents_have_no_mean_and_stay_small(params: Array, motor: Motor) -> None:
+    """So the rotor is not turned away, whatever its angle."""
+    i = Coil(params, 0.9).run()
+    assert np.abs(i.mean(axis=0)).max() < 0.01 * motor.i_rated
+    assert np.hypot(*i.T).max() < 0.7 * motor.i_rated
+
+
+def test_pole_pairs_are_turns_over_turns() -> None:
+    """Either way round, across the seam."""
+    for way in (1.0, -1.0):
+        count = ffi.new("turn_count_t *")
+        angles = way * np.linspace(0.0, 3 * 2.0 * np.pi * 1.02, 400)
+        lib.turn_begin(count, 0.0)
+        for angle in np.angle(np.exp(1j * angles)):
+            lib.turn_count(count, angle)
+        assert lib.turn_pole_pairs(count, -1.02) == 3

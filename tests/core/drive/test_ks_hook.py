@@ -1,0 +1,89 @@
+"""The schedule alone, in a drive that has its own observers."""
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import ffi, lib, pointer
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
+from sensorless.machine.motor import Motor
+from sensorless.table.ks_table import Axis, KsTable, ValueFormat
+
+
+class Hook:
+    """``ks_hook_t`` of a table; scales of one, so that signals are what they are called."""
+
+    def __init__(self, table: KsTable, form: ValueFormat = "f32") -> None:
+        self._header, self._values = table.record(form).reshape(1), table.stored(form)
+        self.p, self.x = ffi.new("ks_hook_params_t *"), ffi.new("ks_hook_state_t *")
+        self.p.schedule.table = pointer(self._header, "ks_table_t[]")
+        self.p.schedule.values = pointer(self._values, "char[]")
+        self.p.schedule.rule.x_min, self.p.schedule.rule.x_max = table.rule
+        self.p.schedule.periods = 1
+        signal = self.p.signal
+        signal.alpha = signal.inv_omega = signal.inv_i = signal.alpha_per_s = 1.0
+        self.p.k_s_step, self.p.omega_full, self.p.i_full = 1.0, 2.0, 4.0
+        self.check = lib.ks_hook_init(self.p, self.x)
+
+    def step(self, omega: float, i_q: float = 0.0, difference: float = 0.0) -> float:
+        return float(lib.ks_hook_step(self.p, self.x, omega, i_q, difference))
+
+
+@pytest.mark.parametrize("form", ["f32", "q15"])
+def test_it_looks_up_what_the_drive_hands_over(form: ValueFormat, table: KsTable) -> None:
+    """Against the table's own nodes; the current counts in the direction of motion."""
+    hook = Hook(table, form)
+    assert hook.check == lib.KS_OK
+    for j, speed in enumerate(table.axes[0].nodes):
+        for k, i_q in enumerate(table.axes[1].nodes):
+            for way in (1.0, -1.0) if speed > 0.0 else (1.0,):
+                k_s = hook.step(way * float(speed), way * float(i_q))
+                assert abs(k_s - table.values[j, k]) < 2e-4
+
+
+def test_q15_is_the_same_in_other_numbers(table: KsTable) -> None:
+    """Within a step of the numbers; a weight of 1 is 0x7FFF exactly."""
+    floats, words = Hook(table), Hook(table)
+    rng = np.random.default_rng(3)
+    for omega, i_q, angle in rng.integers(-32768, 32767, (300, 3)):
+        unit = np.array([omega * 2.0, i_q * 4.0, angle * np.pi]) / 32768.0
+        k_s = floats.step(*map(float, unit))
+        found = lib.ks_hook_step_q15(words.p, words.x, int(omega), int(i_q), int(angle))
+        assert abs(found - 32767.0 * k_s) <= 1.0
+    assert lib.ks_hook_step_q15(words.p, words.x, 0, 0, 0) == round(32767 * words.x.k_s)
+
+
+def test_the_slope_is_limited_and_signals_are_filtered(table: KsTable) -> None:
+    hook = Hook(table)
+    hook.p.k_s_step, hook.p.signal.alpha = 0.25, 0.5
+    steps = [hook.step(1.0) for _ in range(12)]
+    assert np.all(np.abs(np.diff([1.0, *steps])) <= 0.25 + 1e-6) and steps[-1] == 0.0
+    assert hook.x.signal.omega == pytest.approx(1.0 - 0.5**12)
+
+
+def test_bad_numbers_are_left_out(table: KsTable) -> None:
+    """One after the other they change nothing but the fault bit, and nothing sticks."""
+    hook = Hook(table)
+    before = hook.step(0.1)
+    for bad in (np.nan, np.inf, -np.inf):
+        for place in range(3):
+            given = [0.1, 0.0, 0.0]
+            given[place] = bad
+            assert hook.step(*given) == before
+    assert hook.x.schedule.fault == lib.KS_FAULT_INPUT
+    assert hook.step(1.0) == 0.0
+
+
+def test_a_table_over_other_signals_is_refused() -> None:
+    """The rule of the speed takes its place, as for a damaged table."""
+    other = KsTable((Axis("emf", 0.0, 1.0, 2),), np.ones(2, dtype=np.float32))
+    hook = Hook(other)
+    assert hook.check == lib.KS_BAD_AXES and hook.x.schedule.fault == lib.KS_FAULT_TABLE
+    assert hook.step(10.0) == 0.0 and hook.step(0.0) == 1.0
+
+
+def test_the_drive_filters_the_same_way(motor: Motor) -> None:
+    """``signals_filter`` is in both; a change of the drive's low-pass would show here."""
+    record = control_record(motor, DriveDesign())["signal"]
+    assert 0.0 < record["alpha"] < 1.0
+    assert record["alpha_per_s"] * motor.T_s == pytest.approx(record["alpha"], rel=0.05)

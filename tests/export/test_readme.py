@@ -1,0 +1,82 @@
+"""What the README tells an integrator is what the core and the machine have."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from sensorless.core.api import enumeration
+from sensorless.export.core_files import core_files
+from sensorless.export.export import Exported
+from sensorless.export.faults import DO, bits, fault_tables
+from sensorless.export.hook import hook_text
+from sensorless.machine.motor import Motor
+from sensorless.table.ks_table import KsTable
+
+
+def test_every_bit_of_the_core_is_in_a_table_and_says_what_to_do() -> None:
+    """A new bit needs its words in ``sensorless/export/faults.py``."""
+    compiled = {
+        f"{head}{name.upper()}": bit
+        for head in ("FAULT_", "KS_FAULT_", "BRING_UP_FAULT_")
+        for name, bit in enumeration(head).items()
+    }
+    assert {b.name: b.value for b in bits()} == compiled
+    assert set(DO) == set(compiled)
+    assert all(b.meaning for b in bits())
+    assert sum(rows.count("\n") + 1 for rows in fault_tables().values()) == len(compiled)
+
+
+def test_a_bit_is_read_from_its_header(monkeypatch: pytest.MonkeyPatch) -> None:
+    header = b"enum { FAULT_NEW = 64, /* something\n * else */ OTHER = 1 };"
+    monkeypatch.setattr("sensorless.export.faults.core_files", lambda _: {"x.h": header})
+    assert fault_tables()["drive"] == "| 64 | `FAULT_NEW` | something else |  |"
+
+
+def test_the_order_is_that_of_the_questions(exported: Exported, motor: Motor) -> None:
+    said = (exported.folder / "README.md").read_text(encoding="utf-8")
+    asked = (
+        "five calls", "When to sample", "Carrier", "Signs", "delay", "Dead time", "Over-current",
+        "built in right", "Start", "estimator leads", "wrong", "Only the schedule",
+    )  # fmt: skip
+    headings = re.findall(r"^## (.*)$", said, re.MULTILINE)
+    found = [next(j for j, h in enumerate(headings) if word in h) for word in asked]
+    assert found == sorted(found)
+    assert f"({motor.i_trip:g} A, peak)" in said and f"`MOTOR_POLE_PAIRS` ({motor.n_p})" in said
+    assert "$" not in said
+    for name in re.findall(r"`core/([\w.]+)`", said):
+        assert name in core_files()
+
+
+def test_the_makefile_builds_the_foreign_drive(copied: Path, table: KsTable) -> None:
+    if shutil.which("gcc") is None:
+        pytest.skip("needs gcc")
+    done = subprocess.run(
+        ["make", "example", "CC=gcc", "CFLAGS=-O1"],
+        cwd=copied, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    rows = re.findall(r"of rated: k_s (\S+), Q15 +(\d+), angle (\S+) rad", done.stdout)
+    k_s = [float(row[0]) for row in rows]
+    assert k_s[0] == 1.0 and k_s[-1] == 0.0 and any(0.0 < x < 1.0 for x in k_s)
+    for weight, word, angle in rows:
+        assert abs(float(word) / 32767.0 - float(weight)) < 2e-3
+        assert float(angle) == pytest.approx(0.3 + 0.05 * float(weight), abs=2e-3)
+    assert "example/foreign_drive.c" in hook_text(table)
+
+
+@pytest.mark.usefixtures("target")
+def test_the_makefile_compiles_the_cortex_m4(copied: Path) -> None:
+    """Without a warning; all that is left open is what any start-up file brings along."""
+    done = subprocess.run(
+        ["make", "cortex_m4"], cwd=copied, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    symbols = subprocess.run(
+        ["arm-none-eabi-nm", "build/cortex_m4.o"], cwd=copied, capture_output=True, text=True,
+        check=True,
+    ).stdout  # fmt: skip
+    assert set(re.findall(r" U (\w+)", symbols)) <= {"memcpy", "memset"}
+    assert {"main", "adc_interrupt"} <= set(re.findall(r" T (\w+)", symbols))
