@@ -21,21 +21,26 @@ function levers(motor) {
     { name: "magnet", text: "Magnet flux", low: 60, high: 120, ...PERCENT },
     { name: "inertia", text: "Inertia", low: 25, high: 500, ...PERCENT, step: 5 },
     { name: "link", text: "DC-link voltage", low: 40, high: 120, ...PERCENT },
-    { name: "gain", text: "Gain of current sensor a", low: 0, high: 200, ...PERCENT },
-    { name: "offset", text: "Offset of current sensor a", unit: "A", step: offset,
+    { name: "gain", text: "Gain of current sensor a", low: 0, high: 200, rare: true,
+      ...PERCENT },
+    { name: "offset", text: "Offset of current sensor a", unit: "A", step: offset, rare: true,
       low: -edge(0.5 * motor.i_rated, offset), high: edge(0.5 * motor.i_rated, offset) },
   ];
 }
 
 export class Levers {
-  constructor(root, onMove) {
+  constructor(root, rare, onMove) {
     this.root = root;
+    this.rare = rare;
     this.onMove = onMove;
   }
 
   build(motor) {
     this.rows = levers(motor).map((lever) => this.row(lever));
-    this.root.replaceChildren(...this.rows.map((row) => row.element));
+    const elements = (rare) =>
+      this.rows.filter((row) => Boolean(row.lever.rare) === rare).map((row) => row.element);
+    this.root.replaceChildren(...elements(false));
+    this.rare.replaceChildren(...elements(true));
   }
 
   row(lever) {

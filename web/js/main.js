@@ -25,7 +25,8 @@ class Page {
     this.run.onFault = (...what) => this.fault(...what);
     this.plots = new Plots($("plots"), $("shown"));
     this.readout = new Readout($("now"), $("events"), [$("drive-A"), $("drive-B")]);
-    this.levers = new Levers($("levers"), (name, value) => this.run.move(name, value));
+    this.levers = new Levers($("levers"), $("sensors"), (name, value) =>
+      this.run.move(name, value));
     this.sides = new Sides([$("side-A"), $("side-B")], $("compare"), this.layout, (sides) =>
       this.again({ sides }));
     this.editor = new TableEditor(
