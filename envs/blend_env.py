@@ -27,8 +27,9 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     **Description**
     An interior permanent-magnet motor runs under field-oriented control without a position sensor.
     High-frequency injection (hfi) finds the rotor at low speed. At higher speed an observer finds
-    it from the back-EMF: a sliding-mode observer (smo) by default, or the one that
-    ``design.estimator`` names. The drive runs on
+    it from the back-EMF; ``design.estimator`` names it. In the default, coupled, k_s weighs the
+    injection's error signal inside that observer. With a sliding-mode observer (smo) it weighs
+    angles:
 
         theta = theta_smo + k_s wrap(theta_hfi - theta_smo)
 

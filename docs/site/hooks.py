@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
@@ -32,6 +33,13 @@ SHIM = "https://unpkg.com/iframe-worker/shim"
 """Script that the plugin ``offline`` wants from another host; ours stands beside this file."""
 OURS = "assets/javascripts/iframe_worker.js"
 
+OTHER_HOST = re.compile(r"<(?:script|img|iframe|link)\b[^>]*\b(?:src|href)=.?https?:[^>]*>")
+"""Tag that makes a browser ask another host."""
+PLAYGROUND = ROOT / "build" / "playground" / "playground.html"
+"""Of ``make playground``; where it has run, the page stands on the site."""
+PLAY = "play.html"
+OPEN = f'<a class="md-button" href="{PLAY}">Open the playground</a>\n\n'
+
 LINK = re.compile(r"(?<=\])\(([^)\s:]+)\)")
 FENCE = re.compile(r"^ *```.*?^ *```", re.DOTALL | re.MULTILINE)
 CODE_IN_LIST = re.compile(r"(?<=\n\n) {6}(?=\S)")
@@ -50,6 +58,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Turn links within the repository into links within the site."""
     here = page.file.src_uri
+    if here == "playground.md" and PLAYGROUND.is_file():
+        markdown = markdown.replace("## What it shows", f"{OPEN}## What it shows", 1)
     source = HOME.get(here, f"docs/{here}")
     parts, end = [], 0
     for fence in FENCE.finditer(markdown):
@@ -59,14 +69,19 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def on_post_build(config: MkDocsConfig) -> None:
-    """Put our copy of the one script that would come from another host."""
+    """Put our copy of the one script that would come from another host, and the playground."""
     site = Path(config.site_dir)
+    if PLAYGROUND.is_file():
+        (site / PLAY).write_bytes(PLAYGROUND.read_bytes())
     (site / OURS).write_bytes(Path(__file__).with_name("iframe_worker.js").read_bytes())
     for page in site.rglob("*.html"):
+        if page.name == PLAY:
+            continue
         ours = os.path.relpath(site / OURS, page.parent).replace(os.sep, "/")
-        page.write_text(
-            page.read_text(encoding="utf-8").replace(SHIM, ours), encoding="utf-8", newline="\n"
-        )
+        text = page.read_text(encoding="utf-8").replace(SHIM, ours)
+        if found := OTHER_HOST.search(text):
+            raise PluginError(f"{page}: {found.group()} comes from another host")
+        page.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _prose(text: str, here: str, source: str) -> str:
