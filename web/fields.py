@@ -8,12 +8,9 @@ import numpy as np
 from sensorless.core.api import Array
 
 FIELDS = (
-    *("k", "k_end", "lost", "seed", "with_twin"),
-    *("start.omega_m", "start.theta_e", "start.theta_err", "start.k_s", "start.seek"),
-    *("profile.omega_ref", "profile.omega_step", "profile.tau", "profile.tau_step"),
-    *("profile.u_dc", "profile.u_dc_step"),
-    *("sensor.gain_a", "sensor.offset_a"),
-    *("drive.x.fault", "drive.x.k_s", "drive.x.start.phase", "drive.x.control.u_max"),
+    *("lost", "seed", "start.seek", "sensor.gain_a", "sensor.offset_a"),
+    *("profile.omega_ref", "profile.omega_step", "profile.tau", "profile.u_dc"),
+    *("drive.x.fault", "drive.x.k_s", "drive.x.start.phase"),
 )
 """Numbers of ``sim_t`` that the page reads or writes."""
 TABLE_FIELDS = ("crc_values", "crc_header")

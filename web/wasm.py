@@ -21,7 +21,6 @@ EXPORTS = (
     "page_decide",
     "sim_start",
     "sim_signals",
-    "ks_table_eval",
     "ks_table_check",
     "ks_header_crc",
     "ks_values_crc",

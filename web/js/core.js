@@ -26,7 +26,6 @@ export class Core {
     this.rows = new Float64Array(buffer, this.rowsAt, this.rowLength * layout.rows);
     this.signalsAt = this.room(4 * layout.signals.length);
     this.signals = new Float32Array(buffer, this.signalsAt, layout.signals.length);
-    this.weightAt = this.room(4);
   }
 
   // Address of so many free bytes.

@@ -72,7 +72,7 @@ class Page {
     document.addEventListener("keydown", (event) => {
       const { tagName, type } = event.target;
       if (event.ctrlKey || event.metaKey || event.altKey || tagName === "SELECT") return;
-      if (tagName === "BUTTON" || (tagName === "INPUT" && type !== "range")) return;
+      if (["BUTTON", "SUMMARY"].includes(tagName) || (tagName === "INPUT" && type !== "range")) return;
       if (event.key === " ") this.toggle();
       else if (event.key === "r" || event.key === "R") this.again();
       else return;
