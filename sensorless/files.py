@@ -1,6 +1,7 @@
 """Files that are written whole or not at all."""
 
 import ctypes
+import errno
 import os
 import re
 import shutil
@@ -10,6 +11,8 @@ from pathlib import Path
 
 from sensorless.errors import UserError
 
+LONGEST = 255
+"""Bytes of a name on every usual file system, checked before parents are made."""
 OLD = 60.0
 """Age from which what a killed process left half-written is removed [s]."""
 PART = re.compile(r"\.(.+)\.(\d+)\.part(\.old)?")
@@ -154,6 +157,8 @@ def ensure_writable(folder: str | Path) -> Path:
     folder = Path(folder)
     probe = folder / f".probe.{os.getpid()}.part"
     try:
+        if any(len(os.fsencode(name)) > LONGEST for name in folder.parts):
+            raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
         folder.mkdir(parents=True, exist_ok=True)
         probe.touch()
         probe.unlink()

@@ -1,5 +1,8 @@
 """Options, consoles and progress bars that several commands share."""
 
+import json
+import math
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated
@@ -15,6 +18,8 @@ if TYPE_CHECKING:
 console = AnyConsole()
 errors = AnyConsole(stderr=True)
 
+MINUTE = 60.0
+"""Time from one line of progress to the next where the output is no terminal [s]."""
 EXAMPLE = "--set smo_pll_hz=30"
 POLICIES = (
     "a rule by name, with its numbers if it takes any (eq25, linear:150,450, fuzzy, ...: "
@@ -79,6 +84,11 @@ SearchSeedOption = Annotated[
     ),
 ]
 
+JsonOption = Annotated[
+    bool,
+    typer.Option("--json", help="Print the numbers as JSON, for programs, instead of a table."),
+]
+
 EngineOption = Annotated[
     str,
     typer.Option(
@@ -109,6 +119,19 @@ def bench_of(
     return made
 
 
+def say_json(data: object) -> None:
+    """Print data for programs; what is no number becomes null."""
+    typer.echo(json.dumps(_finite(data), indent=1))
+
+
+def _finite(data: object) -> object:
+    if isinstance(data, Mapping):
+        return {str(key): _finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_finite(value) for value in data]
+    return None if isinstance(data, float) and not math.isfinite(data) else data
+
+
 def describe(scores: Mapping[str, float]) -> str:
     """Say the scores of a ``Cost`` in words."""
     return (
@@ -120,6 +143,19 @@ def describe(scores: Mapping[str, float]) -> str:
 def say_verdict(sentence: str) -> None:
     """Print the sentence that a command ends with."""
     console.print(f"verdict: {sentence}", markup=False, highlight=False, soft_wrap=True)
+
+
+def minutely() -> Callable[[str], None]:
+    """Printer of progress where no terminal shows a bar: a line a minute at most."""
+    last = time.monotonic()
+
+    def say(text: str) -> None:
+        nonlocal last
+        if not errors.is_terminal and time.monotonic() - last >= MINUTE:
+            last = time.monotonic()
+            errors.print(text, markup=False, highlight=False, soft_wrap=True)
+
+    return say
 
 
 @contextmanager
@@ -134,11 +170,13 @@ def policy_progress() -> Iterator[Callable[[str, float], None]]:
         disable=not errors.is_terminal,
     )
     tasks: dict[str, TaskID] = {}
+    say = minutely()
 
     def report(name: str, done: float) -> None:
         if name not in tasks:
             tasks[name] = bar.add_task(name, total=1.0)
         bar.update(tasks[name], completed=done)
+        say(f"{name}: {100.0 * done:.0f} %")
         if done >= 1.0 and not errors.is_terminal:
             errors.print(f"evaluated {name}", markup=False, highlight=False)
 

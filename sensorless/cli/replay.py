@@ -8,12 +8,14 @@ import typer
 
 from sensorless.cli.options import (
     CarriedMotorOption,
+    JsonOption,
     OverrideOption,
     PolicyOption,
     SetOption,
     bench_of,
     console,
     errors,
+    say_json,
 )
 
 
@@ -49,7 +51,7 @@ def replay_command(
         typer.Option(
             "--map",
             metavar="NAME=COLUMN",
-            help="Read a column under the name it has in the file, as in i_a=Ia, or i_a=-Ia to "
+            help="Read a column under the name it has in the file: i_a=Ia, or i_a=-Ia to "
             "turn its sign; repeat the option for several, or give a TOML file of such lines. "
             "Default: the names of docs/replay.md.",
         ),
@@ -64,6 +66,7 @@ def replay_command(
         Path | None,
         typer.Option(metavar="FILE.csv", help="Write the estimates as CSV. Default: no file."),
     ] = None,
+    as_json: JsonOption = False,
     plot: Annotated[
         Path | None,
         typer.Option(
@@ -84,6 +87,7 @@ def replay_command(
     """
     from sensorless.files import check_writable
     from sensorless.policy import design_for
+    from sensorless.replay.judgement import judgement
     from sensorless.replay.mapping import names_from
     from sensorless.replay.replay import SAMPLE, load, replay
 
@@ -104,7 +108,12 @@ def replay_command(
     table = found.table(after)
     for note in found.notes:
         errors.print(f"note: {note}", markup=False, highlight=False, soft_wrap=True)
-    console.print(table)
+    if as_json:
+        say_json({"estimators": found.summary(after), "notes": found.notes})
+    else:
+        console.print(table)
+        for line in judgement(found, after):
+            console.print(line, markup=False, highlight=False, soft_wrap=True)
     if out is not None:
         found.write_csv(out)
         console.print(f"wrote {out}")

@@ -10,7 +10,7 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from sensorless.agents.train.config import TrainConfig
-from sensorless.cli.options import SetOption, console, describe, errors, say_verdict
+from sensorless.cli.options import SetOption, console, describe, errors, minutely, say_verdict
 from sensorless.cli.suited import say_if_unsuited
 from sensorless.errors import UserError
 from sensorless.settings import settings_of
@@ -107,6 +107,7 @@ def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume
     from sensorless.agents.loading import CONFIG
     from sensorless.agents.train import train as training
     from sensorless.agents.train.judge import judge
+    from sensorless.agents.train.run_folder import rows
     from sensorless.design.drive import DriveDesign
     from sensorless.evaluation.objective import Cost
     from sensorless.machine.motor import Motor
@@ -120,15 +121,21 @@ def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume
     quiet = not errors.is_terminal
     bar = Progress(*columns, console=errors, disable=quiet)
     task = bar.add_task("", total=1.0)
+    say = minutely()
+    best = [float(row["objective"]) for row in rows(folder)] if resume else []
 
     def report(done: float, steps: int, found: Cost | None) -> None:
         bar.update(task, completed=done, description=f"{steps / 1e6:.2f} M decisions")
-        if found is not None:
-            (errors if quiet else bar.console).print(
-                f"{100 * done:3.0f} %, {steps / 1e6:5.2f} M decisions, validation: "
-                f"{describe(vars(found))}",
-                highlight=False,
-            )
+        if found is None:
+            say(f"{100 * done:3.0f} %, {steps / 1e6:5.2f} M decisions")
+            return
+        mark = ", the best so far" if best and found.objective < min(best) else ""
+        best.append(found.objective)
+        (errors if quiet else bar.console).print(
+            f"{100 * done:3.0f} %, {steps / 1e6:5.2f} M decisions, validation: "
+            f"{describe(vars(found))}{mark}",
+            highlight=False,
+        )
 
     try:
         with bar:

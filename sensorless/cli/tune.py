@@ -17,6 +17,7 @@ from sensorless.cli.options import (
     console,
     describe,
     errors,
+    minutely,
     say_verdict,
 )
 from sensorless.cli.suited import say_if_unsuited
@@ -81,9 +82,11 @@ def tune_command(
     columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
     bar = Progress(*columns, console=errors, disable=not errors.is_terminal)
     task = bar.add_task("", total=1.0)
+    say = minutely()
 
     def report(done: float, best: "Cost", start: "Cost") -> None:
         bar.update(task, completed=done, description=f"best: {describe(vars(best))}")
+        say(f"{100.0 * done:.0f} %, best: {describe(vars(best))}")
 
     with engine_named(engine, ray_address) as where, bar:
         found = tune(

@@ -156,7 +156,7 @@ def read_log(
 def _put_right(columns: dict[str, Floats], motor: Motor) -> Iterator[str]:
     """Bring columns to their units where what they hold shows another; says which."""
     if "t" not in columns:
-        columns["t"] = motor.T_s * np.arange(len(columns["i_a"]))
+        columns["t"] = np.asarray(motor.T_s * np.arange(len(columns["i_a"])), dtype=np.float64)
         yield f"no time: one row a PWM period, {motor.T_s:g} s, is assumed"
     scale, unit = time_scale(columns["t"], motor.T_s)
     if unit != "s":

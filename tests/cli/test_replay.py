@@ -1,5 +1,6 @@
 """``sensorless replay`` and ``simulate --log`` on the command line."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -44,3 +45,9 @@ def test_mistakes(tmp_path: Path) -> None:
         run("replay", SAMPLE, "--policy", "nonsense")
     with pytest.raises(UserError, match=r"log: .* does not exist"):
         run("simulate", "--duration", "0.01", "--log", str(tmp_path / "none" / "log.csv"))
+
+
+def test_json_is_for_programs() -> None:
+    said = json.loads(run("replay", SAMPLE, "--json"))
+    assert set(said["estimators"]) == {"hfi", "smo", "blend", "ekf"}
+    assert said["estimators"]["smo"]["without_rms_deg"] is None, "no number is null"

@@ -1,0 +1,59 @@
+"""Which estimator served best over a log, and what the errors of the others consist of."""
+
+import math
+
+from sensorless.replay.replay import Replay
+
+ENOUGH = 0.2
+"""Share of the samples in which an estimator must have had a signal, to be compared."""
+CONSTANT = {
+    "hfi": "cross-coupling that the drive does not compensate: sensorless identify cross-coupling",
+    "smo": "a wrong resistance, inductance or dead time in the motor's file",
+    "blend": "a wrong resistance, inductance or dead time in the motor's file",
+    "ekf": "the voltage that the inverter loses, which it takes no account of",
+}
+"""What turns an estimate by a constant angle, by estimator."""
+SCATTER = {
+    "hfi": "noise of the current beside the injected one, and transients",
+    "smo": "little flux at low speed, noise and transients",
+    "blend": "noise and transients; more bandwidth follows faster and passes more noise",
+    "ekf": "transients: its model has no torque, so it takes each acceleration for noise",
+}
+"""What scatters an estimate."""
+
+
+def judgement(found: Replay, after: float = 0.0) -> list[str]:
+    """Lines for people; none without an encoder.
+
+    The RMS error consists of a constant part, its mean, and of the scatter about it. What is larger
+    names the cause. The filter sees the whole flux map and has no bandwidth of its own to set, so
+    it shows what the log allows.
+    """
+    rows = {
+        name: row
+        for name, row in found.summary(after).items()
+        if row["share"] >= ENOUGH and math.isfinite(row["rms_deg"])
+    }
+    if not rows:
+        return []
+    best = min(rows, key=lambda name: rows[name]["rms_deg"])
+    lines = [f"best here: {found.label(best)}, {rows[best]['rms_deg']:.2f}° RMS"]
+    for name, row in rows.items():
+        if name == best or row["rms_deg"] < 1.1 * rows[best]["rms_deg"]:
+            continue
+        constant = abs(row["mean_deg"])
+        scatter = math.sqrt(max(row["rms_deg"] ** 2 - constant**2, 0.0))
+        cause = CONSTANT[name] if constant > scatter else SCATTER[name]
+        lines.append(
+            f"{found.label(name)}: {row['rms_deg']:.2f}°, of it {constant:.2f}° constant and "
+            f"{scatter:.2f}° scatter; likely {cause}"
+        )
+    adrift = {n: r for n, r in found.summary(after).items() if r["share"] < 1.0}
+    if "blend" in adrift and math.isfinite(adrift["blend"]["without_rms_deg"]):
+        row = adrift["blend"]
+        lines.append(
+            f"dead reckoning: in {100.0 * (1.0 - row['share']):.0f} % of the samples the blend had "
+            f"no signal, {row['without_rms_deg']:.1f}° RMS; more injection (a higher k_s at low "
+            "speed) would give it one"
+        )
+    return lines

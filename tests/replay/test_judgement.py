@@ -1,0 +1,50 @@
+"""What is said of the estimators over a log: the best, the causes, and dead reckoning."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sensorless.design.drive import DriveDesign
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.replay.judgement import judgement
+from sensorless.replay.replay import SAMPLE, Estimate, Replay, load, replay
+
+MOTOR = Motor.load("paper")
+
+
+@pytest.fixture(scope="module")
+def found() -> Replay:
+    log = load(SAMPLE, MOTOR, DriveDesign())
+    return replay(log, MOTOR, DriveDesign(), make_policy("eq25", MOTOR))
+
+
+def off(found: Replay, name: str, degrees: float, scatter: float, own: float = 1.0) -> Replay:
+    """With an estimator that is off by so much, and has a signal in the last share of samples."""
+    assert found.log.theta_e is not None
+    n = len(found.log.t)
+    turn = np.radians(degrees + scatter * np.where(np.arange(n) % 2, 1.0, -1.0))
+    made = Estimate(found.log.theta_e - turn, np.zeros(n), np.arange(n) >= (1.0 - own) * n)
+    return replace(found, estimates=found.estimates | {name: made})
+
+
+def test_constant_errors_and_scatter_have_their_causes(found: Replay) -> None:
+    lines = judgement(off(off(found, "hfi", 8.0, 1.0), "ekf", 1.0, 9.0))
+    assert lines[0].startswith("best here: coupled observer, 0.6")
+    hfi, ekf = (next(line for line in lines if line.startswith(name)) for name in ("HFI", "EKF"))
+    assert "8.00° constant and 1.00° scatter" in hfi and "identify cross-coupling" in hfi
+    assert "1.00° constant and 9.00° scatter" in ekf and "transients" in ekf
+
+
+def test_dead_reckoning_counts_apart(found: Replay) -> None:
+    """Half of the samples without a signal and 40 degrees off: not an error of the estimator."""
+    made = off(found, "blend", 40.0, 0.0, own=0.5)
+    row = made.summary()["blend"]
+    assert row["share"] == pytest.approx(0.5) and row["without_rms_deg"] == pytest.approx(40.0)
+    said = judgement(made)[-1]
+    assert said.startswith("dead reckoning: in 50 % of the samples") and "40.0° RMS" in said
+
+
+def test_without_an_encoder_nothing_is_said(found: Replay) -> None:
+    assert judgement(replace(found, log=replace(found.log, theta_e=None))) == []
