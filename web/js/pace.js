@@ -1,6 +1,8 @@
 // How fast a run goes: so many seconds of it in a second, as far as the computer can.
 
-const BUDGET = 13; // time for computing in a frame [ms]
+const SHARE = 0.8; // of the time between two frames is for computing
+const LEAST = 13; // but at least so much [ms],
+const MOST = 28; // and at most: pictures shall still move
 const CHUNK = 16; // decisions between two looks at the clock
 
 export class Pace {
@@ -45,7 +47,7 @@ export class Pace {
   compute(elapsed) {
     const hurry = this.until > this.run.decision;
     this.owed = hurry ? Infinity : this.owed + (elapsed * this.factor) / this.run.decisionTime;
-    const end = performance.now() + BUDGET;
+    const end = performance.now() + Math.min(Math.max(SHARE * 1000 * elapsed, LEAST), MOST);
     while (this.owed >= 1) {
       this.run.advance();
       this.owed -= 1;
