@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from sensorless.machine.motor import Motor
+from sensorless.replay.replay import SAMPLE
 from tests.helpers.command import run
 from tests.helpers.documentation import PAGES, ROOT, shown
 
@@ -41,10 +42,15 @@ ADDED = {
     "--between phase --r 0.85 --l-d 4.45e-3 --l-q 6.3e-3 --u-dc 650 --pwm 10000 --size 2",
 }
 """Options behind a command, where it does not have them already."""
-SLOW = {"pil": "tests/pil", "reproduce": "tests/reproduce", "demo": "tests/cli"}
-"""Commands that have no small size, and the tests that run them."""
-GRID = {"envelope": "9"}
-"""Least size of a suite that cannot do with that of ``SMALLER``."""
+ELSEWHERE = {
+    "pil": "tests/pil",
+    "reproduce": "tests/reproduce",
+    "demo": "tests/cli",
+    "--ray-address": "tests/evaluation/engines",
+}
+"""Words of commands that have no small size or need a cluster, and the tests that run them."""
+SIZES = {"envelope": "9", "falsify": "128"}
+"""Least size of a suite or command that cannot do with that of ``SMALLER``."""
 
 
 def smaller(words: list[str]) -> list[str]:
@@ -63,8 +69,8 @@ def smaller(words: list[str]) -> list[str]:
     for option, value in zip(added[::2], added[1::2], strict=True):
         out += [] if option in out else [option, value]
     out += ["--no-fit"] if words[0] == "export" else []
-    for suite, size in GRID.items():
-        if suite in out:
+    for word, size in SIZES.items():
+        if word in out:
             out[out.index("--size") + 1] = size
     return [word.replace("docs/", "") for word in out]
 
@@ -79,6 +85,20 @@ def commands() -> list[tuple[str, list[str]]]:
                 seen.add(line)
                 out.append((page.stem, words[1:]))
     return out
+
+
+def _write_scope(folder: Path) -> None:
+    """Write the sample log with columns of other names and a sign turned."""
+    heading, *rows = SAMPLE.read_text(encoding="utf-8").splitlines()
+    names = heading.split(",")
+    place = names.index("i_b")
+    cells = [row.split(",") for row in rows]
+    for row in cells:
+        row[place] = f"{-float(row[place]):.9g}"
+    names = [{"i_a": "Ia", "i_b": "Ib", "theta_e": "angle"}.get(name, name) for name in names]
+    text = "\n".join(",".join(row) for row in [names, *cells]) + "\n"
+    (folder / "scope.csv").write_text(text, encoding="utf-8")
+    (folder / "names.toml").write_text('theta_e = "angle"\n', encoding="utf-8")
 
 
 def _write_map(motor: Motor, path: Path) -> None:
@@ -106,6 +126,7 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
         done = run(*smaller(line), cwd=folder)
         assert done.returncode == 0, done.stderr
     _write_map(Motor.load(folder / "mine.toml"), folder / "map.csv")
+    _write_scope(folder)
     shutil.copytree(folder / "runs" / "first", folder / "runs" / "mine")
     return folder
 
@@ -114,8 +135,8 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("page", "words"), commands(), ids=lambda x: " ".join(x)[:70] if isinstance(x, list) else x
 )
 def test_a_command_runs(page: str, words: list[str], desk: Path) -> None:
-    if words[0] in SLOW:
-        assert (ROOT / SLOW[words[0]]).is_dir()
+    if elsewhere := [ELSEWHERE[word] for word in words if word in ELSEWHERE]:
+        assert (ROOT / elsewhere[0]).is_dir()
         return
     if words[0] == "train":
         shutil.rmtree(desk / "runs" / words[words.index("--name") + 1], ignore_errors=True)
