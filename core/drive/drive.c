@@ -113,7 +113,7 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
 }
 
 CORE_COLD ab_t drive_mend(const drive_params_t *p, drive_state_t *x) {
-    int fault = x->fault;
+    int fault = x->fault & FAULT_ALL; /* the word itself may be damaged */
     drive_init(p, x, 0.0f, 0.0f, 1.0f);
     x->fault = fault | FAULT_STATE;
     drive_find_rotor(x);

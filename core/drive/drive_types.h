@@ -23,7 +23,8 @@ enum {
     FAULT_COMMAND = 4,       /* speed reference, k_s or an argument of drive_init out of range */
     FAULT_POLE = 8,          /* the start sequence was not sure of the north pole */
     FAULT_OVER_CURRENT = 16, /* the current vector was beyond the limit: open the bridge */
-    FAULT_STATE = 128 /* the state was damaged: the drive started anew, without voltage at first */
+    FAULT_STATE = 128, /* the state was damaged: the drive started anew, without voltage at first */
+    FAULT_ALL = 255    /* all of these */
 };
 
 /* What inputs of a period may be. */

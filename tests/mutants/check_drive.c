@@ -1,0 +1,224 @@
+/* The whole drive: limits, damage, a closed loop with a machine of constant inductances, and the
+ * sum over a trajectory of states. */
+#include <string.h>
+
+#include "checks.h"
+#include "faults.h"
+#include "params.h" /* made by run.py: PARAMS[5] of the paper's machine, one per estimator */
+
+typedef struct {
+    vec_t psi; /* rotor frame */
+    double theta, omega;
+} machine_t;
+
+static vec_t current(const machine_t *m) {
+    return ((creal(m->psi) - 0.993) / 0.063 + I * cimag(m->psi) / 0.286);
+}
+
+/* One PWM period under the voltage u, in small steps; tau: load torque; J: 0 holds the speed. */
+static void advance(machine_t *m, vec_t u, double tau, double J) {
+    for (int k = 0; k < 20; k++) {
+        double h = 1e-5;
+        vec_t i = current(m);
+        m->psi += h * (u * cexp(-I * m->theta) - 2.484 * i - I * m->omega * m->psi);
+        m->theta = wrapped(m->theta + h * m->omega);
+        double made = 3.0 * cimag(conj(m->psi) * i);
+        m->omega += J > 0.0 ? 2.0 * h * (made - tau) / J : 0.0;
+    }
+}
+
+/* Runs a drive; the sample of a period is taken before its voltage acts one period later. */
+static void loop(const drive_params_t *p, drive_state_t *x, machine_t *m, int n, float w_ref,
+                 float k_s, double tau, double J) {
+    vec_t u = of_ab(x->u_1);
+    for (int k = 0; k < n; k++) {
+        vec_t i = current(m) * cexp(I * m->theta);
+        drive_in_t in = {(float)creal(i), (float)creal(i * cexp(-I * 2.0 * M_PI / 3.0)), 540.0f,
+                         w_ref, k_s};
+        vec_t next = of_ab(drive_step(p, x, &in));
+        advance(m, u, tau, J);
+        u = next;
+    }
+}
+
+static machine_t at(double theta, double omega) {
+    machine_t m = {0.993, theta, omega};
+    return m;
+}
+
+static void closed_loops(void) {
+    for (int e = 0; e < 5; e++) {
+        drive_params_t p = PARAMS[e];
+        p.control.u_dt = 0.0f, p.coupled.u_dt = 0.0f; /* an inverter without dead time */
+        for (int case_ = 0; case_ < 4; case_++) {
+            double w = case_ < 2 ? 20.0 : 200.0, sign = case_ % 2 ? -1.0 : 1.0;
+            float k_s = case_ < 2 ? 1.0f : 0.0f;
+            drive_state_t x;
+            machine_t m = at(0.5, sign * w);
+            drive_init(&p, &x, 0.4f, (float)m.omega, k_s);
+            loop(&p, &x, &m, 2500, (float)(sign * w), k_s, sign * 5.0, 0.02);
+            double err = wrapped(m.theta - (double)x.est.theta);
+            check("closed loop: angle", fabs(err) < 0.25);
+            check("closed loop: speed", fabs(m.omega - sign * w) < 3.0);
+            check("closed loop: no fault", x.fault == 0);
+            check("closed loop: weight", x.k_s == k_s);
+        }
+    }
+}
+
+static void starts(void) {
+    for (int j = 0; j < 6; j++) {
+        drive_params_t p = PARAMS[4];
+        p.control.u_dt = 0.0f, p.coupled.u_dt = 0.0f;
+        machine_t m = at(-2.5 + j, j < 3 ? 250.0 - 250.0 * j : 0.0);
+        drive_state_t x;
+        drive_init(&p, &x, (float)(m.theta + (j < 3 ? 2.0 : 0.7)), 0.0f, 0.5f);
+        drive_find_rotor(&x);
+        int n = 0;
+        for (; n < 900 && x.start.phase != START_DONE; n++) {
+            loop(&p, &x, &m, 1, 0.0f, 1.0f, 0.0, 0.0);
+        }
+        double err = fabs(wrapped(m.theta - (double)x.est.theta));
+        check("start: ends", x.start.phase == START_DONE);
+        int knows = fabs(m.omega) > 100.0;
+        check("start: angle", (knows || j >= 3 ? err : fmin(err, M_PI - err)) < 0.15);
+        check("start: speed", fabs((double)x.est.omega - m.omega) < 15.0);
+        check("start: pole", ((x.fault & FAULT_POLE) != 0) == !knows);
+        check("start: flies", n == (knows ? p.start.n_catch + p.start.n_fly : n));
+    }
+}
+
+static void limits(void) {
+    const guard_params_t *g = &PARAMS[4].guard;
+    drive_state_t x;
+    drive_init(&PARAMS[4], &x, 0.0f, 0.0f, 0.25f);
+    const float good[5] = {1.0f, -1.0f, 540.0f, 10.0f, 0.5f};
+    const struct {
+        int field, fault;
+        float value, becomes;
+    } bad[] = {
+        {0, FAULT_CURRENT, 11.1f, 0.0f},
+        {0, FAULT_CURRENT, -11.1f, 0.0f},
+        {1, FAULT_CURRENT, 11.1f, 0.0f},
+        {1, 0, 10.9f, 10.9f},
+        {2, FAULT_U_DC, 811.0f, 0.0f},
+        {2, FAULT_U_DC, 269.0f, 269.0f},
+        {2, FAULT_U_DC, -9.0f, 0.0f},
+        {2, 0, 809.0f, 809.0f},
+        {2, 0, 271.0f, 271.0f},
+        {3, FAULT_COMMAND, 790.0f, 0.0f},
+        {3, FAULT_COMMAND, -790.0f, 0.0f},
+        {3, 0, -780.0f, -780.0f},
+        {4, FAULT_COMMAND, 1.01f, 0.25f},
+        {4, FAULT_COMMAND, -0.01f, 0.25f},
+        {4, 0, 1.0f, 1.0f},
+        {4, 0, 0.0f, 0.0f},
+        {4, FAULT_COMMAND, (float)NAN, 0.25f},
+    };
+    for (unsigned j = 0; j < sizeof bad / sizeof bad[0]; j++) {
+        float v[5], w[5];
+        memcpy(v, good, sizeof v);
+        v[bad[j].field] = bad[j].value;
+        drive_in_t in, out;
+        memcpy(&in, v, sizeof in);
+        x.fault = 0;
+        out = drive_guard(g, &x, &in);
+        memcpy(w, &out, sizeof w);
+        v[bad[j].field] = bad[j].becomes;
+        check("guard", x.fault == bad[j].fault && memcmp(v, w, sizeof v) == 0);
+    }
+    for (int j = 0; j < 12; j++) {
+        vec_t i = 9.8 * (j % 2 ? 1.001 : 0.999) * cexp(I * j);
+        ab_t i_ab = {(float)creal(i), (float)cimag(i)};
+        x.fault = 0;
+        drive_guard_current(g, &x, i_ab);
+        check("over-current", x.fault == (j % 2 ? FAULT_OVER_CURRENT : 0));
+    }
+    check("inputs", faults_inputs(&PARAMS[4]) == 0);
+    check("angles", faults_angles(&PARAMS[4]) == 0);
+    check("weights", faults_weights(&PARAMS[4]) == 0);
+}
+
+/* Damage to each word: no voltage beyond the limit, and a sound state again within a round. */
+static void damage(void) {
+    enum { WORDS = sizeof(drive_state_t) / sizeof(float) };
+    const uint32_t bad[3] = {0x7FC00000U, 0x7F800000U, 0x7149F2CAU};
+    for (int j = 0; j < 3 * WORDS; j++) {
+        drive_state_t x;
+        machine_t m = at(0.5, 100.0);
+        drive_init(&PARAMS[j % 5], &x, 0.5f, 100.0f, 0.5f);
+        loop(&PARAMS[j % 5], &x, &m, 20, 100.0f, 0.5f, 0.0, 0.02);
+        uint32_t word[WORDS];
+        memcpy(word, &x, sizeof x);
+        word[j / 3] = bad[j % 3];
+        memcpy(&x, word, sizeof x);
+        drive_in_t in = {0.1f, 0.1f, 540.0f, 100.0f, 0.5f};
+        for (int k = 0; k < WORDS / CHECK_WORDS + 2; k++) {
+            ab_t u = drive_step(&PARAMS[j % 5], &x, &in);
+            check("damage: voltage", fabs((double)u.a) <= 1215.0 && fabs((double)u.b) <= 1215.0);
+        }
+        int sound = 1;
+        memcpy(word, &x, sizeof x);
+        for (int k = 0; k < WORDS; k++) {
+            sound = sound && (word[k] & 0x7FFFFFFFU) < 0x58635FA9U;
+        }
+        check("damage: heals", sound);
+    }
+}
+
+static void begins(void) {
+    drive_state_t x;
+    memset(&x, 0x7F, sizeof x);
+    drive_init(&PARAMS[4], &x, 10.0f, -800.0f, 1.5f);
+    check("init: clamps", fabs((double)x.est.theta - wrapped(10.0)) < 1e-5 &&
+                              near((double)x.est.omega, -785.398, 1e-5) && x.k_s == 1.0f);
+    check("init: says so", x.fault == FAULT_COMMAND);
+    memset(&x, 0x7F, sizeof x);
+    drive_init(&PARAMS[4], &x, 1.0f, 50.0f, 0.25f);
+    const float *w = (const float *)(const void *)&x;
+    double sum = 0.0;
+    for (unsigned k = 0; k < sizeof x / sizeof *w; k++) {
+        sum += fabs((double)w[k]);
+    }
+    double ready = fabs((double)x.control.i_int);
+    check("init: nothing else", near(sum, 5.0 * 1.0 + 7.0 * 50.0 + 2.0 * 0.25 + 1.0 + ready, 1e-5));
+    check("init: no fault", x.fault == 0 && x.start.phase == START_DONE);
+}
+
+static uint32_t mix_in(uint32_t sum, const void *data, size_t words) {
+    const uint32_t *w = data;
+    for (size_t k = 0; k < words; k++) {
+        sum = (sum ^ w[k]) * 16777619U;
+        sum ^= sum >> 15;
+    }
+    return sum;
+}
+
+/* States of all estimators over starts, hand-overs, light load and limits. */
+uint32_t trajectory(void) {
+    uint32_t sum = 2166136261U;
+    for (int e = 0; e < 5; e++) {
+        for (int seek = 0; seek < 2; seek++) {
+            drive_state_t x;
+            machine_t m = at(0.5, seek ? 0.0 : 60.0);
+            drive_init(&PARAMS[e], &x, 0.4f, (float)m.omega, 1.0f);
+            if (seek) {
+                drive_find_rotor(&x);
+            }
+            for (int k = 0; k < 24; k++) {
+                loop(&PARAMS[e], &x, &m, 40, k < 8 ? 60.0f : (k < 16 ? 330.0f : -40.0f),
+                     (float)(k % 5) * 0.25f, k % 7 < 3 ? 8.0 : 0.0, 0.02);
+                sum = mix_in(sum, &x, sizeof x / 4);
+            }
+        }
+    }
+    return sum;
+}
+
+void check_drive(void) {
+    limits();
+    begins();
+    damage();
+    closed_loops();
+    starts();
+}

@@ -1,0 +1,96 @@
+/* Stages of the start sequence against what they are defined to do. */
+#include "checks.h"
+
+static void axis(void) {
+    start_params_t p = {0};
+    p.n_scan = 12;
+    for (int j = 0; j < 40; j++) {
+        /* Answers of a salient machine: the inverse inductance at the rotor's angle. */
+        double at = draw(-M_PI, M_PI), sum = 0.7, diff = 0.4;
+        start_state_t x;
+        start_begin(&x);
+        x.phase = START_SCAN;
+        float sign[40];
+        ab_t i = {0.0f, 0.0f};
+        for (x.n = 0; x.n < 2 * p.n_scan + 2; x.n++) {
+            sign[x.n] = x.n % 2 ? -1.0f : 1.0f;
+            int acted = x.n - 2; /* the command that acted over [k-1, k] */
+            if (acted >= 0) {
+                vec_t along = acted < p.n_scan ? 1.0 : I;
+                vec_t step =
+                    (double)sign[acted] * (sum * along + diff * conj(along) * cexp(2.0 * I * at));
+                i.a += (float)creal(step), i.b += (float)cimag(step);
+            }
+            start_scan(&p, &x, i, acted >= 0 ? sign[acted] : 0.0f);
+            x.i_2 = x.i_1;
+            x.i_1 = i;
+        }
+        float found = start_axis(&x, (float)wrapped(at + draw(-1.2, 1.2)));
+        check("axis", fabs(wrapped((double)found - at)) < 0.02);
+        double samples = 0.5 * (double)(2 * (p.n_scan - 1)); /* half a step is a sample's part */
+        check("answers that count", near(cabs(of_ab(x.axis)) / diff, samples, 0.03));
+    }
+}
+
+static void pulses(void) {
+    start_params_t p = {0};
+    const int rest = 5, pulse = 11, half = 27;
+    p.n_rest = rest, p.n_pulse = pulse;
+    start_state_t x;
+    start_begin(&x);
+    double sum = 0.0, before = 0.0;
+    for (x.n = 0; x.n < 2 * half; x.n++) {
+        int j = x.n % half - rest, second = x.n >= half;
+        float way = j < 0 ? 0.0f : (j < pulse ? 1.0f : -1.0f);
+        check("pulse", start_pulse(&p, &x) == (second ? 0.0f - way : way));
+        float i_d = (float)(x.n * x.n) * 0.01f;
+        start_peak(&p, &x, i_d);
+        /* A command acts a period later: from one period after its start to one after its end. */
+        before = j == 1 ? (double)i_d : before;
+        sum += j == pulse + 1 ? (double)i_d - before : 0.0;
+        check("peaks", near((double)x.i_pole, sum, 1e-5));
+    }
+}
+
+static void emf(void) {
+    start_params_t p = {0};
+    p.alpha_e = 0.2f, p.k_hold = 50.0f, p.inv_t_turn = 250.0f;
+    for (int j = 0; j < 300; j++) {
+        start_state_t x;
+        start_begin(&x);
+        x.e_f.a = draw_f(-90, 90), x.e_f.b = draw_f(-90, 90);
+        x.e_1.a = draw_f(-90, 90), x.e_1.b = draw_f(-90, 90);
+        x.i_1.a = draw_f(-5, 5), x.i_1.b = draw_f(-5, 5);
+        ab_t e = {draw_f(-90, 90), draw_f(-90, 90)}, i = {draw_f(-5, 5), draw_f(-5, 5)};
+        vec_t hold = of_ab(x.e_f) - 50.0 * 0.5 * (of_ab(i) + of_ab(x.i_1));
+        check("hold", near_v(of_ab(start_hold(&p, &x, i)), hold, 1e-5));
+        vec_t to =
+            of_ab(x.e_f) + (double)p.alpha_e * (0.5 * (of_ab(e) + of_ab(x.e_1)) - of_ab(x.e_f));
+        start_emf(&p, &x, e);
+        check("EMF of a start", near_v(of_ab(x.e_f), to, 1e-5) && x.e_1.a == e.a && x.e_1.b == e.b);
+        float turn = draw_f(-3, 3);
+        vec_t mark = of_ab(x.e_f) * cexp(-I * (double)turn);
+        x.e_mark.a = (float)creal(mark), x.e_mark.b = (float)cimag(mark);
+        check("speed of a start", near((double)start_speed(&p, &x), 250.0 * (double)turn, 1e-4));
+    }
+}
+
+static void begin(void) {
+    start_state_t x = {5, 6, 7, {1, 1}, {1, 1}, {1, 1}, {1, 1}, {1, 1}, {1, 1}, 1, 1, 1};
+    start_begin(&x);
+    check("begin", x.phase == START_CATCH && x.n == 0 && x.tries == 0 && x.i_1.a == 0.0f &&
+                       x.i_1.b == 0.0f && x.i_2.a == 0.0f && x.i_2.b == 0.0f && x.e_1.a == 0.0f &&
+                       x.e_f.a == 0.0f && x.e_f.b == 0.0f && x.e_mark.a == 0.0f &&
+                       x.axis.a == 0.0f && x.axis.b == 0.0f && x.omega == 0.0f && x.i_0 == 0.0f &&
+                       x.i_pole == 0.0f);
+    x.n = 9;
+    start_enter(&x, START_POLE);
+    check("enter", x.phase == START_POLE && x.n == 0);
+}
+
+void check_start(void) {
+    axis();
+    pulses();
+    emf();
+    begin();
+}
