@@ -50,8 +50,9 @@ def test_the_table_of_motors_has_every_shipped_one() -> None:
         assert f"| `{path.stem}` |" in page
 
 
-def test_what_the_start_page_says_of_the_processor_is_so() -> None:
-    page = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", ["README.md", "docs/index.md"])
+def test_what_a_first_page_says_of_the_processor_is_so(name: str) -> None:
+    page = (ROOT / name).read_text(encoding="utf-8")
     bar = (ROOT / "tests" / "pil" / "test_pil.py").read_text(encoding="utf-8")
     (most,) = re.findall(r"at most (\d+) instructions, counted", page)
     assert f'count["period"]["max"] <= {most}' in bar
