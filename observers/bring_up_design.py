@@ -113,7 +113,7 @@ def design_bring_up(motor: Motor) -> dict[str, Any]:
         "i_least": 0.1 * gain * u_probe,
         "i_stop": 0.95 * min(motor.i_trip, motor.adc_range),
         "delay_band": 0.1,
-        "scale_band": 0.15,
+        "scale_band": 0.16,
         "lost_least": LEAST_LOST + (THRESHOLD / u_lost if seen and bipolar else 0.0),
         "n_rest": 8,
         "n_probe": 16,
