@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from sensorless.cli.options import SeedOption, console, errors, policy_progress
+from sensorless.cli.options import MotorOption, SeedOption, console, errors, policy_progress
 
 
 def demo_command(
@@ -17,6 +17,7 @@ def demo_command(
             "replaced.",
         ),
     ] = Path("build/demo"),
+    motor: MotorOption = "paper",
     minutes: Annotated[float, typer.Option(help="Train for this long [min].")] = 2.0,
     size: Annotated[
         int,
@@ -26,7 +27,7 @@ def demo_command(
     ] = 400,
     seed: SeedOption = 7,
 ) -> None:
-    """Train, judge, draw and export a schedule for the paper's motor in about three minutes.
+    """Train, judge, draw and export a schedule for a motor in about three minutes.
 
     The schedule starts as Eq. 25, the linear rule of the source paper, and learns with PPO. The
     suite stress-1, which draws load, machine and sensor errors at random, judges it beside Eq. 25
@@ -36,23 +37,26 @@ def demo_command(
     For example:
 
         sensorless demo --minutes 1 --out build/demo
+        sensorless demo --motor mine.toml --out build/mine
     """
     from sensorless.agents.train.config import TrainConfig
     from sensorless.cli.demo_steps import SUITE, draw, fresh_folder, hand_over, judge
     from sensorless.cli.train import run_training
+    from sensorless.machine.motor import Motor
 
-    config = TrainConfig(minutes=minutes)
+    machine, config = Motor.load(motor), TrainConfig(motor=motor, minutes=minutes)
     fresh_folder(out)
     run = out / "ppo-table"
     errors.print(f"[bold]1/4[/] training a schedule for {minutes:g} min, starting from Eq. 25")
     run_training(config, {}, run, resume=False)
     errors.print(f"[bold]2/4[/] judging it on {size} scenarios of the suite {SUITE}")
     with policy_progress() as report:
-        results = judge(out, f"./{run}" if not run.is_absolute() else str(run), size, seed, report)
+        word = str(run) if run.is_absolute() else f"./{run}"
+        results = judge(out, word, machine, size, seed, report)
     errors.print("[bold]3/4[/] drawing figures")
-    figures = draw(out, str(run), results)
+    figures = draw(out, str(run), machine, results)
     errors.print("[bold]4/4[/] exporting the C code and checking it")
-    folder, said = hand_over(out, str(run))
+    folder, said = hand_over(out, str(run), machine)
     console.print(results.table())
     console.print(f"figures:  {', '.join(map(str, figures))}", soft_wrap=True)
     console.print(f"results:  {out / 'results.json'}", soft_wrap=True)

@@ -23,7 +23,8 @@ SUITE = "stress-1"
 """Suite that the demo judges on."""
 RULES = ("sliding_mode", "eq25")
 """Eq. 25 on the paper's observers, and on the drive that the schedule is trained on."""
-FIG9 = ("0:200,1:350,2:600", "0:0", 3.0)
+FIG9 = ((0.0, 200.0), (1.0, 350.0), (2.0, 600.0))
+"""Times [s] and speeds of the paper's machine [r/min]; without load."""
 
 
 def fresh_folder(folder: Path) -> None:
@@ -50,21 +51,26 @@ def fresh_folder(folder: Path) -> None:
         ) from None
 
 
-def judge(folder: Path, run: str, size: int, seed: int, report: PolicyProgress) -> Results:
+def judge(
+    folder: Path, run: str, motor: Motor, size: int, seed: int, report: PolicyProgress
+) -> Results:
     """Judge the rules, the trained table and the sensored drive on ``SUITE``."""
-    motor = Motor.load("paper")
     policies = make_policies([*RULES, run, "sensored"], motor)
     out = folder / "results.json"
     return evaluate(motor, DriveDesign(), SUITE, seed, size, policies, out=out, progress=report)
 
 
-def draw(folder: Path, run: str, results: Results) -> list[Path]:
-    """Figures: Fig. 9, the schedules, and the hand-over where the paper's drive fared worst."""
-    motor, design = Motor.load("paper"), DriveDesign()
+def draw(folder: Path, run: str, motor: Motor, results: Results) -> list[Path]:
+    """Figures: Fig. 9, the schedules, and the hand-over where the paper's drive fared worst.
+
+    Another motor runs the speeds of Fig. 9 as shares of its rated speed.
+    """
+    design = DriveDesign()
     paper, learned = make_policy("sliding_mode", motor), make_policy(run, motor)
     paths = [folder / name for name in ("fig9.png", "schedules.png", "hand-over.png")]
-    speed, load, duration = FIG9
-    plan = plan_from(speed, load, None, duration, motor, 0)
+    share = motor.n_rated_rpm / Motor.load("paper").n_rated_rpm
+    speed = ",".join(f"{t:g}:{share * rpm:g}" for t, rpm in FIG9)
+    plan = plan_from(speed, "0:0", None, 3.0, motor, 0)
     run_9 = trace(paper, plan, motor, design)
     save(waveforms({"Fig. 9 under Eq. 25 on the paper's observers, no load": run_9}), paths[0])
     assert isinstance(paper, TablePolicy) and isinstance(learned, TablePolicy)
@@ -79,9 +85,8 @@ def draw(folder: Path, run: str, results: Results) -> list[Path]:
     return paths
 
 
-def hand_over(folder: Path, run: str) -> tuple[Path, str]:
+def hand_over(folder: Path, run: str, motor: Motor) -> tuple[Path, str]:
     """Export the trained table with its verdict; returns the folder and what its self test said."""
-    motor = Motor.load("paper")
     policy = make_policy(run, motor)
     table, design = table_of(policy, run), design_for(policy, DriveDesign())
     judged = judge_export(policy, motor, design)

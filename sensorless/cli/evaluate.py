@@ -9,6 +9,7 @@ from sensorless.cli.options import (
     POLICIES,
     CarriedMotorOption,
     EngineOption,
+    JsonOption,
     OverrideOption,
     RayAddressOption,
     SeedOption,
@@ -111,6 +112,7 @@ def evaluate_command(
     ] = None,
     engine: EngineOption = "local",
     ray_address: RayAddressOption = None,
+    as_json: JsonOption = False,
     listed: ListOption = False,
 ) -> None:
     """Judge policies on a suite: how often they lose lock, torque, speed and angle errors.
@@ -162,6 +164,9 @@ def evaluate_command(
         from sensorless.plots.figure import save
 
         save(envelope_maps(results, made.motor), plot)
+    if as_json:
+        typer.echo(results.to_json(scenarios=False))
+        return
     console.print(results.table())
     if details:
         console.print(results.table(HANDOVER_COLUMNS))
