@@ -14,6 +14,8 @@ DO = {
     "FAULT_COMMAND": "correct what the application passes; the drive held a safe value meanwhile",
     "FAULT_POLE": "stop and start again at less load; if it repeats, start from a known angle",
     "FAULT_OVER_CURRENT": "open the bridge at once, find out why, then start as after a trip",
+    "FAULT_LOCK": "let the drive recover if it does so; stop what needs speed or torque meanwhile",
+    "FAULT_STOPPED": "find out why the angle was lost, then start as after a trip",
     "FAULT_STATE": "let it start anew; if it repeats, look for what overwrites memory",
     "KS_FAULT_TABLE": "run on, the linear rule decides; write the table to flash again",
     "KS_FAULT_INPUT": "run on; the sample behind it has a bit of its own",
@@ -45,6 +47,8 @@ def bits(gains: bool = True) -> Iterator[Bit]:
     for name, content in core_files(gains).items():
         if name.endswith(".h"):
             for bit, value, comment in _BIT.findall(content.decode()):
+                if bit.endswith("_ALL"):  # a mask
+                    continue
                 yield Bit(bit, int(value), " ".join(re.sub(r"\n\s*\*", " ", comment).split()))
 
 

@@ -22,9 +22,10 @@ def test_every_bit_of_the_core_is_in_a_table_and_says_what_to_do() -> None:
         f"{head}{name.upper()}": bit
         for head in ("FAULT_", "KS_FAULT_", "BRING_UP_FAULT_")
         for name, bit in enumeration(head).items()
+        if name != "all"
     }
     assert {b.name: b.value for b in bits()} == compiled
-    assert set(DO) == set(compiled)
+    assert set(compiled) <= set(DO)
     assert all(b.meaning for b in bits())
     assert sum(rows.count("\n") + 1 for rows in fault_tables().values()) == len(compiled)
 
