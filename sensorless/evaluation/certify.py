@@ -23,7 +23,7 @@ from sensorless.evaluation.metrics.held import not_held
 from sensorless.evaluation.rollout import CAUSES, Rollout, at_a_time, rollouts, with_twin_to_the_end
 from sensorless.files import check_writable
 from sensorless.machine.motor import Motor
-from sensorless.policy import Policy, PrivilegedPolicy, design_for
+from sensorless.policy import GainPolicy, Policy, PrivilegedPolicy, design_for, gains_of
 from sensorless.versions import versions
 
 CHUNK = 512
@@ -132,9 +132,12 @@ def _identity(
     obs = np.random.default_rng(1).uniform(-1.0, 1.0, (PROBES, SIGNAL_N)).astype(np.float32)
     probe = copy.deepcopy(policy)
     probe.reset(PROBES)
+    acts = np.ascontiguousarray(probe.act(obs)).tobytes()
+    if isinstance(probe, GainPolicy) and gains_of(probe):
+        acts += repr(sorted(gains_of(probe).items())).encode() + probe.act_gains(obs).tobytes()
     return {
         "policy": policy.name,
-        "acts": hashlib.sha256(np.ascontiguousarray(probe.act(obs)).tobytes()).hexdigest()[:16],
+        "acts": hashlib.sha256(acts).hexdigest()[:16],
         "suite": suite if suite != "envelope" else f"envelope of {size}",
         "seed": seed,
         "motor": motor.name,

@@ -18,7 +18,7 @@ from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 from sensorless.observers.ekf import run_ekf
-from sensorless.policy import Policy, PrivilegedPolicy, design_for
+from sensorless.policy import Policy, PrivilegedPolicy, design_for, gains_of
 from sensorless.replay.log import Log, clarke, read_log
 from sensorless.replay.signature import of_encoder
 
@@ -183,7 +183,7 @@ def replay(
     Raises
     ------
     UserError
-        The policy needs the true angle.
+        The policy needs the true angle, or sets gains.
     """
     if not (math.isfinite(theta_0) and abs(omega_0) <= MOST_SPEED * motor.omega_rated):
         most = MOST_SPEED * motor.n_rated_rpm
@@ -191,6 +191,11 @@ def replay(
     if policy.sensored or isinstance(policy, PrivilegedPolicy):
         raise UserError(
             f"policy: {policy.name!r} needs the true angle, which a log lacks; give a rule or table"
+        )
+    if gains_of(policy):
+        raise UserError(
+            f"policy: {policy.name!r} also sets gains, and a replay runs on static ones; give a "
+            "schedule of k_s alone"
         )
     own = design_for(policy, design)
     run = ObserverRun(control_record(motor, own), theta_0, omega_0, k_s_0)

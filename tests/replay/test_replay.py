@@ -14,8 +14,10 @@ from sensorless.evaluation.trace import Trace, trace
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
+from sensorless.policy import TablePolicy
 from sensorless.replay.log import write_log
 from sensorless.replay.replay import SAMPLE, Replay, load, replay
+from sensorless.table.ks_table import Axis, GainGrid, KsTable
 
 MOTOR = Motor.load("paper")
 DESIGN = DriveDesign(estimator="smo", carrier=True)
@@ -180,3 +182,10 @@ def test_another_machine_with_another_period_is_refused() -> None:
         load(SAMPLE, replace(MOTOR, T_s=1e-4), DESIGN)
     with pytest.raises(UserError, match="delay: 3"):
         load(SAMPLE, MOTOR, DESIGN, delay=3)
+
+
+def test_a_schedule_with_gains_is_refused(recorded: tuple[Trace, Path]) -> None:
+    grids = (GainGrid("l_q", np.zeros(2, np.float32)),)
+    table = KsTable((Axis("speed", 0.0, 1.0, 2),), np.ones(2, np.float32), gains=grids)
+    with pytest.raises(UserError, match="'t' also sets gains"):
+        replay(load(recorded[1], MOTOR, DESIGN), MOTOR, DESIGN, TablePolicy("t", table))
