@@ -8,6 +8,7 @@ from sensorless.agents.table.start import start_table
 from sensorless.core.gains import GAIN_NAMES
 from sensorless.decision import TRAINING
 from sensorless.envs.scenarios.machine_family import MOST_MACHINES
+from sensorless.envs.window_reward import WindowWeights
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.settings import check, number, switch, word
@@ -62,7 +63,7 @@ class TrainConfig:
     gains: str = word(
         "",
         "let the table also set these gains of the drive, commas between: observer, injection, "
-        "l_q, amplitude; they start static, and the reward is that of Blend-v1 with the two costs "
+        "l_q, amplitude; they start static, and the reward is that of Blend-v1 with the costs "
         "below; tables only",
     )
     n_envs: int = number(
@@ -125,6 +126,9 @@ class TrainConfig:
         2.0, "nodes", 0, 10, "let nodes explore and move together over this distance"
     )
     monotone: bool = switch(False, "keep k_s from rising with speed; tables only")
+    ripple_cost: float = number(
+        WindowWeights.torque_ripple, "1/ms", 0, 10, "charge this for ripple in training with gains"
+    )
     ripple_weight: float = number(
         1.0, "1", 0, 1e3, "weigh ripple so much in the objective by which the best table is kept"
     )

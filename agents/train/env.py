@@ -30,8 +30,10 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
     """
     share, more = divmod(config.n_envs // 2, len(motors))
     names = config.gain_names
-    kind = WindowWeights if names else RewardWeights
-    weights = kind(lost=config.lost_penalty, angle=config.angle_cost)
+    lost, angle = config.lost_penalty, config.angle_cost
+    weights: RewardWeights | WindowWeights = RewardWeights(lost=lost, angle=angle)
+    if names:
+        weights = WindowWeights(lost=lost, angle=angle, torque_ripple=config.ripple_cost)
     envs = [
         BlendVectorEnv(
             2 * (share + (i < more)),
