@@ -157,6 +157,7 @@ static void schedule(void) {
         signals_read(&signal, &at, y);
         float k_s = ks_schedule_step(&p, &x, &signal, &at);
         check("decision", k_s == (k % 3 ? was : ks_table_eval(&t, nodes, y)));
+        check("decision on good signals", x.fault == 0);
     }
     x.wait = 99;
     at.omega = (float)NAN;
