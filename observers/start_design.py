@@ -26,7 +26,9 @@ PULSE_SHARE = 0.8
 """Largest pulse voltage, over the largest that the DC link allows."""
 POLE_SHARE = 0.08
 """Difference of the two peaks, over rated current, at which a pulse is strong enough."""
-TIMES = {"mark": 3e-3, "catch": 7e-3, "fly": 16e-3, "scan": 2e-3, "lock": 8e-3, "rest": 1.2e-3}
+QUIET_SHARE = 0.1
+"""Current, over rated, below which it no longer hides the EMF."""
+TIMES = {"mark": 3e-3, "catch": 7e-3, "fly": 16e-3, "quiet": 12e-3, "scan": 2e-3, "lock": 8e-3, "rest": 1.2e-3}
 """Lengths of the phases [s]."""
 
 
@@ -101,6 +103,8 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
         "u_pulse": volt_seconds / (n_pulse * motor.T_s),
         "i_pole": difference,
         "i_pole_sure": max(0.4 * abs(difference), 0.02 * motor.i_rated),
+        "i_quiet": QUIET_SHARE * motor.i_rated,
+        "n_quiet": n["quiet"],
         "n_catch_mark": n["mark"],
         "n_catch": n["catch"],
         "n_fly": n["fly"],

@@ -9,6 +9,7 @@
 #include "drive_actuate.h"
 #include "drive_check.h"
 #include "drive_guard.h"
+#include "drive_lock.h"
 #include "drive_observe.h"
 #include "drive_start.h"
 #include "drive_types.h"
@@ -45,6 +46,10 @@ CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
     float s = hfi_inject(&p->hfi, &x->hfi, x->k_s > 0.0f || in.k_s_ref > 0.0f);
     ab_t u = drive_actuate(p, x, &in, i_ab, x->est, r, s);
     drive_signals(&p->signal, x, in.omega_ref);
+    x->lock.wait -= 1;
+    if (SCALAR_ONLY(x->lock.wait <= 1)) {
+        drive_lock(p, x);
+    }
     return drive_checked(p, x, u);
 }
 

@@ -14,6 +14,19 @@ CORE_APART void see_emf(const drive_params_t *p, drive_state_t *x, ab_t i_ab, fl
 
 void drive_find_rotor(drive_state_t *x) { start_begin(&x->start); }
 
+CORE_COLD void drive_find_again(drive_state_t *x) {
+    ab_t i_ab = dq_to_ab(x->control.i_1, unit(x->est.theta));
+    start_begin(&x->start);
+    start_enter(&x->start, START_QUIET);
+    x->start.i_1 = i_ab;
+    x->start.i_2 = i_ab;
+    x->smo.i_hat = i_ab;
+    x->smo.z.a = 0.0f;
+    x->smo.z.b = 0.0f;
+    x->emf.e.a = 0.0f;
+    x->emf.e.b = 0.0f;
+}
+
 /* Hands over to control; both estimators continue from the estimate for k+1. */
 CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimate_t next,
                               ab_t i_ab) {
@@ -25,6 +38,7 @@ CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimat
     x->emf.valid = 0.0f; /* an observer that integrates starts again */
     x->control.i_1 = ab_to_dq(i_ab, unit(x->est.theta));
     control_ready(&p->control, &x->control, next.omega);
+    lock_begin(&x->lock, 0.0f);
     start_enter(&x->start, START_DONE);
 }
 
@@ -193,7 +207,11 @@ CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t 
     const start_params_t *q = &p->start;
     start_state_t *s = &x->start;
     s->n += 1;
-    if (s->phase == START_CATCH) {
+    if (s->phase == START_QUIET) {
+        if (norm_ab(i_ab) < q->i_quiet || s->n >= q->n_quiet) {
+            start_enter(s, START_CATCH);
+        }
+    } else if (s->phase == START_CATCH) {
         watch_emf(p, x);
     } else if (s->phase == START_SCAN && s->n >= 2 * q->n_scan + 2) {
         enter_lock(p, x);
@@ -218,7 +236,11 @@ CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive
     if (!seek_sound(&x->start)) {
         return u;
     }
-    if (x->start.phase == START_FLY) {
+    if (x->start.phase == START_STOPPED) {
+        u.a = 0.0f;
+        x->u_2 = x->u_1;
+        x->u_1 = u;
+    } else if (x->start.phase == START_FLY) {
         u = fly(p, x, in, i_ab);
     } else {
         u = seek_axis(p, x, i_ab, in->u_dc);
@@ -227,5 +249,6 @@ CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive
         x->start.i_1 = i_ab;
     }
     drive_signals(&p->signal, x, in->omega_ref);
+    x->lock.wait = x->lock.wait > 1 ? x->lock.wait - 1 : p->lock.n;
     return u;
 }

@@ -12,6 +12,9 @@ extern "C" {
  * speed is unknown; the angle passed to drive_init then only says which pole to assume first. */
 void drive_find_rotor(drive_state_t *x);
 
+/* The same for a drive in operation that lost its rotor: takes its current to zero first. */
+void drive_find_again(drive_state_t *x);
+
 /* One period of a drive in its start sequence. */
 ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab);
 

@@ -12,6 +12,7 @@
 #include "curve.h"
 #include "flux_observer.h"
 #include "hf_injection.h"
+#include "lock.h"
 #include "signals.h"
 #include "sliding_mode.h"
 #include "start_sequence.h"
@@ -23,6 +24,8 @@ enum {
     FAULT_COMMAND = 4,       /* speed reference, k_s or an argument of drive_init out of range */
     FAULT_POLE = 8,          /* the start sequence was not sure of the north pole */
     FAULT_OVER_CURRENT = 16, /* the current vector was beyond the limit: open the bridge */
+    FAULT_LOCK = 32,    /* the estimate is not the rotor's; lock.reason has the tests that failed */
+    FAULT_STOPPED = 64, /* no voltage any more after lost lock: start again with drive_init */
     FAULT_STATE = 128, /* the state was damaged: the drive started anew, without voltage at first */
     FAULT_ALL = 255    /* all of these */
 };
@@ -51,6 +54,7 @@ typedef struct {
     curve_t L_q;         /* apparent q inductance of the observer over |i_q| [H] */
     curve_t theta_cross; /* half the cross-coupling angle over |i_q|, for positive i_q [rad] */
     start_params_t start;
+    lock_params_t lock;
 } drive_params_t;
 
 typedef struct {
@@ -62,6 +66,7 @@ typedef struct {
     control_state_t control;
     signal_state_t signal;
     start_state_t start;
+    lock_state_t lock;
     estimate_t est;  /* blended estimate at k */
     ab_t u_1;        /* voltage that acts over [k, k+1], stator frame [V] */
     ab_t u_2;        /* voltage that acted over [k-1, k] [V] */

@@ -1,5 +1,6 @@
 /* Finding the rotor before control begins: shaft at rest or spinning, angle and polarity unknown.
  *
+ *   QUIET   only after lost lock: the current of before is taken to zero
  *   CATCH   current held at zero; the sliding-mode observer's EMF shows whether the shaft spins
  *   FLY     it does: the EMF's direction gives angle and polarity, its rotation the signed speed;
  *           the observer's loop settles
@@ -29,6 +30,8 @@ enum {
     START_LOCK,
     START_POLE,
     START_SETTLE,
+    START_QUIET,
+    START_STOPPED, /* not in control any more, no voltage */
     START_END /* phases are below */
 };
 
@@ -43,6 +46,8 @@ typedef struct {
     float u_pulse;        /* voltage of a polarity pulse [V] */
     float i_pole;         /* forward minus backward peak at the right polarity, signed [A] */
     float i_pole_sure;    /* least magnitude of that difference for a sure decision [A] */
+    float i_quiet;        /* current below which QUIET ends [A] */
+    int32_t n_quiet;      /* its most periods */
     int32_t n_catch_mark; /* period of CATCH from which the EMF's rotation is measured */
     int32_t n_catch;      /* periods of CATCH */
     int32_t n_fly;        /* periods of FLY */

@@ -13,9 +13,9 @@ static int lane_fits(const sim_t *s, const sim_t *first) {
     int constant = s->sensored == 0 && s->plant.n_sub == 1 && s->plant.bridge == 0;
     int alike = s->with_twin == first->with_twin && s->plant.detail == first->plant.detail &&
                 s->control.estimator == first->control.estimator;
-    int scalar_only =
-        s->control.hfi.scheme == HFI_STATIONARY || s->control.smo.switching != SMO_SIGMOID ||
-        s->drive.x.start.phase != START_DONE || s->inv_stick > 0.0f || s->sensor.carrier != 0;
+    int scalar_only = s->control.hfi.scheme == HFI_STATIONARY ||
+                      s->control.smo.switching != SMO_SIGMOID || s->inv_stick > 0.0f ||
+                      s->sensor.carrier != 0;
     return constant && alike && !scalar_only;
 }
 
@@ -23,10 +23,13 @@ int batch_fits(const sim_t *sims, int32_t count, int most) {
     int estimator = sims->control.estimator;
     int known =
         estimator == ESTIMATE_SMO || estimator == ESTIMATE_FLUX || estimator == ESTIMATE_COUPLED;
-    int fits = count >= LANES_WORTH && known;
+    int fits = known;
+    int moving = 0; /* the others advance one by one */
     for (int l = 0; l < count; l++) {
         fits = fits && lane_fits(&sims[l], sims);
+        moving += sims[l].drive.x.start.phase == START_DONE && sims[l].lost == 0;
     }
+    fits = fits && moving >= LANES_WORTH;
     int simd = fits ? sim_simd() : SIMD_NONE;
     return simd < most ? simd : most;
 }

@@ -36,6 +36,24 @@ CORE_INLINE void block_period(block_t *restrict block, const float *restrict k_s
     }
 }
 
+#define KEEP_DUE(type, path) AT(type, path)[l] = due ? s.path : AT(type, path)[l];
+
+/* One of the two parts of lock.h, in lanes where it is due. */
+#define BLOCK_LOCK(name, part, when)                                                               \
+    CORE_APART void name(block_t *restrict block) {                                                \
+        _Pragma("GCC ivdep") for (int l = 0; l < LANES; l++) {                                     \
+            sim_t s;                                                                               \
+            SIM_PARAM_FIELDS(LOAD)                                                                 \
+            SIM_STATE_FIELDS(LOAD)                                                                 \
+            int due = s.drive.x.lock.wait == (when);                                               \
+            part(&s.control, &s.drive.x);                                                          \
+            SIM_LOCK_FIELDS(KEEP_DUE)                                                              \
+        }                                                                                          \
+    }
+
+BLOCK_LOCK(block_watch, drive_watch, 1)
+BLOCK_LOCK(block_judge, drive_judge, 0)
+
 #define BLOCK_LOOP(name, with_twin, estimator, detail)                                             \
     CORE_APART void name(block_t *restrict block, const float *restrict k_s_ref) {                 \
         block_period(block, k_s_ref, with_twin, estimator, detail);                                \
@@ -82,16 +100,38 @@ static period_t block_loop(const sim_t *s) {
                                                  : SMO_LOOPS[detail][twin];
 }
 
-/* Drives that are lost or at their end: bit l for lane l. */
+/* Drives that are lost, at their end, or not or no longer in control: bit l for lane l. */
 static uint32_t block_at_end(const block_t *block) {
     const int32_t *lost = AT(const int32_t, lost);
     const int32_t *k = AT(const int32_t, k);
     const int32_t *k_end = AT(const int32_t, k_end);
+    const int32_t *phase = AT(const int32_t, drive.x.start.phase);
+    const int32_t *action = AT(const int32_t, control.lock.action);
+    const int32_t *n_act = AT(const int32_t, control.lock.n_act);
+    const int32_t *bad = AT(const int32_t, drive.x.lock.bad);
     uint32_t bits = 0;
     for (int l = 0; l < LANES; l++) {
-        bits |= (uint32_t)(lost[l] != 0 || k[l] >= k_end[l]) << l;
+        int acts = action[l] != LOCK_REPORT && bad[l] >= n_act[l]; /* lock_acts */
+        bits |= (uint32_t)(lost[l] != 0 || k[l] >= k_end[l] || phase[l] != START_DONE || acts) << l;
     }
     return bits;
+}
+
+/* The tests of lock.h, if due in any lane. */
+static void block_lock(block_t *block) {
+    const int32_t *wait = AT(const int32_t, drive.x.lock.wait);
+    int first = 0;
+    int second = 0;
+    for (int l = 0; l < LANES; l++) {
+        first |= wait[l] == 1;
+        second |= wait[l] == 0;
+    }
+    if (first) {
+        block_watch(block);
+    }
+    if (second) {
+        block_judge(block);
+    }
 }
 
 /* Stores the lanes in `bits`; the others go to `nowhere`. */
@@ -103,8 +143,17 @@ static void block_take(const block_t *block, sim_t *sims, uint32_t bits, sim_t *
     block_store(block, to);
 }
 
+/* Drives in `bits` that lost lock act, as they do in the plain loop. */
+static void block_act(sim_t *sims, uint32_t bits) {
+    for (int l = 0; l < LANES; l++) {
+        if ((bits >> l & 1U) != 0 && lock_acts(&sims[l].control.lock, &sims[l].drive.x.lock)) {
+            drive_act(&sims[l].control, &sims[l].drive.x);
+        }
+    }
+}
+
 /* A drive at its end is stored at once, and its lane runs on without effect; so do the lanes beyond
- * count, which repeat the first drive. */
+ * count, which repeat the first drive. Drives that leave early have periods left. */
 void BLOCK_RUN(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
     block_t block;
     sim_t nowhere;
@@ -120,9 +169,11 @@ void BLOCK_RUN(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref
     period_t period = block_loop(sims);
     for (int32_t j = 0; j < periods && live != 0; j++) {
         period(&block, wanted);
+        block_lock(&block);
         uint32_t over = live & block_at_end(&block);
         if (over != 0) {
             block_take(&block, sims, over, &nowhere);
+            block_act(sims, over);
             live &= ~over;
         }
     }

@@ -10,7 +10,7 @@
 #include "plant.h"
 #include "profile.h"
 
-/* Why a drive does not advance any more; bits of sim_t.lost. */
+/* Why a drive counts as lost; bits of sim_t.lost. */
 enum {
     LOST_ANGLE = 1,     /* angle error beyond err_limit for more than err_periods */
     LOST_CURRENT = 2,   /* over-current trip */
@@ -73,9 +73,11 @@ typedef struct {
     int32_t k_end;     /* the scenario's length in periods */
     int32_t sensored;  /* 1: the drive under test itself runs on the true angle */
     int32_t with_twin; /* 0: no twin; deviations are 0 */
-    int32_t lost;      /* LOST_* bits; a lost drive does not advance any more */
+    int32_t lost;      /* LOST_* bits; a lost drive does not advance any more, but see go_on */
     uint32_t seed;     /* of the measurement noise */
-    int32_t reserved;
+    int32_t begun;     /* 1: the drive has been in control; a later start is one after lost lock */
+    int32_t go_on;     /* 1: a lost drive advances to its end, without sums and further verdicts */
+    int32_t k_lost;    /* periods lived when lost; 0 before */
 } sim_t;
 
 #endif

@@ -120,6 +120,7 @@ CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, flo
     int follows = i_sq_true <= trip && abs_f(omega_true) <= s->omega_limit;
     s->lost |= (s->err_count > s->err_periods ? LOST_ANGLE : 0) | (i_sq > trip ? LOST_CURRENT : 0) |
                (finite ? 0 : LOST_NONFINITE) | (follows ? 0 : LOST_TWIN);
+    s->k_lost = s->lost != 0 ? s->k + 1 : 0;
 }
 
 /* One period. sensored, with_twin, n_sub, bridge, detail: those of sim_t, passed so that they can
@@ -132,7 +133,8 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
     float omega_m = (float)s->drive.y.omega_m;
     float i_sq = (float)(s->drive.y.i_d * s->drive.y.i_d + s->drive.y.i_q * s->drive.y.i_q);
     float k_s_was = s->drive.x.k_s;
-    int starting = SCALAR_ONLY(s->drive.x.start.phase != START_DONE);
+    int starting = SCALAR_ONLY(s->drive.x.start.phase != START_DONE) && s->begun == 0;
+    s->begun = starting ? 0 : 1;
     drive_in_t in = sim_sample(s, &s->drive, k_s_ref, detail);
     ab_t u;
     if (sensored) {

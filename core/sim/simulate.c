@@ -62,6 +62,8 @@ static void start_one(sim_t *s) {
     s->err_count = 0;
     s->k = 0;
     s->lost = 0;
+    s->begun = 0;
+    s->k_lost = 0;
 }
 
 void sim_start(sim_t *s, int32_t n) {
@@ -70,10 +72,30 @@ void sim_start(sim_t *s, int32_t n) {
     }
 }
 
-static void run_one(sim_t *s, int32_t periods, float k_s_ref) {
-    for (int32_t j = 0; j < periods && s->lost == 0 && s->k < s->k_end; j++) {
-        sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub, s->plant.bridge,
-                   s->plant.detail);
+/* Whether a drive does not advance any more. */
+static int over(const sim_t *s) { return (s->lost != 0 && s->go_on == 0) || s->k >= s->k_end; }
+
+/* One period; that of a lost drive changes neither sums nor verdict. Returns the inputs of the
+ * drive's controller. */
+static drive_in_t advance(sim_t *s, float k_s_ref) {
+    sums_t sums = s->sums;
+    int32_t lost = s->lost;
+    int32_t k_lost = s->k_lost;
+    drive_in_t in = sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub,
+                               s->plant.bridge, s->plant.detail);
+    if (lost != 0) {
+        s->k = (s->lost & LOST_NONFINITE) != 0 ? s->k_end : s->k;
+        s->sums = sums;
+        s->lost = lost;
+        s->k_lost = k_lost;
+    }
+    return in;
+}
+
+/* Until period k. */
+static void run_one(sim_t *s, int32_t k, float k_s_ref) {
+    while (s->k < k && !over(s)) {
+        advance(s, k_s_ref);
     }
 }
 
@@ -103,13 +125,16 @@ void sim_set_gain(sim_t *s, sim_gains_t *gains, int32_t n, uint32_t g) {
 /* Advances up to LANES drives; their sums go on. */
 static void run_lanes(const run_t *run, int32_t first, int32_t count, int32_t periods) {
     sim_t *s = &run->s[first];
+    int32_t k[LANES];
+    for (int32_t i = 0; i < count; i++) {
+        k[i] = s[i].k_end - s[i].k < periods ? s[i].k_end : s[i].k + periods;
+    }
     int simd = batch_fits(s, count, run->simd);
     if (simd != SIMD_NONE) {
         batch_run(s, count, periods, simd, &run->k_s_ref[first]);
-    } else {
-        for (int32_t i = 0; i < count; i++) {
-            run_one(&s[i], periods, run->k_s_ref[first + i]);
-        }
+    }
+    for (int32_t i = 0; i < count; i++) { /* also what drives left when they left their block */
+        run_one(&s[i], k[i], run->k_s_ref[first + i]);
     }
 }
 
@@ -177,7 +202,7 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
     int32_t j = 0;
     sums_t none = {0};
     s->sums = none;
-    for (; j < periods && s->lost == 0 && s->k < s->k_end; j++) {
+    for (; j < periods && !over(s); j++) {
         double *row = &out[(long)j * TRACE_N];
         plant_state_t y = s->drive.y; /* state at the instant k, which this period samples */
         double t = (double)s->k * (double)s->control.T_s;
@@ -194,8 +219,7 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
         row[TRACE_U_B_HAT] = (double)s->drive.x.u_1.b;
         row[TRACE_INJ] = (double)s->drive.x.hfi.sign_1;
         float starting = s->sums.starting;
-        drive_in_t in = sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub,
-                                   s->plant.bridge, s->plant.detail);
+        drive_in_t in = advance(s, k_s_ref);
         const drive_state_t *x = &s->drive.x;
         row[TRACE_U_DC] = (double)in.u_dc;
         row[TRACE_I_A] = (double)in.i_a;

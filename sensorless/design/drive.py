@@ -118,6 +118,15 @@ class DriveDesign:
             "FILE.json": "as sensorless identify cross-coupling measured it",
         },
     )
+    lost_lock: str = word(
+        "restart",
+        "what the drive does when its tests tell lost lock; in each case it sets a fault bit",
+        {
+            "report": "nothing else",
+            "restart": "seeks its rotor anew, up to five times, then stops",
+            "stop": "stops, with no voltage until it is started again",
+        },
+    )
     mtpa: bool = switch(True, "d current of maximum torque per ampere; false: zero")
     carrier: bool = switch(
         False, "inverter with the switching instants of a carrier; false: with its mean voltage"

@@ -21,6 +21,7 @@ from sensorless.observers.bring_up_design import design_bring_up
 from sensorless.observers.coupled_design import Bandwidths, design_coupled, load_pole
 from sensorless.observers.flux_design import design_flux
 from sensorless.observers.hfi_design import design_hfi, hf_current
+from sensorless.observers.lock_design import design_lock
 from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
 from sensorless.observers.start_design import design_start
 
@@ -133,6 +134,13 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
             "L_q": {"y": bias * L_q},
             "theta_cross": {"y": cross},
             "start": design_start(motor, hfi, smo),
+            "lock": design_lock(
+                motor,
+                action=design.lost_lock,
+                bias=bias,
+                speed_hz=by.speed_hz,
+                current_hz=by.current_hz,
+            ),
         },
     )
     require_finite(record, motor)

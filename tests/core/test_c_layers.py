@@ -100,4 +100,4 @@ def test_what_only_scalar_code_does_is_known() -> None:
         for condition in re.findall(r"if \(SCALAR_ONLY\((.*?)\)\) {", code(path))
     ]
     fields = {condition.split()[0].replace("->", ".").split(".")[-1] for condition in found}
-    assert fields == {"phase", "scheme", "switching", "inv_stick", "carrier"}
+    assert fields == {"phase", "scheme", "switching", "inv_stick", "carrier", "wait"}

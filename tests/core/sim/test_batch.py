@@ -27,7 +27,6 @@ ODD = {
     ("sensor", "carrier"): 1,
     ("control", "hfi", "scheme"): lib.HFI_STATIONARY,
     ("control", "smo", "switching"): lib.SMO_SIGN,
-    ("drive", "x", "start", "phase"): lib.START_CATCH,
 }
 """Fields of ``sim_t`` and the value that needs a path that blocks do not have."""
 SIZES = (1, 3, 4, 15, 16, 17, 100)
@@ -132,6 +131,16 @@ def test_which_drives_run_as_blocks(c: Call, estimator: str) -> None:
         sims["control"]["estimator"][7] = ESTIMATORS[other]
         c("batch_fits", sims, 16, found)
         assert found[0] == lib.SIMD_NONE
+
+
+def test_drives_that_are_not_in_control_advance_beside_the_block(c: Call) -> None:
+    """A block needs four that are."""
+    found = np.empty(1, np.int32)
+    sims = drives(True, "smo")[:16].copy()
+    for waiting, level in ((12, lib.sim_simd()), (13, lib.SIMD_NONE)):
+        sims["drive"]["x"]["start"]["phase"][:waiting] = lib.START_CATCH
+        c("batch_fits", sims, 16, found)
+        assert found[0] == level
 
 
 @pytest.mark.parametrize("path", ODD)

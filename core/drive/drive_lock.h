@@ -1,0 +1,42 @@
+/* Lost lock: what the drive shows to the tests of lock.h, and what it does when they fail. */
+#ifndef SENSORLESS_DRIVE_LOCK_H
+#define SENSORLESS_DRIVE_LOCK_H
+
+#include "drive_types.h"
+#include "vector.h"
+
+/* First part of an evaluation, after a period in control. */
+CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
+    const control_params_t *c = &p->control;
+    const control_state_t *y = &x->control;
+    curve_pos_t pos = curve_locate(y->i.q, c->curve_inv_step);
+    float L_q = p->lock.L_q_true * curve_at(&p->L_q, pos);
+    float psi_0 = curve_at(&p->coupled.psi_d, pos);
+    float omega = x->est.omega;
+    float u_q = c->k_t_q * y->i_ref.q - c->k_p_q * y->i.q + y->u_int.q +
+                omega * (c->L_d * y->i.d + c->psi_f);
+    lock_in_t in = {
+        omega,
+        u_q * y->u_max / max_f(y->u_abs, y->u_max),
+        y->i.q,
+        L_q,
+        psi_0 + c->L_d * y->i.d,
+        psi_0 + (c->L_d - L_q) * y->i.d,
+    };
+    lock_emf(&p->lock, &x->lock, &in);
+}
+
+/* Second part. */
+CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
+    lock_judge(&p->lock, &x->lock, x->hfi.err, x->control.i.q - x->control.i_ref.q);
+    x->lock.wait = p->lock.n;
+    x->fault |= x->lock.alarm != 0 ? FAULT_LOCK : 0;
+}
+
+/* Takes the drive out of control after an alarm: a new start sequence, or no voltage any more. */
+void drive_act(const drive_params_t *p, drive_state_t *x);
+
+/* The part that is due, and the action, as a linkable function. */
+void drive_lock(const drive_params_t *p, drive_state_t *x);
+
+#endif

@@ -1,0 +1,118 @@
+/* Tells that the estimate is no longer the rotor's: three tests on what a drive knows of itself.
+ *
+ *   EMF        the q voltage without resistive drop and change of flux is omega psi_d at the true
+ *              angle. r = u_q - R_s i_q - L_q d i_q/dt - omega psi_d, low-passed, stays small next
+ *              to the EMF of the auxiliary flux; an angle error delta adds
+ *              (cos(delta) - 1) omega psi_a, an EMF that is missing or unexpected all of it
+ *   INJECTION  the error signal of a loop in lock is noise around zero; its mean square tells a
+ *              loop that slips or sweeps
+ *   CURRENT    in a frame that is not the rotor's the EMF turns, and the torque current misses its
+ *              reference
+ *
+ * An evaluation every n periods, in two parts in two periods in a row, neither of them the one in
+ * which a schedule decides. Thresholds and reasons: docs/lock.md.
+ */
+#ifndef SENSORLESS_LOCK_H
+#define SENSORLESS_LOCK_H
+
+#include <stdint.h>
+
+#include "frames.h"
+
+/* Bits of lock_state_t.reason: the tests that failed. */
+enum { LOCK_EMF = 1, LOCK_INJECTION = 2, LOCK_CURRENT = 4 };
+
+/* What a drive does about it: lock_params_t.action. */
+enum {
+    LOCK_REPORT = 0,  /* sets FAULT_LOCK */
+    LOCK_RESTART = 1, /* also seeks the rotor anew, a limited number of times, then stops */
+    LOCK_STOP = 2     /* also stops: no voltage until drive_init */
+};
+
+typedef struct {
+    float alpha;      /* low-pass of all tests, a coefficient of evaluations */
+    float inv_t;      /* 1 / time from one evaluation to the next [1/s] */
+    float R_s;        /* stator resistance [ohm] */
+    float L_q_true;   /* apparent q inductance over that of the observer */
+    float e_share;    /* EMF: residual over the EMF of the auxiliary flux beyond which it fails */
+    float e_floor;    /* beyond this residual in addition [V] */
+    float err_sq;     /* INJECTION: mean square of the error signal beyond which it fails */
+    float i_off;      /* CURRENT: mean distance from the reference beyond which it fails [A] */
+    int32_t n;        /* periods from one evaluation to the next, at least 2 */
+    int32_t n_alarm;  /* failed evaluations that make an alarm */
+    int32_t n_act;    /* failed evaluations after which the drive acts */
+    int32_t n_calm;   /* evaluations without one after which earlier restarts are forgotten */
+    int32_t restarts; /* most restarts before the drive stops */
+    int32_t action;   /* LOCK_* */
+} lock_params_t;
+
+typedef struct {
+    float i_q;        /* torque current at the last evaluation [A] */
+    float residual;   /* low-passed r [V] */
+    float emf;        /* low-passed magnitude of the auxiliary flux's EMF [V] */
+    float err_sq;     /* mean square of the injection's error signal */
+    float i_off;      /* mean distance of the torque current from its reference [A] */
+    int32_t wait;     /* periods until the second part; the first comes at 1 */
+    int32_t bad;      /* failed evaluations less those passed since, at least 0 */
+    int32_t calm;     /* evaluations without a failed one */
+    int32_t restarts; /* restarts not yet forgotten */
+    int32_t alarms;   /* alarms so far */
+    int32_t alarm;    /* 1 during an alarm */
+    int32_t reason;   /* LOCK_* bits of all alarms, kept until the caller clears them */
+} lock_state_t;
+
+/* What EMF reads; all in the estimated frame. */
+typedef struct {
+    float omega; /* electrical [rad/s] */
+    float u_q;   /* [V] */
+    float i_q;   /* [A] */
+    float L_q;   /* [H] */
+    float psi_d; /* [Vs] */
+    float psi_a; /* auxiliary flux on the d axis [Vs] */
+} lock_in_t;
+
+/* Nothing seen yet, for a drive that takes control with torque current i_q [A]. */
+CORE_INLINE void lock_begin(lock_state_t *x, float i_q) {
+    x->i_q = i_q;
+    x->residual = 0.0f;
+    x->emf = 0.0f;
+    x->err_sq = 0.0f;
+    x->i_off = 0.0f;
+    x->bad = 0;
+    x->alarm = 0;
+}
+
+/* First part of an evaluation: the EMF. */
+CORE_INLINE void lock_emf(const lock_params_t *p, lock_state_t *x, const lock_in_t *in) {
+    float change = p->inv_t * in->L_q * (in->i_q - x->i_q);
+    float r = in->u_q - p->R_s * in->i_q - change - in->omega * in->psi_d;
+    x->i_q = in->i_q;
+    x->residual += p->alpha * (r - x->residual);
+    x->emf += p->alpha * (abs_f(in->omega * in->psi_a) - x->emf);
+}
+
+/* Second part, a period later: the other tests, and the verdict. err: error signal of the
+ * injection, 0 without one; off: torque current less its reference [A]. */
+CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float err, float off) {
+    x->err_sq += p->alpha * (err * err - x->err_sq);
+    x->i_off += p->alpha * (abs_f(off) - x->i_off);
+    int32_t failed = (abs_f(x->residual) > p->e_share * x->emf + p->e_floor ? LOCK_EMF : 0) |
+                     (x->err_sq > p->err_sq ? LOCK_INJECTION : 0) |
+                     (x->i_off > p->i_off ? LOCK_CURRENT : 0);
+    int32_t less = x->bad > 0 ? x->bad - 1 : 0;
+    x->bad = failed != 0 ? x->bad + 1 : less;
+    int32_t on = x->bad >= p->n_alarm;
+    x->alarms += on && x->alarm == 0 ? 1 : 0;
+    x->alarm = on || (x->alarm != 0 && x->bad > 0) ? 1 : 0;
+    x->reason |= x->alarm != 0 ? failed : 0;
+    int32_t calm = x->calm < p->n_calm ? x->calm + 1 : x->calm;
+    x->calm = failed != 0 ? 0 : calm;
+    x->restarts = x->calm >= p->n_calm ? 0 : x->restarts;
+}
+
+/* Whether the drive has to act. */
+CORE_INLINE int lock_acts(const lock_params_t *p, const lock_state_t *x) {
+    return p->action != LOCK_REPORT && x->bad >= p->n_act;
+}
+
+#endif

@@ -1,0 +1,77 @@
+"""Tests that tell lost lock: from the machine and its loops to ``lock_params_t``.
+
+docs/lock.md has the reasons and what separates drives that hold from those that do not.
+"""
+
+import math
+from typing import Any
+
+from sensorless.core.api import lib
+from sensorless.machine.motor import Motor
+from sensorless.observers.injection_signal import dead_time_voltage
+
+
+ACTIONS = {name: getattr(lib, f"LOCK_{name.upper()}") for name in ("report", "restart", "stop")}
+"""Numbers of the C core by the name that the setting ``lost_lock`` takes."""
+EVERY = 1e-3
+"""Time from one evaluation to the next [s]: that between two decisions of a schedule."""
+TAU = 6e-3
+"""Time constant of the tests' low-pass [s]: a half turn of slip at 60 degrees in 10 ms is seen, a
+step of the current is not."""
+ANGLE_SHARE = 0.5
+"""1 - cos(60 degrees): what an angle error of 60 degrees takes from the EMF."""
+SPEED_LAG = 0.15
+"""Lag of an estimated speed in lock, over rated speed: after a rated load step on half the inertia,
+with the slowest of the estimators."""
+LEFT_DEAD_TIME, LEFT_RESISTANCE = 0.75, 0.5
+"""Voltage that the model lacks: of the dead time's, and of the resistive one at rated current."""
+ERROR_SHARE = 0.5
+"""Mean square of the injection's error signal over the square of its largest value."""
+CURRENT_SHARE = 0.1
+"""Distance of the torque current from its reference, over rated current, beyond what the slope of
+the reference makes."""
+ALARM, ACT, CALM = 2e-3, 20e-3, 1.0
+"""Times [s] of failed tests until the alarm and until the drive acts, and of passed tests after
+which restarts are forgotten. A judge waits 10 ms; half of the losses on hard machines end before
+20 ms without help."""
+RESTARTS = 5
+
+
+def design_lock(
+    motor: Motor, *, action: str, bias: float, speed_hz: float, current_hz: float
+) -> dict[str, Any]:
+    """Fields of ``lock_params_t``.
+
+    Parameters
+    ----------
+    action : str
+        Key of ``ACTIONS``.
+    bias : float
+        Observer's q inductance over the apparent one.
+    speed_hz, current_hz : float
+        Natural frequency of the speed loop, whose reference may move by 4 pi speed_hz i_rated a
+        second, and bandwidth of the current loop [Hz].
+    """
+    n = max(2, round(EVERY / motor.T_s))
+    step = n * motor.T_s
+    emf = motor.omega_rated * motor.psi_f
+    unknown = LEFT_DEAD_TIME * dead_time_voltage(motor)
+    unknown += LEFT_RESISTANCE * motor.R_s * motor.i_rated
+    largest = (motor.L_q - motor.L_d) / (motor.L_q + motor.L_d)
+    lag = 2.0 * speed_hz / current_hz
+    return {
+        "alpha": -math.expm1(-step / TAU),
+        "inv_t": 1.0 / step,
+        "R_s": motor.R_s,
+        "L_q_true": 1.0 / bias,
+        "e_share": ANGLE_SHARE,
+        "e_floor": SPEED_LAG * emf + unknown,
+        "err_sq": ERROR_SHARE * largest**2,
+        "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
+        "n": n,
+        "n_alarm": max(1, round(ALARM / step)),
+        "n_act": max(2, round(ACT / step)),
+        "n_calm": round(CALM / step),
+        "restarts": RESTARTS,
+        "action": ACTIONS[action],
+    }

@@ -1,0 +1,62 @@
+"""Drives that lose lock, and what they do then, in blocks as in the plain loop."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from sensorless.core.api import SIGNAL_N, Array, lib, sim_run
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.stress import stress_1_scenarios
+from sensorless.machine.motor import Motor
+
+PERIODS = 1500
+N = 32
+
+
+def nervous(go_on: bool) -> Array:
+    """Drives of which some raise an alarm, start again, or stop; the others hold."""
+    motor = Motor.load("paper")
+    sims = SimFactory(motor, DriveDesign(estimator="smo")).build(
+        stress_1_scenarios(motor, np.arange(N, dtype=np.uint64))
+    )
+    lock = sims["control"]["lock"]
+    lock["e_floor"][::4] *= 0.1
+    lock["i_off"][1::4] *= 0.2
+    lock["n_act"] = 5
+    lock["action"][::8] = lib.LOCK_STOP
+    lock["action"][4::8] = lib.LOCK_REPORT
+    sims["err_limit"][2::8] *= 0.1
+    sims["go_on"] = go_on
+    return sims
+
+
+def run(go_on: bool, plain: bool) -> Array:
+    sims = nervous(go_on)
+    obs = np.zeros((N, SIGNAL_N), np.float32)
+    for k_s in (0.9, 0.4, 0.1):
+        sim_run(sims, PERIODS // 3, np.full(N, k_s, np.float32), obs, plain=plain, threads=1)
+    return sims
+
+
+def test_blocks_equal_the_plain_loop(state_bytes: Callable[[Array], bytes]) -> None:
+    for go_on in (False, True):
+        sims, expected = run(go_on, plain=False), run(go_on, plain=True)
+        assert state_bytes(sims) == state_bytes(expected)
+        lock, phase = expected["drive"]["x"]["lock"], expected["drive"]["x"]["start"]["phase"]
+        assert (lock["alarms"] > 0).sum() > 3
+        assert (lock["restarts"] > 0).sum() > 1
+        assert (phase == lib.START_STOPPED).sum() > 1
+        assert (lock["alarms"] == 0).sum() > 5
+
+
+def test_a_lost_drive_goes_on_and_stays_lost() -> None:
+    """Its sums and its verdict are those of a drive that stops there."""
+    here, there = run(True, plain=False), run(False, plain=False)
+    lost = there["lost"] != 0
+    assert lost.any()
+    assert not lost.all()
+    assert (here["lost"] == there["lost"]).all()
+    assert (here["k_lost"] == there["k_lost"]).all()
+    assert (here["k_lost"][lost] == there["k"][lost]).all()
+    assert (here["k"] == PERIODS).all()
