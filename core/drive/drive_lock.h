@@ -5,6 +5,10 @@
 #include "drive_types.h"
 #include "vector.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* First part of an evaluation, after a period in control. */
 CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     const control_params_t *c = &p->control;
@@ -38,5 +42,9 @@ void drive_act(const drive_params_t *p, drive_state_t *x);
 
 /* The part that is due, and the action, as a linkable function. */
 void drive_lock(const drive_params_t *p, drive_state_t *x);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

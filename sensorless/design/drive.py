@@ -119,7 +119,7 @@ class DriveDesign:
         },
     )
     lost_lock: str = word(
-        "restart",
+        "report",
         "what the drive does when its tests tell lost lock; in each case it sets a fault bit",
         {
             "report": "nothing else",

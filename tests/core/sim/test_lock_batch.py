@@ -17,7 +17,7 @@ N = 32
 def nervous(go_on: bool) -> Array:
     """Drives of which some raise an alarm, start again, or stop; the others hold."""
     motor = Motor.load("paper")
-    sims = SimFactory(motor, DriveDesign(estimator="smo")).build(
+    sims = SimFactory(motor, DriveDesign(estimator="smo", lost_lock="restart")).build(
         stress_1_scenarios(motor, np.arange(N, dtype=np.uint64))
     )
     lock = sims["control"]["lock"]
