@@ -45,6 +45,8 @@ class Outcome:
     terms: dict[str, Term]
     lost: Flags
     """Lock was lost: the episode terminated."""
+    alarm: Flags
+    """The drive's own tests tell lost lock."""
     ended: Flags
     """The scenario is over, or even its sensored twin tripped: the episode is truncated."""
 
@@ -235,7 +237,8 @@ class BlendBatch:
             parts = window_terms(self._window, sums, just_lost, weights, self.motor)
         else:
             parts = terms(sums, just_lost, weights, self.motor)
-        return Outcome(total(parts), parts, lost, ended)
+        alarm = np.asarray(self._sims["drive"]["x"]["lock"]["alarm"] != 0)
+        return Outcome(total(parts), parts, lost, alarm, ended)
 
     def observation(self) -> Observation:
         """What a policy may see (n, SIGNAL_N), a copy."""

@@ -68,8 +68,9 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     lost_penalty (-1000, once). ``sensorless.envs.reward`` has the formulas.
 
     **Info**
-    The terms, ``lost`` (bool), and ``privileged``: true quantities for a critic, see
-    ``sensorless.envs.privileged``. A policy must not see them.
+    The terms, ``lost`` (bool), ``alarm`` (bool: the drive's own tests tell lost lock), and
+    ``privileged``: true quantities for a critic, see ``sensorless.envs.privileged``. A policy must
+    not see them.
 
     **Start**
     A scenario is a profile of speed, load and DC-link voltage, a starting point, and the mismatch
@@ -135,6 +136,7 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
         outcome = self.batch.outcome()
         info: dict[str, Any] = {name: float(term[0]) for name, term in outcome.terms.items()}
         info["lost"] = bool(outcome.lost[0])
+        info["alarm"] = bool(outcome.alarm[0])
         info["privileged"] = self.batch.privileged()[0]
         reward, ended = float(outcome.reward[0]), bool(outcome.ended[0])
         return self.batch.observation()[0], reward, info["lost"], ended, info

@@ -132,7 +132,7 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
         if len(idle):
             moved = np.ones(self.num_envs, dtype=bool)
             moved[idle] = False
-            info |= {f"_{name}": moved for name in (*outcome.terms, "lost")}
+            info |= {f"_{name}": moved for name in (*outcome.terms, "lost", "alarm")}
         return self.batch.observation(), outcome.reward, outcome.lost, outcome.ended, info
 
     def _step_same(self) -> Step:
@@ -155,7 +155,7 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
 
     @staticmethod
     def _scores(outcome: Outcome) -> dict[str, Any]:
-        return {**outcome.terms, "lost": outcome.lost.copy()}
+        return {**outcome.terms, "lost": outcome.lost.copy(), "alarm": outcome.alarm}
 
     def state(self) -> BatchState:
         """Copy of all memory of the drives."""

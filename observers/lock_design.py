@@ -10,7 +10,6 @@ from sensorless.core.api import lib
 from sensorless.machine.motor import Motor
 from sensorless.observers.injection_signal import dead_time_voltage
 
-
 ACTIONS = {name: getattr(lib, f"LOCK_{name.upper()}") for name in ("report", "restart", "stop")}
 """Numbers of the C core by the name that the setting ``lost_lock`` takes."""
 EVERY = 1e-3

@@ -28,7 +28,15 @@ POLE_SHARE = 0.08
 """Difference of the two peaks, over rated current, at which a pulse is strong enough."""
 QUIET_SHARE = 0.1
 """Current, over rated, below which it no longer hides the EMF."""
-TIMES = {"mark": 3e-3, "catch": 7e-3, "fly": 16e-3, "quiet": 12e-3, "scan": 2e-3, "lock": 8e-3, "rest": 1.2e-3}
+TIMES = {
+    "quiet": 12e-3,
+    "mark": 3e-3,
+    "catch": 7e-3,
+    "fly": 16e-3,
+    "scan": 2e-3,
+    "lock": 8e-3,
+    "rest": 1.2e-3,
+}
 """Lengths of the phases [s]."""
 
 

@@ -121,7 +121,8 @@ def evaluate_command(
     10 ms or the drive trips. Torque and speed errors count against the twin: the same drive in the
     same scenario with a position sensor. All figures come with 95 % intervals, and every policy is
     compared with the first one scenario by scenario. Training and tuning never see these
-    scenarios. The same suite, seed and size give the same file to the bit, on any engine.
+    scenarios. A lost drive runs on, so that its own alarm and recovery can be counted; nothing else
+    counts that time. The same suite, seed and size give the same file to the bit, on any engine.
 
     A schedule runs on the motor and with the settings it was trained or tuned with, each on its
     own; rules by name take those of the command. `--set` and `--motor` that contradict a schedule
@@ -137,7 +138,12 @@ def evaluate_command(
     from sensorless.evaluation.evaluate import WORST
     from sensorless.evaluation.evaluate import evaluate as run
     from sensorless.evaluation.results import COLUMNS, HANDOVER_COLUMNS
-    from sensorless.evaluation.results_tables import paired_table, place_table, worst_table
+    from sensorless.evaluation.results_tables import (
+        lock_table,
+        paired_table,
+        place_table,
+        worst_table,
+    )
     from sensorless.files import check_writable
 
     check_writable(plot, "plot")
@@ -175,5 +181,8 @@ def evaluate_command(
         for name, entry in results.policies.items():
             console.print(place_table(name, entry))
     console.print(worst_table(results, WORST if details else 3))
+    noticed = lock_table(results)
+    if noticed is not None:
+        console.print(noticed)
     for path in filter(None, (plot, out)):
         console.print(f"wrote {path}")

@@ -119,9 +119,10 @@ def simulate_command(
 ) -> None:
     """Run one drive and look at it, or run the machine alone under given voltages.
 
-    Prints how the drive followed its speed reference, how far its angle was off, and whether it
-    kept lock. Without options it runs the speeds of Fig. 9 of the source paper under its
-    Eq. 25: 200, 350 and 600 r/min without load, which crosses from injection to the observer.
+    Prints how the drive followed its speed reference, how far its angle was off, whether it kept
+    lock, and if not, when its own tests told so and what it did; the run goes on after that.
+    Without options it runs the speeds of Fig. 9 of the source paper under its Eq. 25: 200, 350 and
+    600 r/min without load, which crosses from injection to the observer.
     `--policy sliding_mode` puts that rule on the paper's observers.
 
     For example:
@@ -158,7 +159,7 @@ def simulate_command(
             speed, load, ramp, duration, machine, seed, start=start, theta_err=theta_err, spin=spin
         )
     )
-    run = trace(rule, case, machine, made.design)
+    run = trace(rule, case, machine, made.design, go_on=True)
     console.print(summary_table(run, rule.name))
     if out is not None:
         write_csv(run, out)

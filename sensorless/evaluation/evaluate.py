@@ -16,6 +16,7 @@ from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
 from sensorless.errors import UserError
 from sensorless.evaluation.aggregate import by_place, paired, summary, worst
 from sensorless.evaluation.engines.engine import LOCAL, Engine
+from sensorless.evaluation.lock import LOCK, lock_summary
 from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.evaluation.metrics.place import QUADRANTS, SPEED_EDGES
 from sensorless.evaluation.metrics.place import by_place as sums_by_place
@@ -58,6 +59,8 @@ class Scores:
     """(n,) each, all of ``METRICS``"""
     places: dict[str, Array]
     """(n, p) each, of ``metrics.place.by_place``"""
+    lock: dict[str, Floats]
+    """(n,) each, of ``LockWatch``"""
 
 
 def evaluate(
@@ -147,14 +150,14 @@ def score(
 def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRows) -> Scores:
     """All metrics of a policy on some scenarios."""
     scenarios = rows.draw() if isinstance(rows, SuiteRows) else rows
-    runs = rollouts(policy, scenarios, factory, at_a_time(scenarios, factory.motor))
+    runs = rollouts(policy, scenarios, factory, at_a_time(scenarios, factory.motor), go_on=True)
     return _joined([_scores(with_twin_to_the_end(r, factory, policy.settings)) for r in runs])
 
 
 def _scores(r: Rollout) -> Scores:
     metrics = {name: metric(r) for name, metric in METRICS.items()}
     time = np.asarray(r.periods * r.motor.T_s, dtype=np.float64)
-    return Scores(r.lost, time, metrics, sums_by_place(r))
+    return Scores(r.lost, time, metrics, sums_by_place(r), r.lock)
 
 
 def _joined(parts: list[Scores]) -> Scores:
@@ -163,6 +166,7 @@ def _joined(parts: list[Scores]) -> Scores:
         np.concatenate([p.time for p in parts]),
         {name: np.concatenate([p.metrics[name] for p in parts]) for name in METRICS},
         {name: np.concatenate([p.places[name] for p in parts]) for name in parts[0].places},
+        {name: np.concatenate([p.lock[name] for p in parts]) for name in LOCK},
     )
 
 
@@ -192,6 +196,7 @@ def _entry(s: Scores, scenarios: SuiteRows, suite: str, seed: int, bound: bool) 
     return {
         "bound": bound,
         **summary(s.lost, s.metrics, seed),
+        **lock_summary(s.lock, s.lost, s.time, CAUSES["twin"]),
         "by_quadrant": {"place": QUADRANTS, **by_place(s.places["quadrant"], survived)},
         "by_speed": {"from_rated_speed": SPEED_EDGES, **by_place(s.places["speed"], survived)},
         "worst": _worst(s, suite, seed),
@@ -200,6 +205,7 @@ def _entry(s: Scores, scenarios: SuiteRows, suite: str, seed: int, bound: bool) 
             "lost": (~survived & (s.lost & CAUSES["twin"] == 0)).tolist(),
             "lost_cause": [_cause(int(bits)) for bits in s.lost],
             "time_s": s.time.tolist(),
+            **{name: x.tolist() for name, x in s.lock.items()},
             **{name: x.tolist() for name, x in s.metrics.items()},
         },
     }

@@ -45,6 +45,38 @@ def worst_table(results: Results, count: int) -> Table:
     return table
 
 
+def lock_table(results: Results) -> Table | None:
+    """What the drives noticed of lost lock; None where nothing was lost and nothing alarmed."""
+    entries = {n: p for n, p in results.policies.items() if not p["bound"]}
+    if not any(p["lock_counts"]["lost"] or p["false_alarms_per_hour"] for p in entries.values()):
+        return None
+    caption = (
+        "detected: alarm within 50 ms of the verdict, of scenarios that went on so long. after: "
+        "median from verdict to alarm, negative where the alarm came first. recovered: back at "
+        "angle and twin's speed (2 % of rated) 300 ms after the alarm, of those with time for it."
+    )
+    table = Table(title="lost lock, as the drive itself saw it", caption=caption)
+    table.add_column("policy", overflow="fold")
+    for heading in (
+        "lost",
+        "detected\n[%]",
+        "after\n[ms]",
+        "recovered\n[%]",
+        "false alarms\nan hour",
+    ):
+        table.add_column(escape(heading), justify="right")
+    for name, p in entries.items():
+        table.add_row(
+            escape(name),
+            str(p["lock_counts"]["lost"]),
+            number(100.0 * p["detected_rate"], 1),
+            number(p["detect_ms"], 0),
+            number(100.0 * p["recovered_rate"], 1),
+            number(p["false_alarms_per_hour"], 2),
+        )
+    return table
+
+
 def kept(case: dict[str, Any]) -> str:
     """Say how a scenario that was not lost ended."""
     return "not held" if case["not_held"] else "–"

@@ -19,6 +19,7 @@ from sensorless.core.api import (
 from sensorless.core.gains import gain_records
 from sensorless.decision import decision_periods, decision_time
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.evaluation.lock import LockWatch
 from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Policy, Settings, decide, decide_gains, gains_of
 
@@ -46,7 +47,9 @@ class Rollout:
     lost: NDArray[np.int32]
     """(n,) bits of ``CAUSES``, 0 for a drive that reached the end"""
     periods: NDArray[np.int64]
-    """(n,) PWM periods lived"""
+    """(n,) PWM periods lived, up to the verdict of a lost drive"""
+    lock: dict[str, Floats] = field(default_factory=dict, repr=False)
+    """What drives noticed of lost lock, of ``LockWatch``; empty if they stopped there"""
     kept: dict[str, Array] = field(default_factory=dict, repr=False, compare=False)
     """Arrays that several metrics need, by name"""
 
@@ -78,11 +81,19 @@ class Rollout:
         return np.asarray(self.sums[name].sum(axis=0, dtype=np.float64) / count)
 
 
-def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollout:
-    """Run all scenarios at once, each beside its sensored twin."""
+def rollout(
+    policy: Policy, scenarios: Scenarios, factory: SimFactory, *, go_on: bool = False
+) -> Rollout:
+    """Run all scenarios at once, each beside its sensored twin.
+
+    Drives stop when they are lost. With ``go_on`` they go on, so that ``lock`` can say what they
+    do about it; all else is the same.
+    """
     n = len(scenarios)
     periods = decision_periods(factory.motor)
     sims = factory.build(scenarios, sensored=policy.sensored, settings=policy.settings)
+    sims["go_on"] = go_on and not policy.sensored
+    watch = LockWatch(factory.motor, n)
     decisions = -(-int(sims["k_end"].max(initial=0)) // periods)
     sums = np.zeros((decisions, n), dtype=SIM["sums"])
     rows, now = sums.view(np.float32).reshape(decisions, n, -1), sums_matrix(sims)
@@ -99,7 +110,11 @@ def rollout(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> Rollou
             decide_gains(policy, obs.copy(), gains)
         sim_run(sims, periods, k_s, obs, gains)
         rows[j] = now
-    return Rollout(factory.motor, scenarios, sums, sims["lost"].copy(), sims["k"].astype(np.int64))
+        if go_on:
+            watch.look(sims)
+    lived = np.where(sims["lost"] != 0, sims["k_lost"], sims["k"]).astype(np.int64)
+    lock = watch.scores(sims) if go_on else {}
+    return Rollout(factory.motor, scenarios, sums, sims["lost"].copy(), lived, lock)
 
 
 def with_twin_to_the_end(
@@ -127,8 +142,13 @@ def at_a_time(scenarios: Scenarios, motor: Motor) -> int:
 
 
 def rollouts(
-    policy: Policy, scenarios: Scenarios, factory: SimFactory, chunk: int = CHUNK
+    policy: Policy,
+    scenarios: Scenarios,
+    factory: SimFactory,
+    chunk: int = CHUNK,
+    *,
+    go_on: bool = False,
 ) -> Iterator[Rollout]:
-    """Run all scenarios in order, ``chunk`` of them at a time."""
+    """Run all scenarios in order, ``chunk`` of them at a time; ``go_on`` as in `rollout`."""
     for first in range(0, len(scenarios), chunk):
-        yield rollout(policy, scenarios[first : first + chunk], factory)
+        yield rollout(policy, scenarios[first : first + chunk], factory, go_on=go_on)

@@ -5,19 +5,31 @@ from pathlib import Path
 
 import numpy as np
 
-from sensorless.core.api import SIGNAL_N, TRACE_NAMES, Array, sim_set_gain, sim_signals, sim_trace
+from sensorless.core.api import (
+    SIGNAL_N,
+    TRACE_NAMES,
+    Array,
+    lib,
+    sim_set_gain,
+    sim_signals,
+    sim_trace,
+)
 from sensorless.core.gains import due, gain_records
 from sensorless.decision import decision_periods, decision_time
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
+from sensorless.evaluation.lock import EARLY
 from sensorless.evaluation.rollout import CAUSES
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, decide, decide_gains, gains_of
 
 Trace = dict[str, Array]
-"""Columns of ``TRACE_NAMES`` (``core/sim/simulate.h``), each (periods,): SI units, rad, rad/s."""
+"""Columns of ``TRACE_NAMES`` (``core/sim/simulate.h``), each (periods,): SI units, rad, rad/s.
+Beside them ``lost``, bits of the verdict in every row; ``judged``, 1 after it; ``alarm``, 1 while
+the drive's own tests tell lost lock; ``recovering``, 1 while it seeks its rotor after that or has
+stopped. The last two are as of the end of a decision."""
 
 MOST_PERIODS = 5_000_000
 
@@ -28,10 +40,13 @@ def trace(
     motor: Motor,
     design: DriveDesign,
     change: Callable[[Array], None] | None = None,
+    *,
+    go_on: bool = False,
 ) -> Trace:
     """Run one scenario beside its sensored twin.
 
-    ``change`` may alter the array of ``SIM`` before the start in ways that no design offers.
+    ``change`` may alter the array of ``SIM`` before the start in ways that no design offers. A lost
+    drive stops; with ``go_on`` it runs to the end.
 
     Raises
     ------
@@ -50,13 +65,14 @@ def trace(
             f"duration: {scenario.duration[0]:g} s; give more than 0 and at most "
             f"{MOST_PERIODS * motor.T_s:g} s"
         )
+    sim["go_on"] = go_on
     obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
     sim_signals(sim, obs)
     policy.reset(1)
-    rows = []
+    rows, own = [], []
     periods, ranges = decision_periods(motor), gains_of(policy)
     gains = gain_records(sim, ranges, decision_time(motor))
-    while sim["lost"][0] == 0 and sim["k"][0] < sim["k_end"][0]:
+    while (go_on or sim["lost"][0] == 0) and sim["k"][0] < sim["k_end"][0]:
         k_s = float(decide(policy, obs.copy(), sim)[0])
         if ranges:
             decide_gains(policy, obs.copy(), gains)
@@ -64,13 +80,25 @@ def trace(
                 for g in due(period, periods, len(ranges)):
                     sim_set_gain(sim, gains, g)
                 rows.append(sim_trace(sim, 1, k_s))
+                own.append(_own(sim))
         else:
             rows.append(sim_trace(sim, periods, k_s))
+            own.append(_own(sim))
         sim_signals(sim, obs)
     table = np.concatenate(rows)
     out = {name: table[:, j] for j, name in enumerate(TRACE_NAMES)}
+    of_rows = np.repeat(np.array(own), [len(part) for part in rows], axis=0)
     out["lost"] = np.full(len(table), sim["lost"][0])
+    out["judged"] = np.arange(len(table)) >= (sim["k_lost"][0] or len(table))
+    out["alarm"], out["recovering"] = of_rows[:, 0], of_rows[:, 1]
     return out
+
+
+def _own(sim: Array) -> tuple[bool, bool]:
+    """Whether the drive has an alarm, and whether it is out of control after one."""
+    x = sim["drive"]["x"][0]
+    out = x["start"]["phase"] != lib.START_DONE and x["fault"] & lib.FAULT_LOCK != 0
+    return bool(x["lock"]["alarm"] != 0), bool(out)
 
 
 def lost_cause(t: Trace) -> str | None:
@@ -85,15 +113,35 @@ def outcome(t: Trace) -> str:
     if cause is None:
         return "kept lock"
     if int(t["lost"][-1]) & CAUSES["twin"]:
-        return (
-            f"not feasible: the drive with an encoder trips or runs away after {t['t'][-1]:.2f} s"
-        )
-    return f"lost ({cause})"
+        return f"not feasible: the drive with an encoder trips or runs away after {_end(t):.2f} s"
+    return f"lost ({cause}){_noticed(t)}"
+
+
+def _end(t: Trace) -> float:
+    """Time of the verdict, or of the last row [s]."""
+    return float(t["t"][~t["judged"]][-1])
+
+
+def _noticed(t: Trace) -> str:
+    """What the drive did about it, in words."""
+    if not t["judged"].any():
+        return ""
+    near = t["alarm"] & (t["t"] > _end(t) - EARLY)
+    if not near.any():
+        return ", unnoticed"
+    ms = 1e3 * (float(t["t"][near][0]) - _end(t))
+    text = f", alarm {abs(ms):.0f} ms {'after' if ms > 0.0 else 'before'} the verdict"
+    back = np.flatnonzero(t["recovering"])
+    if not len(back):
+        return text
+    if back[-1] == len(t["t"]) - 1:
+        return f"{text}, not in control at the end"
+    return f"{text}, in control again after {1e3 * (t['t'][back[-1] + 1] - _end(t)):.0f} ms"
 
 
 def write_csv(t: Trace, path: Path) -> None:
     """Write all columns of a trace, one row per PWM period."""
-    names = [name for name in t if name != "lost"]
+    names = [name for name in t if name in TRACE_NAMES]
     lines = [",".join(names)]
     lines += [",".join(f"{x:.9g}" for x in row) for row in np.stack([t[n] for n in names], axis=-1)]
     write_atomic(path, "\n".join(lines) + "\n")

@@ -14,8 +14,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+ALARM = "#c0392b"
+"""Colour of alarms and recovery."""
+
+
 def waveforms(traces: dict[str, Trace]) -> "Figure":
-    """Speed, torque, angle errors and weight over time, one column per run; keys are titles."""
+    """Speed, torque, angle errors and weight over time, one column per run; keys are titles.
+
+    A dashed line is the verdict of lost lock, a red one an alarm of the drive, red shade the time
+    in which it seeks its rotor again.
+    """
     figure, axes = new_figure(
         (7.0 * len(traces) + 1.5, 9.5),
         rows=4,
@@ -38,6 +46,7 @@ def waveforms(traces: dict[str, Trace]) -> "Figure":
         for ax in column:
             ax.grid(alpha=0.3)
             _shade_start(ax, t)
+            _shade_lost(ax, t)
         for ax in column[:3]:
             legend = ax.legend(
                 ncols=4, fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False
@@ -60,6 +69,17 @@ def _shade_start(ax: "Axes", t: Trace) -> None:
     seeking = t["t"][t["starting"] > 0.0]
     if len(seeking):
         ax.axvspan(seeking[0], seeking[-1], color="0.88", lw=0)
+
+
+def _shade_lost(ax: "Axes", t: Trace) -> None:
+    """Mark the verdict and the drive's own alarms, and shade where it seeks its rotor again."""
+    if t["judged"].any():
+        ax.axvline(float(t["t"][t["judged"]][0]), color="0.2", lw=1.0, ls="--")
+    for begins in t["t"][np.flatnonzero(np.diff(t["alarm"].astype(np.int8), prepend=0) == 1)]:
+        ax.axvline(float(begins), color=ALARM, lw=1.0)
+    edges = np.diff(t["recovering"].astype(np.int8), prepend=0, append=0)
+    for a, b in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
+        ax.axvspan(float(t["t"][a]), float(t["t"][b - 1]), color=ALARM, alpha=0.15, lw=0)
 
 
 def _quantile(x: Array) -> float:

@@ -22,7 +22,7 @@ def study() -> ModuleType:
 def scores(study: ModuleType, lost: list[int], ripple: list[float]) -> Scores:
     metrics = {name: np.ones(len(lost)) for name in study.COLUMNS}
     metrics["torque_ripple_window"] = np.array(ripple)
-    return Scores(np.array(lost, dtype=np.int32), np.ones(len(lost)), metrics, {})
+    return Scores(np.array(lost, dtype=np.int32), np.ones(len(lost)), metrics, {}, {})
 
 
 def test_a_policy_is_paired_with_eq25_on_both_drives(study: ModuleType) -> None:

@@ -24,7 +24,7 @@ def scores(module: ModuleType, lost: int, deviation: float) -> Scores:
     spread = np.random.default_rng(1).uniform(0.9, 1.1, N)
     bits = np.where(np.arange(N) < lost, 1, 0).astype(np.int32)
     metrics = {name: deviation * spread for name in module.METRICS}
-    return Scores(bits, np.ones(N), metrics, {})
+    return Scores(bits, np.ones(N), metrics, {}, {})
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ def test_a_policy_that_is_no_table_is_refused(q15: ModuleType) -> None:
 def test_a_change_is_put_over_what_it_belongs_to(q15: ModuleType) -> None:
     def scores(lost: list[int], **metrics: list[float]) -> object:
         values = {name: np.array(x) for name, x in metrics.items()}
-        return q15.Scores(np.array(lost, dtype=np.int32), np.ones(len(lost)), values, {})
+        return q15.Scores(np.array(lost, dtype=np.int32), np.ones(len(lost)), values, {}, {})
 
     exact = scores(
         [0, 0, 1, 0],

@@ -1,0 +1,147 @@
+"""What a drive noticed of lost lock, and whether it came back: beside the judge's verdict.
+
+The judge's verdict (``lost``) stands whatever the drive does afterwards. The run goes on after it,
+so that alarm and recovery can be seen; no other metric counts that time.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.core.api import Array, lib
+from sensorless.decision import decision_time
+from sensorless.machine.motor import Motor
+
+BAND = 0.02
+"""Band around the twin's speed, over rated: that of ``metrics.held``."""
+EARLY = 0.1
+"""Longest time by which an alarm may precede the verdict that it belongs to [s]; one before that is
+a false one."""
+IN_TIME = 0.05
+"""Latest alarm after the verdict that counts as detected [s]."""
+BACK_IN = 0.3
+"""Time from the alarm within which a drive has to be back [s]."""
+STAYS = 0.02
+"""Time for which it has to stay, to be back [s]."""
+
+Floats = NDArray[np.float64]
+
+LOCK = ("alarm_s", "back_s", "watched_s", "false_alarms")
+"""Numbers of `LockWatch.scores`, one per scenario each."""
+
+
+class LockWatch:
+    """Looks at n drives after every decision.
+
+    Parameters
+    ----------
+    motor : Motor
+    n : int
+    """
+
+    def __init__(self, motor: Motor, n: int) -> None:
+        self._step = decision_time(motor)
+        self._band = BAND * motor.omega_rated / motor.n_p
+        self._T_s = motor.T_s
+        self._before = np.full(n, -np.inf)
+        self._after = np.full(n, np.inf)
+        self._back = np.full(n, np.inf)
+        self._since = np.full(n, np.inf)
+        self._alarms = np.zeros(n, dtype=np.int64)
+        self._early = np.zeros(n, dtype=np.int64)
+        self._now = 0.0
+
+    def look(self, sims: Array) -> None:
+        """Take in one decision of the drives, an array of ``SIM`` (n,)."""
+        self._now += self._step
+        x, lost = sims["drive"]["x"], sims["lost"] != 0
+        alarms = x["lock"]["alarms"].astype(np.int64)
+        new = alarms > self._alarms
+        self._alarms = alarms
+        if not (new | lost).any():
+            return
+        verdict = self._T_s * sims["k_lost"]
+        stale = self._before < np.where(lost, verdict, self._now) - EARLY
+        self._early += np.isfinite(self._before) & stale & (new | lost)
+        self._before = np.where(stale & (new | lost), -np.inf, self._before)
+        self._before = np.where(new & ~lost, self._now, self._before)
+        self._after = np.where(new & lost, np.minimum(self._after, self._now), self._after)
+        self._look_back(sims, lost)
+
+    def _look_back(self, sims: Array, lost: NDArray[np.bool_]) -> None:
+        """Whether lost drives are in control again, at their angle and their twin's speed."""
+        x, y = sims["drive"]["x"], sims["drive"]["y"]
+        away = np.abs(y["omega_m"] - sims["twin"]["y"]["omega_m"])
+        err = np.abs(np.angle(np.exp(1j * (y["theta_e"] - x["est"]["theta"].astype(np.float64)))))
+        good = (away <= self._band) & (err <= sims["err_limit"])
+        good &= lost & (x["start"]["phase"] == lib.START_DONE)
+        self._since = np.where(good, np.minimum(self._since, self._now), np.inf)
+        stays = self._now - self._since >= STAYS
+        self._back = np.where(stays, np.minimum(self._back, self._since), self._back)
+
+    def scores(self, sims: Array) -> dict[str, Floats]:
+        """``LOCK``, after the last decision.
+
+        Returns
+        -------
+        dict of arrays (n,)
+            ``alarm_s``: from verdict to alarm [s], negative if the alarm came first, infinite
+            without one. ``back_s``: from that alarm until the drive was back [s], infinite if it
+            never was. ``watched_s``: from the verdict to the scenario's end [s]. These are NaN
+            without a verdict. ``false_alarms``: alarms that belong to none.
+        """
+        lost = sims["lost"] != 0
+        verdict = self._T_s * sims["k_lost"]
+        alarm = np.where(np.isfinite(self._before), self._before, self._after)
+        early = self._early + (np.isfinite(self._before) & ~lost)
+        with np.errstate(invalid="ignore"):
+            values = (
+                alarm - verdict,
+                np.where(np.isfinite(alarm), self._back - alarm, np.inf),
+                self._T_s * sims["k_end"] - verdict,
+            )
+        out = {k: np.where(lost, v, np.nan) for k, v in zip(LOCK, values, strict=False)}
+        return {**out, "false_alarms": early.astype(np.float64)}
+
+
+def lock_summary(
+    lock: dict[str, Floats], lost: NDArray[np.int32], time: Floats, twin: int
+) -> dict[str, Any]:
+    """Rates over scenarios that lasted long enough after the verdict; NaN of none.
+
+    Parameters
+    ----------
+    lost : (n,) bits of ``CAUSES``
+    time : (n,) time lived, up to the verdict [s]
+    twin : int
+        Bit of scenarios that are not feasible; they do not count.
+    """
+    feasible = (lost & twin) == 0
+    gone = feasible & (lost != 0)
+    alarm, watched = lock["alarm_s"], lock["watched_s"]
+    judged = gone & (watched >= IN_TIME)
+    found = judged & (alarm <= IN_TIME)
+    room = judged & np.isfinite(alarm) & (watched - np.maximum(alarm, 0.0) >= BACK_IN + STAYS)
+    back = lock["back_s"][room] <= BACK_IN
+    hours = float(time[feasible].sum()) / 3600.0
+    false = float(lock["false_alarms"][feasible].sum())
+    return {
+        "detected_rate": _mean(found[judged]),
+        "detect_ms": float(np.median(1e3 * alarm[found])) if found.any() else math.nan,
+        "recovered_rate": _mean(back),
+        "false_alarms_per_hour": false / hours if hours > 0.0 else math.nan,
+        "lock_counts": {
+            "lost": int(gone.sum()),
+            "watched": int(judged.sum()),
+            "detected": int(found.sum()),
+            "could_recover": int(room.sum()),
+            "recovered": int(back.sum()),
+            "false_alarms": int(false),
+        },
+    }
+
+
+def _mean(x: NDArray[np.bool_]) -> float:
+    return float(np.mean(x)) if len(x) else math.nan

@@ -1,0 +1,185 @@
+"""The tests of core/drive/lock.h against closed forms, and what a drive does when they fail."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import SIGNAL_N, Array, lib, sim_run, struct_dtype
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.machine.motor import Motor
+
+Call = Callable[..., None]
+
+MOTOR = Motor.load("paper")
+PARAMS = control_record(MOTOR, DriveDesign())["lock"]
+E_RATED = MOTOR.omega_rated * MOTOR.psi_f
+
+
+def evaluate(c: Call, rows: Any) -> Array:
+    """State after these rows of ``t_lock``."""
+    state = np.zeros(1, dtype=struct_dtype("lock_state_t"))
+    inputs = np.ascontiguousarray(rows, dtype=np.float32)
+    c("lock", PARAMS.reshape(1).copy(), state, inputs, len(inputs))
+    return state[0]
+
+
+def without_current(share: float, delta: float, estimated: float | None = None) -> list[float]:
+    """A rotor at ``share`` of rated speed that is ``delta`` [rad] ahead, seen at ``estimated``."""
+    omega = MOTOR.omega_rated * (share if estimated is None else estimated)
+    u_q = share * E_RATED * np.cos(delta)
+    return [omega, u_q, 0.0, MOTOR.L_q, MOTOR.psi_f, MOTOR.psi_f, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("delta", [0.0, 30.0, 60.0, 90.0, 180.0])
+@pytest.mark.parametrize("share", [-1.0, 0.1, 0.5, 1.0])
+def test_the_residual_is_what_the_angle_takes_from_the_emf(
+    c: Call, share: float, delta: float
+) -> None:
+    x = evaluate(c, [without_current(share, np.deg2rad(delta))] * 100)
+    expected = share * E_RATED * (np.cos(np.deg2rad(delta)) - 1.0)
+    assert x["residual"] == pytest.approx(expected, abs=1e-4 * E_RATED)
+    assert x["emf"] == pytest.approx(abs(share) * E_RATED, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("share", "delta", "told"),
+    [(1.0, 0, False), (1.0, 45, False), (1.0, 75, True), (-1.0, 75, True), (0.3, 180, True),
+     (0.05, 180, False)],
+)  # fmt: skip
+def test_which_angles_the_emf_tells(c: Call, share: float, delta: float, told: bool) -> None:
+    """At rated speed those beyond 60 degrees and the floor; at rest none."""
+    x = evaluate(c, [without_current(share, np.deg2rad(delta))] * 100)
+    assert x["alarm"] == told
+    assert x["reason"] == (lib.LOCK_EMF if told else 0)
+
+
+def test_an_estimate_that_turns_while_the_rotor_stands(c: Call) -> None:
+    for true, estimated in ((0.0, 0.5), (0.5, 0.0)):
+        x = evaluate(c, [without_current(true, 0.0, estimated)] * 100)
+        assert x["reason"] == lib.LOCK_EMF
+
+
+def test_half_a_turn_is_told_within_ten_milliseconds(c: Call) -> None:
+    every = 1.0 / PARAMS["inv_t"]
+    rows = [without_current(0.6, np.pi)] * round(0.010 / every)
+    assert evaluate(c, rows)["alarm"] == 1
+
+
+def answer(delta: float) -> float:
+    """Error signal of the injection at an angle error [rad], from the rotated inductances."""
+    s, d = 1.0 / MOTOR.L_d + 1.0 / MOTOR.L_q, 1.0 / MOTOR.L_d - 1.0 / MOTOR.L_q
+    x_d, x_q = s + d * np.cos(2.0 * delta), d * np.sin(2.0 * delta)
+    return float(x_q / np.hypot(x_d, x_q))
+
+
+def test_a_loop_that_sweeps_is_told_and_noise_is_not(c: Call) -> None:
+    largest = max(answer(x) for x in np.linspace(0.0, np.pi, 1000))
+    assert PARAMS["err_sq"] == pytest.approx(0.5 * largest**2, rel=1e-4)
+    still = without_current(0.0, 0.0)
+    for delta, told in ((np.deg2rad(65.0), True), (np.deg2rad(20.0), False), (0.0, False)):
+        rows = np.array([still] * 100)
+        rows[:, 6] = answer(delta)
+        assert evaluate(c, rows)["reason"] == (lib.LOCK_INJECTION if told else 0)
+
+
+def test_a_current_that_misses_its_reference(c: Call) -> None:
+    for off, told in ((0.9, False), (-0.9, False), (1.1, True), (-1.1, True)):
+        rows = np.array([without_current(0.0, 0.0)] * 100)
+        rows[:, 7] = off * PARAMS["i_off"]
+        assert evaluate(c, rows)["reason"] == (lib.LOCK_CURRENT if told else 0)
+
+
+def test_a_ramp_of_the_current_is_no_residual(c: Call) -> None:
+    """L_q di/dt is taken off: a slope of rated current in 20 ms."""
+    slope = MOTOR.i_rated / 0.02
+    rows = np.array([without_current(0.0, 0.0)] * 60)
+    rows[:, 2] = slope / PARAMS["inv_t"] * np.arange(1, 61)
+    rows[:, 1] = MOTOR.L_q * slope + MOTOR.R_s * rows[:, 2]
+    assert abs(evaluate(c, rows)["residual"]) < 0.01 * MOTOR.L_q * slope
+
+
+def at_speed(share: float, load: float, **settings: Any) -> Array:
+    """One drive on the default estimator after 0.4 s at this speed and load."""
+    s = Scenarios.nominal(MOTOR, np.zeros(1, dtype=np.uint64), 10.0)
+    s.omega[:] = share * MOTOR.omega_rated / MOTOR.n_p
+    s.omega_0 = s.omega[:, 0].copy()
+    s.tau[:] = load * MOTOR.tau_rated
+    s.tau_rate[:] = MOTOR.tau_rated / 0.2
+    sims = SimFactory(MOTOR, DriveDesign(**settings)).build(s)
+    sims["go_on"] = 1
+    run(sims, 0.4, share)
+    return sims
+
+
+def run(sims: Array, seconds: float, share: float) -> None:
+    k_s = np.full(1, float(abs(share) < 0.2), np.float32)
+    obs = np.zeros((1, SIGNAL_N), np.float32)
+    sim_run(sims, round(seconds / MOTOR.T_s), k_s, obs)
+
+
+def turn(sims: Array, angle: float) -> None:
+    """Turn the estimate of the coupled observer."""
+    x = sims["drive"]["x"]
+    x["emf"]["pll"]["theta"] = np.angle(np.exp(1j * (x["emf"]["pll"]["theta"] + angle)))
+    psi = (x["coupled"]["psi"]["a"] + 1j * x["coupled"]["psi"]["b"]) * np.exp(1j * angle)
+    x["coupled"]["psi"]["a"], x["coupled"]["psi"]["b"] = psi.real, psi.imag
+
+
+def err(sims: Array) -> float:
+    x, y = sims["drive"]["x"], sims["drive"]["y"]
+    return float(np.abs(np.angle(np.exp(1j * (y["theta_e"] - x["est"]["theta"]))))[0])
+
+
+@pytest.mark.parametrize("share", [-0.6, 0.4, 1.0])
+def test_a_drive_turned_by_half_a_turn_tells_and_comes_back(share: float) -> None:
+    sims = at_speed(share, 0.3, lost_lock="restart")
+    assert sims["drive"]["x"]["fault"][0] == 0
+    turn(sims, np.pi)
+    run(sims, 0.03, share)
+    assert sims["drive"]["x"]["fault"][0] & lib.FAULT_LOCK
+    run(sims, 0.4, share)
+    assert sims["drive"]["x"]["start"]["phase"][0] == lib.START_DONE
+    assert err(sims) < np.deg2rad(20.0)
+
+
+@pytest.mark.parametrize(("share", "load"), [(0.0, 0.0), (0.05, 1.0), (0.5, -1.0), (1.0, 1.0)])
+def test_a_healthy_drive_is_silent(share: float, load: float) -> None:
+    sims = at_speed(share, load, lost_lock="restart")
+    run(sims, 0.3, share)
+    lock = sims["drive"]["x"]["lock"][0]
+    assert (lock["alarms"], lock["bad"], lock["reason"]) == (0, 0, 0)
+
+
+def test_restarts_are_bounded_and_then_there_is_no_voltage() -> None:
+    sims = at_speed(0.5, 0.3, lost_lock="restart")
+    sims["control"]["lock"]["i_off"] = -1.0  # never satisfied
+    seen = set()
+    for _ in range(400):
+        run(sims, 2e-3, 0.5)
+        seen.add(int(sims["drive"]["x"]["lock"]["restarts"][0]))
+    x = sims["drive"]["x"][0]
+    assert seen == set(range(int(PARAMS["restarts"]) + 1))
+    assert x["start"]["phase"] == lib.START_STOPPED
+    assert x["fault"] & lib.FAULT_STOPPED
+    assert (sims["drive"]["u"]["a"][0], sims["drive"]["u"]["b"][0]) == (0.0, 0.0)
+
+
+def test_report_changes_nothing_else() -> None:
+    """A drive whose tests fail runs as one whose tests pass, to the bit."""
+    here, there = (at_speed(0.5, 0.3, lost_lock="report") for _ in range(2))
+    here["control"]["lock"]["i_off"] = -1.0
+    run(here, 0.2, 0.5)
+    run(there, 0.2, 0.5)
+    assert here["drive"]["x"]["fault"][0] == lib.FAULT_LOCK
+    assert here["drive"]["y"].tobytes() == there["drive"]["y"].tobytes()
+
+
+def test_stop_is_for_good() -> None:
+    sims = at_speed(0.5, 0.3, lost_lock="stop")
+    turn(sims, np.pi)
+    run(sims, 0.2, 0.5)
+    assert sims["drive"]["x"]["start"]["phase"][0] == lib.START_STOPPED

@@ -1,0 +1,28 @@
+"""Numbers of the tests of lost lock on every shipped machine."""
+
+import pytest
+
+from sensorless.decision import RUNNING, decision_periods
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
+from sensorless.evaluation import lock as judged
+from sensorless.evaluation.metrics.held import BAND_PCT
+from sensorless.machine.motor import MOTORS, Motor
+from sensorless.observers.lock_design import ACTIONS, EVERY
+
+
+def test_an_evaluation_keeps_step_with_decisions() -> None:
+    assert EVERY == RUNNING
+    assert judged.BAND == pytest.approx(0.01 * BAND_PCT)
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in MOTORS.glob("*.toml")))
+def test_limits_lie_between_noise_and_what_can_be_measured(name: str) -> None:
+    motor = Motor.load(name)
+    lock = control_record(motor, DriveDesign())["lock"]
+    assert lock["n"] == decision_periods(motor)
+    assert lock["action"] in ACTIONS.values()
+    assert 0.0 < lock["e_floor"] < 0.5 * motor.omega_rated * motor.psi_f
+    assert 0.0 < lock["err_sq"] < 0.5
+    assert 0.1 * motor.i_rated < lock["i_off"] < 0.3 * motor.i_rated
+    assert 1 <= lock["n_alarm"] < lock["n_act"] < lock["n_calm"]
