@@ -29,10 +29,10 @@ ERROR_SHARE = 0.5
 CURRENT_SHARE = 0.1
 """Distance of the torque current from its reference, over rated current, beyond what the slope of
 the reference makes."""
-ALARM, ACT, CALM = 2e-3, 20e-3, 1.0
-"""Times [s] of failed tests until the alarm and until the drive acts, and of passed tests after
-which restarts are forgotten. A judge waits 10 ms; half of the losses on hard machines end before
-20 ms without help."""
+ALARM, ACT, CLEAR, CALM = 2e-3, 20e-3, 10e-3, 1.0
+"""Times [s] from the first failed test to the alarm and until the drive acts, and of passed tests
+after which the alarm ends, and after which restarts are forgotten. A judge waits 10 ms; a slipping
+drive passes for less at a time."""
 RESTARTS = 5
 
 
@@ -70,6 +70,7 @@ def design_lock(
         "n": n,
         "n_alarm": max(1, round(ALARM / step)),
         "n_act": max(2, round(ACT / step)),
+        "n_clear": max(1, round(CLEAR / step)),
         "n_calm": round(CALM / step),
         "restarts": RESTARTS,
         "action": ACTIONS[action],

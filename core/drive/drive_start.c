@@ -18,6 +18,7 @@ CORE_COLD void drive_find_again(drive_state_t *x) {
     ab_t i_ab = dq_to_ab(x->control.i_1, unit(x->est.theta));
     start_begin(&x->start);
     start_enter(&x->start, START_QUIET);
+    x->start.again = 1;
     x->start.i_1 = i_ab;
     x->start.i_2 = i_ab;
     x->smo.i_hat = i_ab;
@@ -27,9 +28,19 @@ CORE_COLD void drive_find_again(drive_state_t *x) {
     x->emf.e.b = 0.0f;
 }
 
+/* Sets the speed controller to the state that holds the reference against the load, which is what
+ * accelerates the shaft by `slope` [rad/s^2]: J / k_t = k_p^2 / (4 k_i). Torque rises from zero with
+ * the slope of its reference. */
+CORE_COLD static void take_over(const control_params_t *p, control_state_t *x, float omega_ref,
+                                float slope) {
+    float J = 0.25f * p->k_p_speed * p->k_p_speed / p->k_i_speed;
+    x->i_int =
+        p->k_p_speed * (1.0f - p->weight_ref) * omega_ref - clamp_f(J * slope, -p->i_max, p->i_max);
+}
+
 /* Hands over to control; both estimators continue from the estimate for k+1. */
-CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimate_t next,
-                              ab_t i_ab) {
+CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimate_t next, ab_t i_ab,
+                              float omega_ref) {
     x->hfi.pll.theta = next.theta;
     x->hfi.pll.omega = next.omega;
     x->emf.pll.theta = next.theta;
@@ -38,6 +49,9 @@ CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimat
     x->emf.valid = 0.0f; /* an observer that integrates starts again */
     x->control.i_1 = ab_to_dq(i_ab, unit(x->est.theta));
     control_ready(&p->control, &x->control, next.omega);
+    if (x->start.again != 0) {
+        take_over(&p->control, &x->control, omega_ref, x->start.slope);
+    }
     lock_begin(&x->lock, 0.0f);
     start_enter(&x->start, START_DONE);
 }
@@ -80,9 +94,14 @@ CORE_COLD static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive
     see_emf(p, x, i_ab, x->est.omega);
     ab_t u = drive_hold(p, x, in, i_ab, x->est);
     x->start.n += 1;
+    int32_t half = p->start.n_fly / 2;
+    if (x->start.n == p->start.n_fly - half) {
+        x->start.omega = x->emf.pll.omega;
+    }
     if (x->start.n >= p->start.n_fly) {
         estimate_t next = {x->emf.pll.theta, x->emf.pll.omega};
-        release(p, x, next, i_ab);
+        x->start.slope = (next.omega - x->start.omega) / (p->T_s * (float)half);
+        release(p, x, next, i_ab, in->omega_ref);
     }
     return u;
 }
@@ -203,7 +222,8 @@ CORE_COLD static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t 
 }
 
 /* Enters the next phase when the present one has had its periods. */
-CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
+CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
+                                float omega_ref) {
     const start_params_t *q = &p->start;
     start_state_t *s = &x->start;
     s->n += 1;
@@ -221,7 +241,7 @@ CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t 
         judge_pole(p, x);
     } else if (s->phase == START_SETTLE && s->n >= q->n_lock) {
         estimate_t next = {x->hfi.pll.theta, emf_speed(p, x)};
-        release(p, x, next, i_ab);
+        release(p, x, next, i_ab, omega_ref);
     }
 }
 
@@ -244,7 +264,7 @@ CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive
         u = fly(p, x, in, i_ab);
     } else {
         u = seek_axis(p, x, i_ab, in->u_dc);
-        seek_next(p, x, i_ab);
+        seek_next(p, x, i_ab, in->omega_ref);
         x->start.i_2 = x->start.i_1;
         x->start.i_1 = i_ab;
     }

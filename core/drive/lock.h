@@ -30,20 +30,22 @@ enum {
 };
 
 typedef struct {
-    float alpha;      /* low-pass of all tests, a coefficient of evaluations */
-    float inv_t;      /* 1 / time from one evaluation to the next [1/s] */
-    float R_s;        /* stator resistance [ohm] */
-    float L_q_true;   /* apparent q inductance over that of the observer */
-    float e_share;    /* EMF: residual over the EMF of the auxiliary flux beyond which it fails */
-    float e_floor;    /* beyond this residual in addition [V] */
-    float err_sq;     /* INJECTION: mean square of the error signal beyond which it fails */
-    float i_off;      /* CURRENT: mean distance from the reference beyond which it fails [A] */
-    int32_t n;        /* periods from one evaluation to the next, at least 2 */
-    int32_t n_alarm;  /* failed evaluations that make an alarm */
-    int32_t n_act;    /* failed evaluations after which the drive acts */
-    int32_t n_calm;   /* evaluations without one after which earlier restarts are forgotten */
+    float alpha;     /* low-pass of all tests, a coefficient of evaluations */
+    float inv_t;     /* 1 / time from one evaluation to the next [1/s] */
+    float R_s;       /* stator resistance [ohm] */
+    float L_q_true;  /* apparent q inductance over that of the observer */
+    float e_share;   /* EMF: residual over the EMF of the auxiliary flux beyond which it fails */
+    float e_floor;   /* beyond this residual in addition [V] */
+    float err_sq;    /* INJECTION: mean square of the error signal beyond which it fails */
+    float i_off;     /* CURRENT: mean distance from the reference beyond which it fails [A] */
+    int32_t n;       /* periods from one evaluation to the next, at least 2 */
+    int32_t n_alarm; /* evaluations from the first failed one to an alarm, if the last failed too */
+    int32_t n_act;   /* evaluations after which the drive acts if none of them ended the alarm */
+    int32_t n_clear; /* passed evaluations in a row that end an alarm */
+    int32_t n_calm;  /* passed ones in a row after which earlier restarts are forgotten */
     int32_t restarts; /* most restarts before the drive stops */
     int32_t action;   /* LOCK_* */
+    int32_t reserved;
 } lock_params_t;
 
 typedef struct {
@@ -53,8 +55,8 @@ typedef struct {
     float err_sq;     /* mean square of the injection's error signal */
     float i_off;      /* mean distance of the torque current from its reference [A] */
     int32_t wait;     /* periods until the second part; the first comes at 1 */
-    int32_t bad;      /* failed evaluations less those passed since, at least 0 */
-    int32_t calm;     /* evaluations without a failed one */
+    int32_t bad;      /* evaluations since the first failed one, 0 without */
+    int32_t calm;     /* passed evaluations in a row */
     int32_t restarts; /* restarts not yet forgotten */
     int32_t alarms;   /* alarms so far */
     int32_t alarm;    /* 1 during an alarm */
@@ -99,14 +101,13 @@ CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float err, 
     int32_t failed = (abs_f(x->residual) > p->e_share * x->emf + p->e_floor ? LOCK_EMF : 0) |
                      (x->err_sq > p->err_sq ? LOCK_INJECTION : 0) |
                      (x->i_off > p->i_off ? LOCK_CURRENT : 0);
-    int32_t less = x->bad > 0 ? x->bad - 1 : 0;
-    x->bad = failed != 0 ? x->bad + 1 : less;
-    int32_t on = x->bad >= p->n_alarm;
-    x->alarms += on && x->alarm == 0 ? 1 : 0;
-    x->alarm = on || (x->alarm != 0 && x->bad > 0) ? 1 : 0;
-    x->reason |= x->alarm != 0 ? failed : 0;
     int32_t calm = x->calm < p->n_calm ? x->calm + 1 : x->calm;
     x->calm = failed != 0 ? 0 : calm;
+    x->bad = failed != 0 || (x->bad > 0 && x->calm < p->n_clear) ? x->bad + 1 : 0;
+    int32_t on = failed != 0 && x->bad >= p->n_alarm;
+    x->alarms += on && x->alarm == 0 ? 1 : 0;
+    x->alarm = x->bad > 0 && (on || x->alarm != 0) ? 1 : 0;
+    x->reason |= x->alarm != 0 ? failed : 0;
     x->restarts = x->calm >= p->n_calm ? 0 : x->restarts;
 }
 

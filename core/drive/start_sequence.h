@@ -62,6 +62,7 @@ typedef struct {
     int32_t phase; /* START_* */
     int32_t n;     /* periods in this phase */
     int32_t tries; /* pairs of pulses so far */
+    int32_t again; /* 1: after lost lock, so that torque is taken over */
     ab_t i_1;      /* sample k-1 [A] */
     ab_t i_2;      /* sample k-2 [A] */
     ab_t e_1;      /* EMF of period k-1 [V] */
@@ -69,6 +70,7 @@ typedef struct {
     ab_t e_mark;   /* the same at n_catch_mark [V] */
     ab_t axis;     /* sum of the anisotropic responses, along twice the rotor angle [A] */
     float omega;   /* electrical speed at which the EMF turns [rad/s] */
+    float slope;   /* acceleration without torque [rad/s^2] */
     float i_0;     /* d current before a pulse [A] */
     float i_pole;  /* forward minus backward peaks so far [A] */
 } start_state_t;
@@ -79,6 +81,7 @@ CORE_INLINE void start_begin(start_state_t *x) {
     x->phase = START_CATCH;
     x->n = 0;
     x->tries = 0;
+    x->again = 0;
     x->i_1 = zero;
     x->i_2 = zero;
     x->e_1 = zero;
@@ -86,6 +89,7 @@ CORE_INLINE void start_begin(start_state_t *x) {
     x->e_mark = zero;
     x->axis = zero;
     x->omega = 0.0f;
+    x->slope = 0.0f;
     x->i_0 = 0.0f;
     x->i_pole = 0.0f;
 }
