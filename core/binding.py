@@ -114,8 +114,7 @@ def _pairs(ffi: FFI) -> Iterator[bool]:
 
 
 def write_fields(ffi: FFI) -> None:
-    """Write ``sim_fields.h``: the fields of ``sim_t`` that stay constant in a run, the others,
-    and of those what the tests of lock.h change.
+    """Write ``sim_fields.h``: what stays constant of ``sim_t``, what moves, what lock.h changes.
 
     Blocks hold no drive in its start sequence (``batch_fits``), so that state is constant there.
     """

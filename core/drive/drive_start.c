@@ -28,16 +28,6 @@ CORE_COLD void drive_find_again(drive_state_t *x) {
     x->emf.e.b = 0.0f;
 }
 
-/* Sets the speed controller to the state that holds the reference against the load, which is what
- * accelerates the shaft by `slope` [rad/s^2]: J / k_t = k_p^2 / (4 k_i). Torque rises from zero with
- * the slope of its reference. */
-CORE_COLD static void take_over(const control_params_t *p, control_state_t *x, float omega_ref,
-                                float slope) {
-    float J = 0.25f * p->k_p_speed * p->k_p_speed / p->k_i_speed;
-    x->i_int =
-        p->k_p_speed * (1.0f - p->weight_ref) * omega_ref - clamp_f(J * slope, -p->i_max, p->i_max);
-}
-
 /* Hands over to control; both estimators continue from the estimate for k+1. */
 CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimate_t next, ab_t i_ab,
                               float omega_ref) {
@@ -48,10 +38,9 @@ CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimat
     x->smo.omega_f = next.omega;
     x->emf.valid = 0.0f; /* an observer that integrates starts again */
     x->control.i_1 = ab_to_dq(i_ab, unit(x->est.theta));
-    control_ready(&p->control, &x->control, next.omega);
-    if (x->start.again != 0) {
-        take_over(&p->control, &x->control, omega_ref, x->start.slope);
-    }
+    /* Again: as at the reference without load, so torque acts on the whole error of the speed. It
+     * rises from zero with the slope of its reference. */
+    control_ready(&p->control, &x->control, x->start.again != 0 ? omega_ref : next.omega);
     lock_begin(&x->lock, 0.0f);
     start_enter(&x->start, START_DONE);
 }
@@ -94,13 +83,8 @@ CORE_COLD static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive
     see_emf(p, x, i_ab, x->est.omega);
     ab_t u = drive_hold(p, x, in, i_ab, x->est);
     x->start.n += 1;
-    int32_t half = p->start.n_fly / 2;
-    if (x->start.n == p->start.n_fly - half) {
-        x->start.omega = x->emf.pll.omega;
-    }
     if (x->start.n >= p->start.n_fly) {
         estimate_t next = {x->emf.pll.theta, x->emf.pll.omega};
-        x->start.slope = (next.omega - x->start.omega) / (p->T_s * (float)half);
         release(p, x, next, i_ab, in->omega_ref);
     }
     return u;

@@ -40,7 +40,7 @@ typedef struct {
     float i_off;     /* CURRENT: mean distance from the reference beyond which it fails [A] */
     int32_t n;       /* periods from one evaluation to the next, at least 2 */
     int32_t n_alarm; /* evaluations from the first failed one to an alarm, if the last failed too */
-    int32_t n_act;   /* evaluations after which the drive acts if none of them ended the alarm */
+    int32_t n_act;   /* evaluations after which the drive acts at the next failed one */
     int32_t n_clear; /* passed evaluations in a row that end an alarm */
     int32_t n_calm;  /* passed ones in a row after which earlier restarts are forgotten */
     int32_t restarts; /* most restarts before the drive stops */
@@ -113,7 +113,7 @@ CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float err, 
 
 /* Whether the drive has to act. */
 CORE_INLINE int lock_acts(const lock_params_t *p, const lock_state_t *x) {
-    return p->action != LOCK_REPORT && x->bad >= p->n_act;
+    return p->action != LOCK_REPORT && x->bad >= p->n_act && x->calm == 0;
 }
 
 #endif

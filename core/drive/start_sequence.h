@@ -32,7 +32,7 @@ enum {
     START_SETTLE,
     START_QUIET,
     START_STOPPED, /* not in control any more, no voltage */
-    START_END /* phases are below */
+    START_END      /* phases are below */
 };
 
 typedef struct {
@@ -70,9 +70,9 @@ typedef struct {
     ab_t e_mark;   /* the same at n_catch_mark [V] */
     ab_t axis;     /* sum of the anisotropic responses, along twice the rotor angle [A] */
     float omega;   /* electrical speed at which the EMF turns [rad/s] */
-    float slope;   /* acceleration without torque [rad/s^2] */
-    float i_0;     /* d current before a pulse [A] */
-    float i_pole;  /* forward minus backward peaks so far [A] */
+    int32_t reserved;
+    float i_0;    /* d current before a pulse [A] */
+    float i_pole; /* forward minus backward peaks so far [A] */
 } start_state_t;
 
 /* Starts the sequence, with nothing measured yet. */
@@ -89,7 +89,7 @@ CORE_INLINE void start_begin(start_state_t *x) {
     x->e_mark = zero;
     x->axis = zero;
     x->omega = 0.0f;
-    x->slope = 0.0f;
+    x->reserved = 0;
     x->i_0 = 0.0f;
     x->i_pole = 0.0f;
 }

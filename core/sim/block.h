@@ -109,9 +109,10 @@ static uint32_t block_at_end(const block_t *block) {
     const int32_t *action = AT(const int32_t, control.lock.action);
     const int32_t *n_act = AT(const int32_t, control.lock.n_act);
     const int32_t *bad = AT(const int32_t, drive.x.lock.bad);
+    const int32_t *calm = AT(const int32_t, drive.x.lock.calm);
     uint32_t bits = 0;
     for (int l = 0; l < LANES; l++) {
-        int acts = action[l] != LOCK_REPORT && bad[l] >= n_act[l]; /* lock_acts */
+        int acts = action[l] != LOCK_REPORT && bad[l] >= n_act[l] && calm[l] == 0; /* lock_acts */
         bits |= (uint32_t)(lost[l] != 0 || k[l] >= k_end[l] || phase[l] != START_DONE || acts) << l;
     }
     return bits;
