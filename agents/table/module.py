@@ -141,8 +141,8 @@ class TableModule(nn.Module):
         """
         self.values.clamp_(-MARGIN, 1.0 + MARGIN)
         if self.gains is not None:
-            for values, (least, most) in zip(self.gains, self._bounds, strict=True):
-                values.clamp_(least, most)
+            for values, (low, high) in zip(self.gains, self._bounds, strict=True):
+                values.clamp_(low, high)
         if not monotone or self._speed not in self._columns:
             return
         axis = self._columns.index(self._speed)
