@@ -21,6 +21,8 @@ from sensorless.versions import versions
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "notebooks"
+SIZES = ("SCENARIOS", "STEPS")
+"""Environment variables that notebooks take their sizes from."""
 KEPT = ROOT / "build" / "notebooks"
 PAGES = {f"{path.stem.replace('_', '-')}-hour.md": path for path in sorted(FOLDER.glob("*.ipynb"))}
 """Place on the site of every notebook."""
@@ -57,8 +59,9 @@ def _inside(folder: str) -> Iterator[None]:
 
 
 def page(path: Path) -> str:
-    """Page of a notebook; kept in ``build/notebooks`` until the notebook or the core changes."""
+    """Page of a notebook; kept in ``build/notebooks`` until notebook, sizes or core change."""
     key = path.read_bytes() + Path(__file__).read_bytes() + versions()["core"].encode()
+    key += repr([os.environ.get(name) for name in SIZES]).encode()
     kept = KEPT / f"{path.stem}-{hashlib.sha256(key).hexdigest()[:16]}.md"
     if not kept.is_file():
         KEPT.mkdir(parents=True, exist_ok=True)
