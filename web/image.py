@@ -127,7 +127,7 @@ def image() -> tuple[bytes, str]:
         "seeds": [int(_noise(seed)) for seed in range(SEEDS)],
         "lost": _bits("LOST_", LOST),
         "faults": _bits("FAULT_", FAULTS),
-        "phases": _bits("START_", PHASES),
+        "phases": _texts("START_", PHASES),
         "refusals": {"0": "accepted", **{str(k): text for k, text in PROBLEMS.items()}},
         "estimators": {**WORDS, **{k: v for k, v in words.items() if k not in WORDS}},
         "motors": [_motor(motor, made) for motor in map(Motor.load, MOTORS)],
@@ -135,7 +135,12 @@ def image() -> tuple[bytes, str]:
     return bytes(made.data), json.dumps(layout, separators=(",", ":"))
 
 
-def _bits(prefix: str, words: dict[str, str]) -> dict[str, str]:
+def _texts(prefix: str, words: dict[str, str]) -> dict[str, str]:
     """Text of each number of an enumeration; its own name where ``words`` has none."""
     found = enumeration(prefix)
     return {str(n): words.get(name, name.replace("_", " ")) for name, n in found.items()}
+
+
+def _bits(prefix: str, words: dict[str, str]) -> dict[str, str]:
+    """The same of single bits: masks of several are left out."""
+    return {n: text for n, text in _texts(prefix, words).items() if int(n).bit_count() == 1}

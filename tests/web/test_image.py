@@ -45,6 +45,13 @@ def test_records_of_the_image_are_the_native_ones() -> None:
             assert np.array_equal(stored, named.policy.table.values.ravel()), named.word
 
 
+def test_faults_are_single_bits_in_words() -> None:
+    layout = json.loads(image()[1])
+    for bits in (layout["faults"], layout["lost"]):
+        assert all(int(bit) & (int(bit) - 1) == 0 for bit in bits)
+    assert layout["faults"]["1"] == "a current sample was not plausible"
+
+
 def test_every_lever_moves_the_machine(motor: Motor) -> None:
     (told,) = (m for m in json.loads(image()[1])["motors"] if m["name"] == motor.name)
     known = {at: path for path, (at, _) in offsets(SIM, ("plant.R_s", "plant.inv_J")).items()}
