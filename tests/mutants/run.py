@@ -24,7 +24,7 @@ from tests.mutants.build import DRIVE, FLAGS, ROOT, compile_checks, run_checks, 
 from tests.mutants.mutate import Mutant, all_mutants
 
 EXPLAINED = Path(__file__).with_name("survivors.json")
-OBJECTS = ("drive", "drive_start", "ks_schedule", "ks_table")
+OBJECTS = ("drive", "drive_lock", "drive_start", "ks_schedule", "ks_table")
 
 
 class Bench:
