@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sensorless.core.api import SIM
+from sensorless.core.api import SIM, TRACE_NAMES
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.words import plan_from
 from sensorless.evaluation.trace import trace
@@ -106,7 +106,7 @@ def test_scenario_shows_the_numbers_of_simulate(shown: Shown, motor: Motor) -> N
     row = shown.run("const c = playground.page.core; return [...c.rows.slice(0, 5 * c.rowLength)]")
     plan = plan_from("0:200,1:350,2:600", "0:0", None, 2.5, motor, 0)
     native = trace(make_policy("eq25", motor), plan, motor, DriveDesign())
-    last = [float(native[name][-1]) for name in native if name != "lost"]
+    last = [float(native[name][-1]) for name in TRACE_NAMES]
     assert np.asarray(row).reshape(5, -1)[-1].tolist() == last
 
 
