@@ -33,4 +33,5 @@ PHASES = {
     "lock": "finding the rotor: settling on the axis",
     "pole": "finding the rotor: which pole",
     "settle": "finding the rotor: settling",
+    "quiet": "waiting to find the rotor again",
 }

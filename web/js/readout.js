@@ -69,5 +69,6 @@ function state(run, i) {
   const told = (words, bits) =>
     Object.keys(words).filter((bit) => bits & Number(bit)).map((bit) => words[bit]);
   const why = [...told(lost, run.lost[i]), ...told(faults, run.faults[i])];
-  return why.join("; ") || phases[run.drives[i].get("drive.x.start.phase")];
+  if (run.lost[i] === 0) why.push(phases[run.drives[i].get("drive.x.start.phase")]);
+  return why.join("; ");
 }
