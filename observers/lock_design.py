@@ -34,6 +34,9 @@ ALARM, ACT, CLEAR, CALM = 2e-3, 20e-3, 10e-3, 1.0
 after which the alarm ends, and after which restarts are forgotten. A judge waits 10 ms; a slipping
 drive passes for less at a time."""
 RESTARTS = 5
+SETTLED = 3.0
+"""Time constants of the current loop, and of the tests' low-pass, after which the current follows
+its reference when a drive has taken control."""
 
 
 def design_lock(
@@ -74,4 +77,5 @@ def design_lock(
         "n_calm": round(CALM / step),
         "restarts": RESTARTS,
         "action": ACTIONS[action],
+        "n_grace": math.ceil(SETTLED * (TAU + 1.0 / (2.0 * math.pi * current_hz)) / step),
     }

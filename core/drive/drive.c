@@ -62,8 +62,8 @@ static void control_clear(control_state_t *x) {
     x->u_max = 1.0f;
 }
 
-static void lock_clear(lock_state_t *x) {
-    lock_begin(x, 0.0f);
+static void lock_clear(const lock_params_t *p, lock_state_t *x) {
+    lock_begin(p, x, 0.0f);
     x->wait = 3; /* a schedule decides in the first period and every n */
     x->calm = 0;
     x->restarts = 0;
@@ -96,7 +96,7 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
     coupled_clear(&x->coupled);
     control_clear(&x->control);
     signals_clear(&x->signal);
-    lock_clear(&x->lock);
+    lock_clear(&p->lock, &x->lock);
     x->u_1.a = 0.0f;
     x->u_1.b = 0.0f;
     x->u_2.a = 0.0f;

@@ -11,7 +11,7 @@ CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
         x->lock.restarts += 1;
         drive_find_again(x);
     }
-    lock_begin(&x->lock, 0.0f);
+    lock_begin(&p->lock, &x->lock, 0.0f);
 }
 
 void drive_lock(const drive_params_t *p, drive_state_t *x) {

@@ -41,7 +41,7 @@ CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimat
     /* Again: as at the reference without load, so torque acts on the whole error of the speed. It
      * rises from zero with the slope of its reference. */
     control_ready(&p->control, &x->control, x->start.again != 0 ? omega_ref : next.omega);
-    lock_begin(&x->lock, 0.0f);
+    lock_begin(&p->lock, &x->lock, 0.0f);
     start_enter(&x->start, START_DONE);
 }
 

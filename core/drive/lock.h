@@ -45,7 +45,7 @@ typedef struct {
     int32_t n_calm;  /* passed ones in a row after which earlier restarts are forgotten */
     int32_t restarts; /* most restarts before the drive stops */
     int32_t action;   /* LOCK_* */
-    int32_t reserved;
+    int32_t n_grace;  /* evaluations after the drive takes control that cannot fail */
 } lock_params_t;
 
 typedef struct {
@@ -55,13 +55,17 @@ typedef struct {
     float err_sq;     /* mean square of the injection's error signal */
     float i_off;      /* mean distance of the torque current from its reference [A] */
     int32_t wait;     /* periods until the second part; the first comes at 1 */
-    int32_t bad;      /* evaluations since the first failed one, 0 without */
+    int32_t bad;      /* evaluations since the first failed one, 0 without; see LOCK_GRACE */
     int32_t calm;     /* passed evaluations in a row */
     int32_t restarts; /* restarts not yet forgotten */
     int32_t alarms;   /* alarms so far */
     int32_t alarm;    /* 1 during an alarm */
     int32_t reason;   /* LOCK_* bits of all alarms, kept until the caller clears them */
 } lock_state_t;
+
+/* lock_state_t.bad beyond this counts evaluations of grace, downwards. Not below 0: the bits of a
+ * negative number are a NaN to the check of the state. */
+#define LOCK_GRACE 65536
 
 /* What EMF reads; all in the estimated frame. */
 typedef struct {
@@ -74,13 +78,13 @@ typedef struct {
 } lock_in_t;
 
 /* Nothing seen yet, for a drive that takes control with torque current i_q [A]. */
-CORE_INLINE void lock_begin(lock_state_t *x, float i_q) {
+CORE_INLINE void lock_begin(const lock_params_t *p, lock_state_t *x, float i_q) {
     x->i_q = i_q;
     x->residual = 0.0f;
     x->emf = 0.0f;
     x->err_sq = 0.0f;
     x->i_off = 0.0f;
-    x->bad = 0;
+    x->bad = LOCK_GRACE + p->n_grace;
     x->alarm = 0;
 }
 
@@ -98,12 +102,17 @@ CORE_INLINE void lock_emf(const lock_params_t *p, lock_state_t *x, const lock_in
 CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float err, float off) {
     x->err_sq += p->alpha * (err * err - x->err_sq);
     x->i_off += p->alpha * (abs_f(off) - x->i_off);
-    int32_t failed = (abs_f(x->residual) > p->e_share * x->emf + p->e_floor ? LOCK_EMF : 0) |
-                     (x->err_sq > p->err_sq ? LOCK_INJECTION : 0) |
-                     (x->i_off > p->i_off ? LOCK_CURRENT : 0);
+    int32_t grace = x->bad > LOCK_GRACE;
+    int32_t found = (abs_f(x->residual) > p->e_share * x->emf + p->e_floor ? LOCK_EMF : 0) |
+                    (x->err_sq > p->err_sq ? LOCK_INJECTION : 0) |
+                    (x->i_off > p->i_off ? LOCK_CURRENT : 0);
+    int32_t failed = grace ? 0 : found;
     int32_t calm = x->calm < p->n_calm ? x->calm + 1 : x->calm;
     x->calm = failed != 0 ? 0 : calm;
-    x->bad = failed != 0 || (x->bad > 0 && x->calm < p->n_clear) ? x->bad + 1 : 0;
+    int32_t more = failed != 0 || (x->bad > 0 && x->calm < p->n_clear) ? x->bad + 1 : 0;
+    int32_t last = x->bad <= LOCK_GRACE + 1 || x->bad > LOCK_GRACE + p->n_grace;
+    int32_t less = last ? 0 : x->bad - 1;
+    x->bad = grace ? less : more;
     int32_t on = failed != 0 && x->bad >= p->n_alarm;
     x->alarms += on && x->alarm == 0 ? 1 : 0;
     x->alarm = x->bad > 0 && (on || x->alarm != 0) ? 1 : 0;

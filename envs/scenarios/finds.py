@@ -115,7 +115,7 @@ def load(path: Path) -> list[Find]:
 
 
 def hard_scenarios(motor: Motor, seeds: Seeds, indices: NDArray[np.int64], half: int) -> Scenarios:
-    """Every second find of the shipped file, from ``half``; moved a little where they repeat."""
+    """Every second shipped find, from ``half``, with other noise; moved where they repeat."""
     finds = load(HARD)[half::2]
     rows = [finds[i % len(finds)] for i in indices]
     units = np.array([find.units for find in rows])
@@ -123,5 +123,4 @@ def hard_scenarios(motor: Motor, seeds: Seeds, indices: NDArray[np.int64], half:
     move = np.stack([d.uniform(-JITTER, JITTER) for _ in range(units.shape[1])], axis=-1)
     again = (indices >= len(finds))[:, None]
     units = np.where(again, np.clip(units + move, 0.0, 1.0 - 1e-9), units)
-    found = np.array([find.seed for find in rows], dtype=np.uint64)
-    return drawn(rows[0].suite, motor, np.where(again[:, 0], seeds, found), units)
+    return drawn(rows[0].suite, motor, d.seeds, units)

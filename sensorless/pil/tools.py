@@ -117,9 +117,11 @@ def stack_of(folder: Path, functions: tuple[str, ...]) -> int:
 
 
 def shipped(gains: bool) -> list[str]:
-    """Objects of the control core without the golden-vector test, which a product can leave out."""
+    """Objects of the control core without those that run in place of a drive, or once."""
     sources = (Path(name) for name in core_files(gains) if name.endswith(".c"))
-    return [path.stem for path in sources if not path.stem.endswith("_selftest")]
+    return [
+        path.stem for path in sources if not re.search(r"_selftest$|^bring_up|_hook$", path.stem)
+    ]
 
 
 def memory(folder: Path) -> dict[str, dict[str, int]]:

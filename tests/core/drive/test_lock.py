@@ -24,7 +24,8 @@ def evaluate(c: Call, rows: Any) -> Array:
     state = np.zeros(1, dtype=struct_dtype("lock_state_t"))
     inputs = np.ascontiguousarray(rows, dtype=np.float32)
     c("lock", PARAMS.reshape(1).copy(), state, inputs, len(inputs))
-    return state[0]
+    (row,) = state
+    return np.asarray(row)
 
 
 def without_current(share: float, delta: float, estimated: float | None = None) -> list[float]:
@@ -65,7 +66,7 @@ def test_an_estimate_that_turns_while_the_rotor_stands(c: Call) -> None:
 
 def test_half_a_turn_is_told_within_ten_milliseconds(c: Call) -> None:
     every = 1.0 / PARAMS["inv_t"]
-    rows = [without_current(0.6, np.pi)] * round(0.010 / every)
+    rows = [without_current(0.6, np.pi)] * round(float(0.010 / every))
     assert evaluate(c, rows)["alarm"] == 1
 
 
@@ -183,3 +184,16 @@ def test_stop_is_for_good() -> None:
     sims["control"]["lock"]["i_off"] = -1.0
     run(sims, 0.2, 0.5)
     assert sims["drive"]["x"]["start"]["phase"][0] == lib.START_STOPPED
+
+
+def test_a_drive_that_takes_control_has_a_grace(c: Call) -> None:
+    """Its currents settle first; a counter out of its range gives none."""
+    grace, every = int(PARAMS["n_grace"]), float(1.0 / PARAMS["inv_t"])
+    assert 0.015 < grace * every < 0.05
+    begun = struct_dtype("lock_state_t")
+    for start, told in ((65536 + grace, False), (2**31 - 1, True)):
+        state = np.zeros(1, dtype=begun)
+        state["bad"] = start
+        rows = np.array([without_current(1.0, np.pi)] * grace, dtype=np.float32)
+        c("lock", PARAMS.reshape(1).copy(), state, rows, len(rows))
+        assert state["alarm"][0] == told
