@@ -26,6 +26,8 @@ LEFT_DEAD_TIME, LEFT_RESISTANCE = 0.75, 0.5
 """Voltage that the model lacks: of the dead time's, and of the resistive one at rated current."""
 ERROR_SHARE = 0.5
 """Mean square of the injection's error signal over the square of its largest value."""
+NEVER = 1e30
+"""Threshold that no error signal reaches."""
 CURRENT_SHARE = 0.1
 """Distance of the torque current from its reference, over rated current, beyond what the slope of
 the reference makes."""
@@ -40,7 +42,7 @@ its reference when a drive has taken control."""
 
 
 def design_lock(
-    motor: Motor, *, action: str, bias: float, speed_hz: float, current_hz: float
+    motor: Motor, *, action: str, loop: bool, bias: float, speed_hz: float, current_hz: float
 ) -> dict[str, Any]:
     """Fields of ``lock_params_t``.
 
@@ -48,6 +50,9 @@ def design_lock(
     ----------
     action : str
         Key of ``ACTIONS``.
+    loop : bool
+        Injection has a loop of its own, which brings its error signal to zero. In the coupled
+        observer the flux leads, an error of the injection stays, and INJECTION cannot fail.
     bias : float
         Observer's q inductance over the apparent one.
     speed_hz, current_hz : float
@@ -68,7 +73,7 @@ def design_lock(
         "L_q_true": 1.0 / bias,
         "e_share": ANGLE_SHARE,
         "e_floor": SPEED_LAG * emf + unknown,
-        "err_sq": ERROR_SHARE * largest**2,
+        "err_sq": ERROR_SHARE * largest**2 if loop else NEVER,
         "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
         "n": n,
         "n_alarm": max(1, round(ALARM / step)),

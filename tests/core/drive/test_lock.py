@@ -15,7 +15,7 @@ from sensorless.machine.motor import Motor
 Call = Callable[..., None]
 
 MOTOR = Motor.load("paper")
-PARAMS = control_record(MOTOR, DriveDesign())["lock"]
+PARAMS = control_record(MOTOR, DriveDesign(estimator="smo"))["lock"]
 E_RATED = MOTOR.omega_rated * MOTOR.psi_f
 
 
