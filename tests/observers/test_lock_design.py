@@ -1,5 +1,6 @@
 """Numbers of the tests of lost lock on every shipped machine."""
 
+import numpy as np
 import pytest
 
 from sensorless.decision import RUNNING, decision_periods
@@ -8,7 +9,7 @@ from sensorless.design.records import control_record
 from sensorless.evaluation import lock as judged
 from sensorless.evaluation.metrics.held import BAND_PCT
 from sensorless.machine.motor import MOTORS, Motor
-from sensorless.observers.lock_design import ACTIONS, EVERY
+from sensorless.observers.lock_design import ACTIONS, EVERY, NEVER
 
 
 def test_an_evaluation_keeps_step_with_decisions() -> None:
@@ -19,7 +20,8 @@ def test_an_evaluation_keeps_step_with_decisions() -> None:
 @pytest.mark.parametrize("name", sorted(path.stem for path in MOTORS.glob("*.toml")))
 def test_limits_lie_between_noise_and_what_can_be_measured(name: str) -> None:
     motor = Motor.load(name)
-    lock = control_record(motor, DriveDesign())["lock"]
+    lock = control_record(motor, DriveDesign(estimator="smo"))["lock"]
+    assert control_record(motor, DriveDesign())["lock"]["err_sq"] == np.float32(NEVER)
     assert lock["n"] == decision_periods(motor)
     assert lock["action"] in ACTIONS.values()
     assert 0.0 < lock["e_floor"] < 0.5 * motor.omega_rated * motor.psi_f
