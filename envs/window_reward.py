@@ -28,9 +28,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
-from sensorless.envs.reward import ANGLE_FREE, ANGLE_LOST, INF, Term
+from sensorless.envs.reward import ANGLE_FREE, ANGLE_LOST, INF, RewardWeights, Term
 from sensorless.machine.motor import Motor
-from sensorless.settings import check, number
+from sensorless.settings import number
 
 WINDOW = 0.02
 """Time over which every running cost is taken [s]: the window of the published ripple."""
@@ -48,30 +48,14 @@ KEPT = ("n", "dev_sq", "tau", "tau_twin", "omega_m", "omega_m_twin", "err_sq", "
 
 
 @dataclass(frozen=True)
-class WindowWeights:
-    """Largest value of each cost."""
+class WindowWeights(RewardWeights):
+    """Largest value of each cost; those not named here are as in ``Blend-v0``."""
 
-    torque_deviation: float = number(0.050, "1/ms", 0, INF, "torque minus the sensored twin's")
     torque_ripple: float = number(0.025, "1/ms", 0, INF, "the same about its mean over 20 ms")
-    speed_deviation: float = number(
-        0.020, "1/ms", 0, INF, "speed minus the twin's: overshoot and dips that the estimate caused"
-    )
     angle: float = number(
         0.200, "1/ms", 0, INF, "angle error of the blend near losing lock: the warning before"
     )
-    activity: float = number(0.001, "1/ms", 0, INF, "movement of k_s")
-    injection: float = number(0.0002, "1/ms", 0, INF, "share of time with injection on")
     lost: float = number(200.0, "1", 0, INF, "once, when lock is lost")
-
-    def __post_init__(self) -> None:
-        """Check every weight.
-
-        Raises
-        ------
-        UserError
-            Names the weight, its value and what it must be.
-        """
-        check(self, "reward weight ")
 
 
 class Window:

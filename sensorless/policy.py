@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sensorless.core.api import Array
 from sensorless.core.gains import Gain, Values, write_wanted
 from sensorless.design.drive import DriveDesign
+from sensorless.errors import UserError
 from sensorless.table.ks_table import KsTable
 
 Signals = NDArray[np.float32]
@@ -52,6 +53,23 @@ class PrivilegedPolicy(Policy, Protocol):
 
     def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
         """Weights wanted (n,) from the signals and the state of the simulated drives (SIM)."""
+
+
+def knows_truth(policy: Policy) -> bool:
+    """Whether it is an upper bound to compare with, not a rule that a drive can run."""
+    return policy.sensored or isinstance(policy, PrivilegedPolicy)
+
+
+def require_runnable(policy: Policy) -> None:
+    """Refuse what ``knows_truth``.
+
+    Raises
+    ------
+    UserError
+        Names the policy.
+    """
+    if knows_truth(policy):
+        raise UserError(f"policy: {policy.name} knows the truth; give one that a drive can run")
 
 
 def design_for(policy: Policy, design: DriveDesign) -> DriveDesign:

@@ -64,7 +64,7 @@ static void control_clear(control_state_t *x) {
 
 static void lock_clear(const lock_params_t *p, lock_state_t *x) {
     lock_begin(p, x, 0.0f);
-    x->wait = 3; /* a schedule decides in the first period and every n */
+    x->wait = LOCK_FIRST; /* a schedule decides in the first period and every n */
     x->calm = 0;
     x->restarts = 0;
     x->alarms = 0;

@@ -15,7 +15,7 @@ CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
 }
 
 void drive_lock(const drive_params_t *p, drive_state_t *x) {
-    if (x->lock.wait > 0) {
+    if (x->lock.wait == 1) {
         drive_watch(p, x);
         return;
     }

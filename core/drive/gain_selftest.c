@@ -1,22 +1,11 @@
 /* Comparison with the golden vectors, bit by bit, where a schedule also sets gains. */
 #include "gain_selftest.h"
 
-typedef union {
-    float f;
-    uint32_t u;
-} word_t;
-
-static float float_of(uint32_t u) {
-    word_t x;
-    x.u = u;
-    return x.f;
-}
+#include "ks_lookup.h"
 
 /* NaN, which stands for the static gain, has many words. */
 static int differs(float x, uint32_t expected) {
-    word_t y;
-    y.f = x;
-    return y.u != expected && (x == x || float_of(expected) == float_of(expected));
+    return bits_of(x) != expected && (x == x || float_of(expected) == float_of(expected));
 }
 
 uint32_t gain_table_selftest(const gain_table_t *t, const ks_table_t *axes, const void *values,

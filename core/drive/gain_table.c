@@ -3,26 +3,22 @@
 
 #include "ks_lookup.h"
 
-static uint32_t crc_u32(uint32_t crc, uint32_t x) {
-    return ks_crc32_word(ks_crc32_word(crc, x), x >> 16);
-}
-
 uint32_t gain_header_crc(const gain_table_t *t) {
     uint32_t crc = 0xFFFFFFFFUL;
-    crc = crc_u32(crc, t->magic);
-    crc = crc_u32(crc, t->format);
-    crc = crc_u32(crc, t->n_gains);
-    crc = crc_u32(crc, t->n_nodes);
+    crc = ks_crc32_u32(crc, t->magic);
+    crc = ks_crc32_u32(crc, t->format);
+    crc = ks_crc32_u32(crc, t->n_gains);
+    crc = ks_crc32_u32(crc, t->n_nodes);
     for (int g = 0; g < GAIN_N; g++) {
-        crc = crc_u32(crc, t->gain[g]);
-        crc = crc_u32(crc, bits_of(t->limit[g].rise));
-        crc = crc_u32(crc, bits_of(t->limit[g].bend));
-        crc = crc_u32(crc, bits_of(t->limit[g].least));
-        crc = crc_u32(crc, bits_of(t->limit[g].most));
-        crc = crc_u32(crc, bits_of(t->limit[g].pace));
+        crc = ks_crc32_u32(crc, t->gain[g]);
+        crc = ks_crc32_u32(crc, bits_of(t->limit[g].rise));
+        crc = ks_crc32_u32(crc, bits_of(t->limit[g].bend));
+        crc = ks_crc32_u32(crc, bits_of(t->limit[g].least));
+        crc = ks_crc32_u32(crc, bits_of(t->limit[g].most));
+        crc = ks_crc32_u32(crc, bits_of(t->limit[g].pace));
     }
-    crc = crc_u32(crc, t->crc_table);
-    crc = crc_u32(crc, t->crc_values);
+    crc = ks_crc32_u32(crc, t->crc_table);
+    crc = ks_crc32_u32(crc, t->crc_values);
     return crc ^ 0xFFFFFFFFUL;
 }
 
@@ -32,7 +28,7 @@ uint32_t gain_values_crc(const gain_table_t *t, const ks_table_t *axes, const vo
     uint32_t crc = 0xFFFFFFFFUL;
     for (uint32_t j = 0; j < t->n_gains * t->n_nodes; j++) {
         crc = is_q15(axes) ? ks_crc32_word(crc, ((const uint16_t *)values)[j])
-                           : crc_u32(crc, bits_of(((const float *)values)[j]));
+                           : ks_crc32_u32(crc, bits_of(((const float *)values)[j]));
     }
     return crc ^ 0xFFFFFFFFUL;
 }

@@ -15,6 +15,16 @@ CORE_INLINE uint32_t bits_of(float x) {
     return y.u;
 }
 
+/* The float that has these bits. */
+CORE_INLINE float float_of(uint32_t u) {
+    union {
+        uint32_t u;
+        float f;
+    } y;
+    y.u = u;
+    return y.f;
+}
+
 #define BITS_OF_ONE 0x3F800000U /* as unsigned numbers, at most these: floats from 0 to 1 */
 #define BITS_OF_INFINITY 0x7F800000U
 

@@ -1,22 +1,9 @@
 /* Comparison with the golden vectors, bit by bit. */
 #include "ks_selftest.h"
 
-typedef union {
-    float f;
-    uint32_t u;
-} word_t;
+#include "ks_lookup.h"
 
-static float float_of(uint32_t u) {
-    word_t x;
-    x.u = u;
-    return x.f;
-}
-
-static int differs(float x, uint32_t expected) {
-    word_t y;
-    y.f = x;
-    return y.u != expected;
-}
+static int differs(float x, uint32_t expected) { return bits_of(x) != expected; }
 
 uint32_t ks_table_selftest(const ks_table_t *t, const void *values, const ks_vector_t *v,
                            uint32_t n, uint32_t *first) {

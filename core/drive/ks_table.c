@@ -12,30 +12,26 @@ uint32_t ks_crc32_word(uint32_t crc, uint32_t word) {
     return x;
 }
 
-static uint32_t crc_u32(uint32_t crc, uint32_t x) {
-    return ks_crc32_word(ks_crc32_word(crc, x), x >> 16);
-}
-
 uint32_t ks_header_crc(const ks_table_t *t) {
     uint32_t crc = 0xFFFFFFFFUL;
-    crc = crc_u32(crc, t->magic);
-    crc = crc_u32(crc, t->format);
-    crc = crc_u32(crc, t->value_format);
-    crc = crc_u32(crc, t->n_axes);
-    crc = crc_u32(crc, t->n_nodes);
-    crc = crc_u32(crc, t->kind);
+    crc = ks_crc32_u32(crc, t->magic);
+    crc = ks_crc32_u32(crc, t->format);
+    crc = ks_crc32_u32(crc, t->value_format);
+    crc = ks_crc32_u32(crc, t->n_axes);
+    crc = ks_crc32_u32(crc, t->n_nodes);
+    crc = ks_crc32_u32(crc, t->kind);
     for (uint32_t a = 0; a < KS_TABLE_AXES; a++) {
-        crc = crc_u32(crc, t->axis[a].signal);
-        crc = crc_u32(crc, t->axis[a].n);
-        crc = crc_u32(crc, bits_of(t->axis[a].x0));
-        crc = crc_u32(crc, bits_of(t->axis[a].inv_step));
-        crc = crc_u32(crc, bits_of(t->axis[a].top));
+        crc = ks_crc32_u32(crc, t->axis[a].signal);
+        crc = ks_crc32_u32(crc, t->axis[a].n);
+        crc = ks_crc32_u32(crc, bits_of(t->axis[a].x0));
+        crc = ks_crc32_u32(crc, bits_of(t->axis[a].inv_step));
+        crc = ks_crc32_u32(crc, bits_of(t->axis[a].top));
     }
-    crc = crc_u32(crc, bits_of(t->slew_per_s));
-    crc = crc_u32(crc, bits_of(t->fallback));
-    crc = crc_u32(crc, t->policy_hash);
-    crc = crc_u32(crc, t->motor_hash);
-    crc = crc_u32(crc, t->crc_values);
+    crc = ks_crc32_u32(crc, bits_of(t->slew_per_s));
+    crc = ks_crc32_u32(crc, bits_of(t->fallback));
+    crc = ks_crc32_u32(crc, t->policy_hash);
+    crc = ks_crc32_u32(crc, t->motor_hash);
+    crc = ks_crc32_u32(crc, t->crc_values);
     return crc ^ 0xFFFFFFFFUL;
 }
 
@@ -49,7 +45,7 @@ uint32_t ks_values_crc(const ks_table_t *t, const void *values) {
     } else {
         const float *v = (const float *)values;
         for (uint32_t j = 0; j < t->n_nodes; j++) {
-            crc = crc_u32(crc, bits_of(v[j]));
+            crc = ks_crc32_u32(crc, bits_of(v[j]));
         }
     }
     return crc ^ 0xFFFFFFFFUL;

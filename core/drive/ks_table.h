@@ -33,6 +33,11 @@ extern "C" {
  * low byte first. Start with 0xFFFFFFFF and invert the final result. */
 uint32_t ks_crc32_word(uint32_t crc, uint32_t word);
 
+/* The same with a word of 32 bits, its lower half first. */
+CORE_INLINE uint32_t ks_crc32_u32(uint32_t crc, uint32_t x) {
+    return ks_crc32_word(ks_crc32_word(crc, x), x >> 16);
+}
+
 /* The CRC that belongs in t->crc_header; the low half of every 32-bit word comes first. */
 uint32_t ks_header_crc(const ks_table_t *t);
 

@@ -63,6 +63,9 @@ typedef struct {
     int32_t reason;   /* LOCK_* bits of all alarms, kept until the caller clears them */
 } lock_state_t;
 
+/* Periods from drive_init to the second part of the first evaluation. */
+#define LOCK_FIRST 3
+
 /* lock_state_t.bad beyond this counts evaluations of grace, downwards. Not below 0: the bits of a
  * negative number are a NaN to the check of the state. */
 #define LOCK_GRACE 65536

@@ -23,7 +23,7 @@ from sensorless.evaluation.metrics.held import not_held
 from sensorless.evaluation.rollout import CAUSES, Rollout, at_a_time, rollouts, with_twin_to_the_end
 from sensorless.files import check_writable
 from sensorless.machine.motor import Motor
-from sensorless.policy import GainPolicy, Policy, PrivilegedPolicy, design_for, gains_of
+from sensorless.policy import GainPolicy, Policy, design_for, gains_of, require_runnable
 from sensorless.versions import versions
 
 CHUNK = 512
@@ -126,8 +126,7 @@ def _identity(
     policy: Policy, motor: Motor, design: DriveDesign, suite: str, seed: int, size: int
 ) -> dict[str, Any]:
     """What a result depends on; the size only where a scenario depends on it."""
-    if policy.sensored or isinstance(policy, PrivilegedPolicy):
-        raise UserError(f"policy: {policy.name} knows the truth; give one that a drive can run")
+    require_runnable(policy)
     known = versions()
     obs = np.random.default_rng(1).uniform(-1.0, 1.0, (PROBES, SIGNAL_N)).astype(np.float32)
     probe = copy.deepcopy(policy)

@@ -32,7 +32,7 @@ from sensorless.evaluation.rollout import (
 )
 from sensorless.files import check_writable
 from sensorless.machine.motor import Motor
-from sensorless.policy import Policy, PrivilegedPolicy, design_for
+from sensorless.policy import Policy, design_for, knows_truth
 from sensorless.versions import versions
 
 Progress = Callable[[float], None]
@@ -118,7 +118,7 @@ def evaluate(
                 "estimator": _estimator(policies[name], design),
                 "own": _own(policies[name], design),
             }
-            | _entry(s, scenarios, suite, seed, _is_bound(policies[name]))
+            | _entry(s, scenarios, suite, seed, knows_truth(policies[name]))
             for name, s in scores.items()
         },
         paired=_paired(scores, seed),
@@ -168,11 +168,6 @@ def _joined(parts: list[Scores]) -> Scores:
         {name: np.concatenate([p.places[name] for p in parts]) for name in parts[0].places},
         {name: np.concatenate([p.lock[name] for p in parts]) for name in LOCK},
     )
-
-
-def _is_bound(policy: Policy) -> bool:
-    """Whether a policy knows the truth: an upper bound to compare with, not a deployable rule."""
-    return policy.sensored or isinstance(policy, PrivilegedPolicy)
 
 
 def _estimator(policy: Policy, design: DriveDesign) -> str | None:

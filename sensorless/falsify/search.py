@@ -15,9 +15,10 @@ import numpy as np
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.finds import Find, drawn, keys
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.evaluation.rollout import CAUSES, Floats, rollout, with_twin_to_the_end
-from sensorless.policy import Policy
+from sensorless.policy import Policy, require_runnable
 
 SAMPLES = 128
 """Random scenarios at the start of a search."""
@@ -88,7 +89,14 @@ def search(
         One of ``SEARCHED``.
     seed : int
         Another one searches elsewhere.
+
+    Raises
+    ------
+    UserError
+        The policy knows the truth, or as ``SuiteRows``.
     """
+    require_runnable(policy)
+    SuiteRows(suite, factory.motor, seed, budget)  # raises where these are no rows of a suite
     found, dims = Search(), len(keys(suite, factory.motor))
     while found.scenarios + SAMPLES <= budget:
         noise = int(combine(seed, found.searches)[0])

@@ -64,3 +64,15 @@ def test_another_file_is_refused(text: str, tmp_path: Path) -> None:
     path.write_text(text, encoding="utf-8")
     with pytest.raises(UserError, match="not a file of sensorless falsify"):
         scenario_from(f"{path}:0", PAPER)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [(["sensored"], "knows the truth"), (["oracle"], "knows the truth"),
+     (["eq25", "--seed", str(2**63)], "seed"), (["eq25", "--suite", "hold"], "cannot be searched")],
+)  # fmt: skip
+def test_a_mistake_is_named_and_writes_no_file(words: list[str], said: str, tmp_path: Path) -> None:
+    out = tmp_path / "finds.json"
+    done = CliRunner().invoke(app, ["falsify", *words, "--size", "128", "--out", str(out)])
+    assert isinstance(done.exception, UserError) and said in str(done.exception)
+    assert not out.exists()

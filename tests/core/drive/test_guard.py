@@ -9,6 +9,7 @@ from sensorless.core.api import CONTROL, Array, lib, pointer, struct_dtype
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
 from sensorless.machine.motor import MOTORS, Motor
+from tests.helpers.lock import unwatched
 
 STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")
 CURRENT, U_DC, OVER = lib.FAULT_CURRENT, lib.FAULT_U_DC, lib.FAULT_OVER_CURRENT
@@ -33,6 +34,7 @@ class Drive:
     ) -> None:
         self.params = np.zeros(1, dtype=CONTROL)
         self.params[0] = control_record(motor, DriveDesign())
+        unwatched(self.params)
         self.x = np.zeros(1, dtype=STATE)
         lib.drive_init(
             pointer(self.params, "drive_params_t[]"),
@@ -41,7 +43,6 @@ class Drive:
             omega,
             k_s,
         )
-        self.x["lock"]["wait"] = 10**9  # no machine answers here, which its tests would tell
         if seek:
             lib.drive_find_rotor(pointer(self.x, "drive_state_t[]"))
 

@@ -11,6 +11,7 @@ from sensorless.core.api import CONTROL, Array, lib, pointer, struct_dtype
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.design.records import control_record
 from sensorless.machine.motor import Motor
+from tests.helpers.lock import unwatched
 
 STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")
 BAD = (math.nan, math.inf, -math.inf, 1e30, -1e30)
@@ -42,6 +43,7 @@ class Drive:
     def __init__(self, motor: Motor, estimator: str, seek: bool, moment: int) -> None:
         self.params = np.zeros(1, dtype=CONTROL)
         self.params[0] = control_record(motor, DriveDesign(estimator=estimator))
+        unwatched(self.params)
         self.x, self.signal = np.zeros(1, dtype=STATE), np.zeros(1, dtype=INPUT)
         self.pointers = (
             pointer(self.params, "drive_params_t[]"),
@@ -49,7 +51,6 @@ class Drive:
             pointer(self.signal, "drive_in_t[]"),
         )
         lib.drive_init(*self.pointers[:2], 0.3, 80.0, 0.5)
-        self.x["lock"]["wait"] = 10**9  # no machine answers here, which its tests would tell
         if seek:
             lib.drive_find_rotor(self.pointers[1])
         self.signal["u_dc"], self.signal["omega_ref"], self.signal["k_s_ref"] = 540.0, 80.0, 0.5
@@ -134,3 +135,12 @@ def test_a_healthy_drive_is_not_flagged_at_its_largest_voltage(motor: Motor) -> 
     largest: Array = np.array([abs(drive.step()) for _ in range(3000)])
     assert 0.5 * motor.u_dc < largest.max() < drive.params["guard"]["u_out"][0]
     assert drive.x["fault"][0] == 0
+
+
+def test_a_damaged_counter_does_not_put_the_watch_to_sleep() -> None:
+    """``lock.wait`` is a whole number, which the check of floats cannot judge."""
+    drive = Drive(Motor.load("paper"), "coupled", False, 0)
+    for wait in (10**9, -(10**9)):
+        drive.x["lock"]["wait"] = wait
+        drive.step()
+        assert 0 <= drive.x["lock"]["wait"][0] <= drive.params["lock"]["n"][0]
