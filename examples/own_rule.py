@@ -5,6 +5,8 @@ weight k_s of injection: 1 is all of it. This one asks for injection at low spee
 and up to twice as far where the torque current is high: under load the observer is the poorer one.
 
     python examples/own_rule.py --size 400
+
+Any command takes it, too: --policy examples.own_rule:MoreUnderLoad.
 """
 
 import argparse
@@ -30,6 +32,9 @@ class MoreUnderLoad:
     sensored = False
     settings = NO_SETTINGS  # for example {"estimator": "smo"}
 
+    def __init__(self, motor: Motor) -> None:
+        """Nothing of the machine is needed: all signals are shares of rated ones."""
+
     def reset(self, n: int) -> None:
         """There is nothing to forget: this rule has no memory."""
 
@@ -47,7 +52,7 @@ def main(words: list[str] | None = None) -> None:
     size = parser.parse_args(words).size
 
     motor = Motor.load("paper")
-    policies = {"eq25": make_policy("eq25", motor), MoreUnderLoad.name: MoreUnderLoad()}
+    policies = {"eq25": make_policy("eq25", motor), MoreUnderLoad.name: MoreUnderLoad(motor)}
     results = evaluate(motor, DriveDesign(), "stress-1", seed=7, size=size, policies=policies)
     for name, found in results.policies.items():
         deviation, lost = 100.0 * found["torque_dev_rms"], 100.0 * found["lost_rate"]

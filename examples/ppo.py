@@ -29,6 +29,7 @@ model = PPO(
     device="cpu",
 )
 model.learn(int(sys.argv[1]) if len(sys.argv) > 1 else 4_000_000)
+model.save("ppo.zip")  # for examples/own_policy.py
 
 judge = GainVectorEnv(1024, gains=())
 eq25 = make_policy("eq25", judge.batch.motor)

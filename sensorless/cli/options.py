@@ -23,8 +23,9 @@ MINUTE = 60.0
 EXAMPLE = "--set smo_pll_hz=30"
 POLICIES = (
     "a rule by name, with its numbers if it takes any (eq25, linear:150,450, fuzzy, ...: "
-    "`sensorless evaluate --list` names them all), a file that `sensorless tune` wrote, or the "
-    "folder of a training run"
+    "`sensorless evaluate --list` names them all), a file that `sensorless tune` wrote, the "
+    "folder of a training run, or MODULE:NAME, a Python class or function of the motor that gives "
+    "your own"
 )
 
 MOTOR = (

@@ -27,6 +27,7 @@ from sensorless.design.carried import Carried, carried
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
+from sensorless.policies.python import is_python, python_policy
 from sensorless.policies.tuned import Tuned
 from sensorless.policy import Policy, TablePolicy
 from sensorless.table.json_form import is_table
@@ -63,6 +64,7 @@ RULES: dict[str, Rule] = {
 
 TUNED = "tuned:FILE.json"
 RUN = "RUN"
+PYTHON = "MODULE:NAME"
 
 
 def known() -> dict[str, str]:
@@ -72,6 +74,7 @@ def known() -> dict[str, str]:
         **shipped.docs({rule.name: rule.estimator for rule in RULES.values()}),
         TUNED: "rule that sensorless tune wrote; FILE.json alone also works",
         RUN: "policy of a training run; give the path of its folder",
+        PYTHON: "your own policy: a Python class or function of the motor that gives it",
     }
 
 
@@ -97,13 +100,15 @@ def make_policy(spec: str, motor: Motor, *, override: bool = False) -> Policy:
     Raises
     ------
     UserError
-        The name is unknown, a number is out of its range, or the schedule is for another machine
-        and ``override`` is not set.
+        The name is unknown, a number is out of its range, the schedule is for another machine and
+        ``override`` is not set, or Python code fails.
     """
     word, colon, text = spec.partition(":")
     if word in RULES:
         rule = RULES[word]
         return rule.build(spec, rule.parse(spec, text if colon else None, motor), motor)
+    if word != "tuned" and is_python(spec):
+        return python_policy(spec, motor)
     path = file_of(spec)
     if path.is_dir():
         learned = load_run(path, motor, override=override)
@@ -120,7 +125,8 @@ def carried_by(spec: str) -> Carried | None:
     UserError
         The name is unknown, or its file is damaged.
     """
-    if spec.partition(":")[0] in RULES:
+    word = spec.partition(":")[0]
+    if word in RULES or (word != "tuned" and is_python(spec)):
         return None
     path = file_of(spec)
     if path.is_dir():
@@ -151,7 +157,7 @@ def file_of(spec: str) -> Path:
         return Path(text)
     if Path(spec).is_dir() or spec.endswith(".json"):
         return Path(spec)
-    names = ", ".join((*RULES, *shipped.tuned_names(), TUNED, RUN))
+    names = ", ".join((*RULES, *shipped.tuned_names(), TUNED, RUN, PYTHON))
     rule_name = spec.removesuffix(shipped.SUFFIX)
     if rule_name in RULES:
         raise UserError(

@@ -2,8 +2,15 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+from stable_baselines3 import PPO
 
+from sensorless.agents.train.sb3_adapter import SB3VecEnv
+from sensorless.core.api import SIGNAL_N
+from sensorless.envs.blend_vector_env import BlendVectorEnv
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
 from tests.helpers.script import ROOT, script
 
 EXAMPLES = ROOT / "examples"
@@ -30,6 +37,20 @@ def test_an_example_runs(
     words, promised = RUNS[name]
     script(f"examples/{name}.py").main(words)
     assert promised in capsys.readouterr().out
+
+
+def test_a_model_of_stable_baselines3_is_a_policy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    env = SB3VecEnv(BlendVectorEnv(2, autoreset_mode="SameStep"))
+    model = PPO("MlpPolicy", env, n_steps=2, batch_size=2, device="cpu")
+    model.save(tmp_path / "ppo.zip")
+    monkeypatch.syspath_prepend(str(ROOT))
+    monkeypatch.chdir(tmp_path)
+    policy = make_policy("examples.own_policy:Model", Motor.load("paper"))
+    obs = np.linspace(-1.0, 1.0, 2 * SIGNAL_N, dtype=np.float32).reshape(2, SIGNAL_N)
+    action = model.predict(obs, deterministic=True)[0][:, 0]
+    assert policy.act(obs) == pytest.approx(0.5 + 0.5 * action)
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)

@@ -12,7 +12,7 @@ from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, SIM
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
-from sensorless.policies.registry import RULES, RUN, TUNED, known, make_policy
+from sensorless.policies.registry import PYTHON, RULES, RUN, TUNED, known, make_policy
 from sensorless.policy import decide
 
 PAPER = Motor.load("paper")
@@ -109,7 +109,7 @@ def test_bad_numbers_are_refused_with_what_to_do(spec: str, said: str) -> None:
 def test_an_unknown_name_lists_every_known_one() -> None:
     with pytest.raises(UserError) as caught:
         make_policy("fuzzzy", PAPER)
-    assert all(name in str(caught.value) for name in (*RULES, TUNED, RUN))
+    assert all(name in str(caught.value) for name in (*RULES, TUNED, RUN, PYTHON))
 
 
 def test_every_rule_can_be_made_and_runs() -> None:
@@ -126,7 +126,7 @@ def test_every_rule_can_be_made_and_runs() -> None:
 def test_the_list_has_a_line_for_everything() -> None:
     words = known()
     named = [word.split("[")[0].split(":")[0] for word in words]
-    assert named == [*RULES, *shipped.docs({}), "tuned", RUN]
+    assert named == [*RULES, *shipped.docs({}), "tuned", RUN, "MODULE"]
     assert all(doc and "\n" not in doc and len(doc) < 90 for doc in words.values())
 
 
