@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from sensorless.evaluation.metrics.held import away_s, not_held, swing_pct
+from sensorless.evaluation.metrics.hop import hops, k_s_hop
 from sensorless.evaluation.metrics.ripple import (
     torque_p2p_handover,
     torque_p2p_window,
@@ -122,6 +123,8 @@ METRICS: dict[str, Callable[[Rollout], Floats]] = {
         injection_share,
         copper_extra,
         k_s_activity,
+        k_s_hop,
+        hops,
         start_s,
         start_err_deg,
         backward_excess_pct,

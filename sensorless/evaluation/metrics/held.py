@@ -27,7 +27,7 @@ def away_s(r: Rollout) -> Floats:
 
     Speeds are means over decision j; 0 if the speed was never off while nothing changed.
     """
-    off = np.abs(r.mean("omega_m") - r.mean("omega_m_twin")) > 0.01 * BAND_PCT * _rated(r)
+    off = np.abs(r.mean("omega_m") - r.mean("omega_m_twin")) > 0.01 * BAND_PCT * rated_speed(r)
     time = np.where(off, np.maximum(since_change(r), 0.0), 0.0)
     return np.asarray(np.where(r.periods > 0, time.max(axis=0, initial=0.0), np.nan))
 
@@ -43,13 +43,13 @@ def swing_pct(r: Rollout) -> Floats:
     blocks = len(r.sums) // size
     if blocks < 6:
         return np.full(len(r.lost), np.nan)
-    quiet = _blocks(np.where(r.alive, since_change(r), -1.0), size).min(axis=1) >= QUIET
-    drive, twin = (_peak_to_peak(_blocks(r.mean(x), size)) for x in ("omega_m", "omega_m_twin"))
+    quiet = in_blocks(np.where(r.alive, since_change(r), -1.0), size).min(axis=1) >= QUIET
+    drive, twin = (_peak_to_peak(in_blocks(r.mean(x), size)) for x in ("omega_m", "omega_m_twin"))
     swing = drive - twin
     lasting = np.minimum(np.minimum(swing[:-4], swing[2:-2]), swing[4:])
     inside = np.logical_and.reduce([quiet[j : blocks - 5 + j] for j in range(6)])
     most = np.where(inside, lasting, -np.inf).max(axis=0, initial=-np.inf)
-    return np.asarray(np.where(np.isfinite(most), 100.0 * most / _rated(r), np.nan))
+    return np.asarray(np.where(np.isfinite(most), 100.0 * most / rated_speed(r), np.nan))
 
 
 def not_held(r: Rollout) -> Floats:
@@ -61,15 +61,15 @@ def not_held(r: Rollout) -> Floats:
     return np.where(np.isnan(away), np.nan, (away > BACK_TIME) | (swing_pct(r) > BAND_PCT))
 
 
-def _rated(r: Rollout) -> float:
+def rated_speed(r: Rollout) -> float:
     """Rated speed, mechanical [rad/s]."""
     return r.motor.omega_rated / r.motor.n_p
 
 
-def _blocks(x: Array, size: int) -> Array:
+def in_blocks(x: Array, size: int) -> Array:
     """Reshape (d, n) to (blocks, size, n), without the remainder at the end."""
     blocks = len(x) // size
-    return x[: blocks * size].reshape(blocks, size, -1)
+    return x[: blocks * size].reshape(blocks, size, x.shape[1])
 
 
 def _peak_to_peak(x: Array) -> Floats:
