@@ -78,7 +78,7 @@ def family(seed: int, n: int) -> tuple[Motor, ...]:
         raise UserError(f"seed: {seed}: must be between 0 and 2^63 - 1")
     if not 1 <= n <= MOST_MACHINES:
         raise UserError(f"machines: {n}: must be between 1 and {MOST_MACHINES}")
-    return tuple(_consistent(seed, i) for i in range(n))
+    return tuple(member(seed, i) for i in range(n))
 
 
 def family_digest(motors: tuple[Motor, ...]) -> str:
@@ -86,7 +86,8 @@ def family_digest(motors: tuple[Motor, ...]) -> str:
     return hashlib.sha256("".join(motor.digest for motor in motors).encode()).hexdigest()
 
 
-def _consistent(seed: int, i: int) -> Motor:
+def member(seed: int, i: int) -> Motor:
+    """Draw machine i alone."""
     for attempt in range(1000):
         motor = _drawn(f"{NAME}:{seed}:{i}", Draws(combine(seed, i, attempt)))
         if motor is not None and _objection(motor) is None:

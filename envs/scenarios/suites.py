@@ -73,7 +73,10 @@ class SuiteRows:
     def __post_init__(self) -> None:
         name, seed, size = self.name, self.suite_seed, self.size
         if name not in SUITES:
-            raise UserError(f"suite: {name!r} does not exist; choose from {', '.join(SUITES)}")
+            raise UserError(
+                f"suite: {name!r} does not exist; choose from {', '.join(SUITES)}, or for "
+                "evaluate machines"
+            )
         if self.role not in ROLES:
             raise UserError(f"role: {self.role!r} does not exist; choose from {', '.join(ROLES)}")
         if not 0 <= seed < 2**63:

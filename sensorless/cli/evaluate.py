@@ -63,7 +63,8 @@ SuiteOption = Annotated[
         "hard and hard-train (what a search found), "
         "starts (unknown rotor angle), envelope (a grid of speed and load), nominal "
         "(stress-1 without errors of parameters and sensors), paper (figures of the "
-        "source paper) or motors (handoff and stress-1 by turns). docs/suites.md has them all.",
+        "source paper), motors (handoff and stress-1 by turns) or machines (stress-1 on random "
+        "machines). docs/suites.md has them all.",
     ),
 ]
 
@@ -78,7 +79,8 @@ def evaluate_command(
         typer.Option(
             metavar="N",
             min=1,
-            help="Draw this many scenarios; the suite envelope takes a square number.",
+            help="Draw this many scenarios; the suite envelope takes a square number, machines the "
+            "number of machines, each with 16 scenarios.",
         ),
     ] = 200,
     settings: SetOption = None,
@@ -134,12 +136,15 @@ def evaluate_command(
         sensorless evaluate --policy eq25 --policy runs/first --out results.json
         sensorless evaluate --policy eq25 --suite envelope --size 441 --plot map.png
     """
+    from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
     from sensorless.evaluation.engines.named import engine_named
     from sensorless.evaluation.evaluate import WORST
     from sensorless.evaluation.evaluate import evaluate as run
+    from sensorless.evaluation.machines import evaluate_machines
     from sensorless.evaluation.results import COLUMNS, HANDOVER_COLUMNS
     from sensorless.evaluation.results_tables import (
         lock_table,
+        machines_table,
         paired_table,
         place_table,
         worst_table,
@@ -151,20 +156,34 @@ def evaluate_command(
         raise UserError(
             f"plot: suite {suite!r} has no picture; use --suite envelope, or leave out --plot"
         )
+    if suite == MACHINES and motor is not None:
+        raise UserError(f"motor: {motor!r}: the suite machines draws its own; leave out --motor")
     made = bench_of(policy, motor, settings, override)
     with engine_named(engine, ray_address) as where, policy_progress() as report:
-        results = run(
-            made.motor,
-            made.design,
-            suite,
-            seed,
-            size,
-            made.policies(policy),
-            out=out,
-            every=every,
-            progress=report,
-            engine=where,
-        )
+        if suite == MACHINES:
+            results = evaluate_machines(
+                made.design,
+                seed,
+                size,
+                lambda own: made.on(own).policies(policy),
+                out=out,
+                every=every,
+                progress=report,
+                engine=None if engine == "local" else where,
+            )
+        else:
+            results = run(
+                made.motor,
+                made.design,
+                suite,
+                seed,
+                size,
+                made.policies(policy),
+                out=out,
+                every=every,
+                progress=report,
+                engine=where,
+            )
     if plot is not None:
         from sensorless.plots.envelope import envelope_maps
         from sensorless.plots.figure import save
@@ -174,6 +193,8 @@ def evaluate_command(
         typer.echo(results.to_json(scenarios=False))
         return
     console.print(results.table())
+    if suite == MACHINES:
+        console.print(machines_table(results))
     if details:
         console.print(results.table(HANDOVER_COLUMNS))
         for columns in (COLUMNS, HANDOVER_COLUMNS) if results.paired else ():

@@ -146,11 +146,15 @@ def simulate_command(
         simulate_plant(plant, inputs, out)
         console.print(f"wrote {out}")
         return
+    from sensorless.envs.scenarios.machines_suite import is_on_machines, on_machine
     from sensorless.envs.scenarios.words import plan_from, scenario_from
     from sensorless.evaluation.trace import trace, write_csv
     from sensorless.evaluation.trace_summary import summary_table
 
     made = bench_of([policy], motor, settings, override)
+    if scenario is not None and is_on_machines(scenario):
+        own, scenario = on_machine(scenario)
+        made = made.on(own)
     machine, rule = made.motor, made.policy(policy)
     case = (
         scenario_from(scenario, machine)

@@ -1,6 +1,6 @@
 """Runs a suite of scenarios under several policies and collects the results."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from sensorless.core.api import Array
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.counter_random import Seeds
+from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
 from sensorless.errors import UserError
@@ -105,7 +107,35 @@ def evaluate(
     for name, policy in policies.items():
         report = None if progress is None else _report(progress, name)
         scores[name] = score(policy, scenarios, factory, report, engine)
-    results = Results(
+    words = [scenario_word(suite, seed, i, size) for i in range(size)]
+    results = results_of(
+        scores, policies, design, (suite, seed, size), motor, scenarios.seed, words
+    )
+    if out is not None:
+        results.write(out, every)
+    return results
+
+
+def results_of(
+    scores: Mapping[str, Scores],
+    policies: Mapping[str, Policy],
+    design: DriveDesign,
+    drawn: tuple[str, int, int],
+    motor: Motor | Machines,
+    seeds: Seeds,
+    words: Sequence[str],
+) -> Results:
+    """Results of all policies on n scenarios.
+
+    Parameters
+    ----------
+    drawn : tuple
+        Name of the suite, its seed and its size.
+    seeds, words
+        Seed of each scenario, and what replays it.
+    """
+    suite, seed, size = drawn
+    return Results(
         suite=suite,
         seed=seed,
         size=size,
@@ -118,14 +148,11 @@ def evaluate(
                 "estimator": _estimator(policies[name], design),
                 "own": _own(policies[name], design),
             }
-            | _entry(s, scenarios, suite, seed, knows_truth(policies[name]))
+            | _entry(s, seeds, words, seed, knows_truth(policies[name]))
             for name, s in scores.items()
         },
         paired=_paired(scores, seed),
     )
-    if out is not None:
-        results.write(out, every)
-    return results
 
 
 def score(
@@ -140,18 +167,18 @@ def score(
     total = len(scenarios)
     chunks = (scenarios[first : first + chunk] for first in range(0, total, chunk))
     parts = []
-    for part in engine.map(partial(_score_chunk, policy, factory), chunks):
+    for part in engine.map(partial(score_chunk, policy, factory), chunks):
         parts.append(part)
         if progress is not None:
             progress(min(len(parts) * chunk / total, 1.0))
-    return _joined(parts)
+    return joined(parts)
 
 
-def _score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRows) -> Scores:
+def score_chunk(policy: Policy, factory: SimFactory, rows: Scenarios | SuiteRows) -> Scores:
     """All metrics of a policy on some scenarios."""
     scenarios = rows.draw() if isinstance(rows, SuiteRows) else rows
     runs = rollouts(policy, scenarios, factory, at_a_time(scenarios, factory.motor), go_on=True)
-    return _joined([_scores(with_twin_to_the_end(r, factory, policy.settings)) for r in runs])
+    return joined([_scores(with_twin_to_the_end(r, factory, policy.settings)) for r in runs])
 
 
 def _scores(r: Rollout) -> Scores:
@@ -160,7 +187,8 @@ def _scores(r: Rollout) -> Scores:
     return Scores(r.lost, time, metrics, sums_by_place(r), r.lock)
 
 
-def _joined(parts: list[Scores]) -> Scores:
+def joined(parts: Sequence[Scores]) -> Scores:
+    """Scores of several chunks in a row."""
     return Scores(
         np.concatenate([p.lost for p in parts]),
         np.concatenate([p.time for p in parts]),
@@ -185,7 +213,7 @@ def _report(progress: PolicyProgress, name: str) -> Progress:
     return lambda done: progress(name, done)
 
 
-def _entry(s: Scores, scenarios: SuiteRows, suite: str, seed: int, bound: bool) -> dict[str, Any]:
+def _entry(s: Scores, seeds: Seeds, words: Sequence[str], seed: int, bound: bool) -> dict[str, Any]:
     """Results of one policy."""
     survived = s.lost == 0
     return {
@@ -194,9 +222,9 @@ def _entry(s: Scores, scenarios: SuiteRows, suite: str, seed: int, bound: bool) 
         **lock_summary(s.lock, s.lost, s.time, CAUSES["twin"]),
         "by_quadrant": {"place": QUADRANTS, **by_place(s.places["quadrant"], survived)},
         "by_speed": {"from_rated_speed": SPEED_EDGES, **by_place(s.places["speed"], survived)},
-        "worst": _worst(s, suite, seed),
+        "worst": _worst(s, words),
         "scenarios": {
-            "seed": scenarios.seed.tolist(),
+            "seed": seeds.tolist(),
             "lost": (~survived & (s.lost & CAUSES["twin"] == 0)).tolist(),
             "lost_cause": [_cause(int(bits)) for bits in s.lost],
             "time_s": s.time.tolist(),
@@ -206,11 +234,11 @@ def _entry(s: Scores, scenarios: SuiteRows, suite: str, seed: int, bound: bool) 
     }
 
 
-def _worst(s: Scores, suite: str, seed: int) -> list[dict[str, Any]]:
+def _worst(s: Scores, words: Sequence[str]) -> list[dict[str, Any]]:
     """The worst scenarios, each with the word that replays it."""
     return [
         {
-            "scenario": scenario_word(suite, seed, i, len(s.lost)),
+            "scenario": words[i],
             "lost_cause": _cause(int(s.lost[i])),
             "not_held": bool(s.lost[i] == 0 and s.metrics["not_held"][i] > 0.0),
             "time_s": float(s.time[i]),
@@ -222,7 +250,7 @@ def _worst(s: Scores, suite: str, seed: int) -> list[dict[str, Any]]:
     ]
 
 
-def _paired(scores: dict[str, Scores], seed: int) -> dict[str, dict[str, Any]]:
+def _paired(scores: Mapping[str, Scores], seed: int) -> dict[str, dict[str, Any]]:
     first, *others = scores
     ref = scores[first]
     return {

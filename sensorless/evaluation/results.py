@@ -11,6 +11,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from sensorless.design.words import text_of
+from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
+from sensorless.envs.scenarios.machines_suite import SCENARIOS
 from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, LOST_TIME
 from sensorless.evaluation.metrics.held import BACK_TIME, BAND_PCT
 from sensorless.evaluation.metrics.hop import HOP
@@ -118,7 +120,10 @@ class Results:
 
     def table(self, columns: Columns = COLUMNS) -> Table:
         """Rates over feasible scenarios and means over the survivors, with 95 % intervals."""
-        title = f"{self.suite}, seed {self.seed}, {self.size} scenarios, motor {self.motor}"
+        what = f"{self.size} scenarios, motor {self.motor}"
+        if self.suite == MACHINES:
+            what = f"{SCENARIOS} scenarios each on {self.motor}"
+        title = f"{self.suite}, seed {self.seed}, {what}"
         beyond = max(p["infeasible_rate"] for p in self.policies.values())
         title += f", {100.0 * beyond:.1f} % not feasible" if beyond > 0.0 else ""
         table = Table(title=escape(title), caption=CAPTIONS[columns])

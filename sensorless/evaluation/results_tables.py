@@ -45,6 +45,35 @@ def worst_table(results: Results, count: int) -> Table:
     return table
 
 
+def machines_table(results: Results) -> Table:
+    """Losses by machine, and errors beside the first policy's, of the suite ``machines``."""
+    first = next(iter(results.policies))
+    caption = (
+        f"lost on: machines with any loss. Others: {escape(first)} is 100 %, geometric mean over "
+        "the machines (95 % interval over machines), and the share of machines on which the policy "
+        "is at most 2 % worse."
+    )
+    table = Table(title=f"machine by machine, beside {escape(first)}", caption=caption)
+    table.add_column("policy", overflow="fold")
+    for heading in (
+        "lost on",
+        "torque dev. [%]",
+        "as good\non [%]",
+        "ripple [%]",
+        "as good\non [%]",
+    ):
+        table.add_column(escape(heading), justify="right")
+    for name, policy in results.policies.items():
+        lost = policy["by_machine"]["lost"]
+        cells = [f"{sum(n > 0 for n in lost)} of {len(lost)}"]
+        pair = results.paired[name]["by_machine"] if name in results.paired else None
+        for key in ("torque_dev_rms", "torque_ripple_rms"):
+            cells.append(rate(pair[key], pair[f"{key}_ci"]) if pair else "100")
+            cells.append(number(100.0 * pair[f"{key}_as_good"], 0) if pair else "")
+        table.add_row(escape(name), *cells)
+    return table
+
+
 def lock_table(results: Results) -> Table | None:
     """What the drives noticed of lost lock; None where nothing was lost and nothing alarmed."""
     entries = {n: p for n, p in results.policies.items() if not p["bound"]}

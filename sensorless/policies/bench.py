@@ -43,6 +43,10 @@ class Bench:
                     policy.settings = {**policy.settings, **self.asked}
         return made
 
+    def on(self, motor: Motor) -> "Bench":
+        """The same on another machine, whatever the policies were made for."""
+        return dataclasses.replace(self, motor=motor, override=True)
+
     def policy(self, spec: str) -> Policy:
         """One policy, as ``make_policy``."""
         (made,) = self.policies([spec]).values()

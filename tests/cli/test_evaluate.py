@@ -35,6 +35,17 @@ def test_details_and_a_file_without_scenarios(tmp_path: Path) -> None:
     assert data["policies"]["eq25"]["worst"][0]["scenario"].startswith("stress-1:1:")
 
 
+def test_random_machines_have_a_table_of_their_own() -> None:
+    words = ["evaluate", "--policy", "eq25", "--policy", "reference", "--suite", "machines"]
+    done = RUN.invoke(app, [*words, "--size", "1"])
+    assert done.exit_code == 0, done.output
+    assert "machine by machine" in done.stdout and "0 of 1" in done.stdout
+    refused = RUN.invoke(app, [*words, "--motor", "paper"])
+    assert isinstance(refused.exception, UserError) and "leave out --motor" in str(
+        refused.exception
+    )
+
+
 def test_the_envelope_is_drawn_as_it_was_judged(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     from PIL import Image

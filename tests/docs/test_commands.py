@@ -9,6 +9,7 @@ import typer.main
 
 from sensorless.cli.app import app
 from sensorless.design.words import design_from
+from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
 from sensorless.envs.scenarios.suites import SUITES
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import make_policy
@@ -43,7 +44,7 @@ def check_sensorless(words: list[str], whole: bool) -> None:
         return
     design_from(given.get("settings"))
     for name in [given.get("suite")] if isinstance(given.get("suite"), str) else []:
-        assert name in SUITES
+        assert name in (*SUITES, MACHINES)
     motor = given.get("motor") or "paper"
     assert is_file(motor) or (MOTORS / f"{motor}.toml").is_file(), motor
     policies = given.get("policy") or []

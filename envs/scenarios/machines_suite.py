@@ -1,0 +1,51 @@
+"""The suite ``machines``: random machines, each with some scenarios of ``stress-1``.
+
+Machine i has the rows from ``SCENARIOS`` times i on.
+"""
+
+import re
+
+from sensorless.envs.scenarios.machine_family import family, member
+from sensorless.envs.scenarios.machines import Machines
+from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+
+NAME, EACH = "machines", "stress-1"
+"""The suite, and the one whose scenarios every machine runs."""
+SCENARIOS = 16
+"""Scenarios of a machine: one block of the core."""
+JUDGED = 1_000_000
+"""Added to the seed of the machines: training and tuning draw theirs from seeds below."""
+
+
+def judged(seed: int, n: int) -> Machines:
+    """Return the n machines of a seed; errors as in ``family``."""
+    return Machines(family(JUDGED + seed, n), JUDGED + seed)
+
+
+def rows_on(motor: Motor, i: int, seed: int, n: int) -> SuiteRows:
+    """Scenarios of machine i of n."""
+    first = SCENARIOS * i
+    return SuiteRows(EACH, motor, seed, SCENARIOS * n)[first : first + SCENARIOS]
+
+
+def is_on_machines(word: str) -> bool:
+    """Whether a word names a scenario of this suite."""
+    return word.startswith(f"{NAME}:")
+
+
+def on_machine(word: str) -> tuple[Motor, str]:
+    """Machine of ``machines:SEED:INDEX``, and the word of its scenario for that machine.
+
+    Raises
+    ------
+    UserError
+        The word has another form.
+    """
+    found = re.fullmatch(rf"{NAME}:(\d+):(\d+)", word)
+    if found is None:
+        raise UserError(f"scenario: {word!r} cannot be read; write {NAME}:SEED:INDEX")
+    seed, index = int(found[1]), int(found[2])
+    motor = member(JUDGED + seed, index // SCENARIOS)
+    return motor, scenario_word(EACH, seed, index, index + 1)

@@ -1,0 +1,84 @@
+"""The suite of random machines: each as if it were judged alone, and compared with itself."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.machine_family import family
+from sensorless.envs.scenarios.machines_suite import JUDGED, SCENARIOS, on_machine, rows_on
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.words import scenario_from
+from sensorless.errors import UserError
+from sensorless.evaluation.engines.engine import LOCAL
+from sensorless.evaluation.evaluate import score
+from sensorless.evaluation.machines import evaluate_machines
+from sensorless.evaluation.results import Results
+from sensorless.evaluation.results_tables import machines_table
+from sensorless.machine.motor import Motor
+from sensorless.policies.bench import bench
+from sensorless.policies.registry import make_policy
+from sensorless.policy import Policy
+
+DESIGN, SEED, N = DriveDesign(), 3, 3
+NAMES = ("eq25", "sliding_mode", "reference")
+MOTORS = family(JUDGED + SEED, N)
+
+
+def policies_on(motor: Motor) -> Mapping[str, Policy]:
+    return bench(NAMES).on(motor).policies(NAMES)
+
+
+@pytest.fixture(scope="module")
+def results() -> Results:
+    return evaluate_machines(DESIGN, SEED, N, policies_on)
+
+
+def test_each_machine_is_as_if_judged_alone(results: Results) -> None:
+    found = results.policies["sliding_mode"]
+    assert found["by_machine"]["machine"] == [motor.name for motor in MOTORS]
+    for i, motor in enumerate(MOTORS):
+        rows, policy = rows_on(motor, i, SEED, N), make_policy("sliding_mode", motor)
+        alone = score(policy, rows, SimFactory(motor, DESIGN))
+        part = slice(SCENARIOS * i, SCENARIOS * (i + 1))
+        assert found["scenarios"]["seed"][part] == rows.seed.tolist()
+        deviation = alone.metrics["torque_dev_rms"]
+        assert found["scenarios"]["torque_dev_rms"][part] == deviation.tolist()
+        assert found["by_machine"]["lost"][i] == np.sum(alone.lost != 0)
+        assert found["by_machine"]["torque_dev_rms"][i] == np.mean(deviation[alone.lost == 0])
+
+
+def test_a_policy_stands_beside_the_first_on_the_same_machine(results: Results) -> None:
+    pair = results.paired["sliding_mode"]["by_machine"]
+    rows = {name: results.policies[name]["scenarios"] for name in NAMES}
+    for i, ratio in enumerate(pair["torque_ripple_rms_ratios"]):
+        part = range(SCENARIOS * i, SCENARIOS * (i + 1))
+        both = [j for j in part if not rows["eq25"]["lost"][j] | rows["sliding_mode"]["lost"][j]]
+        here, there = (np.array(rows[n]["torque_ripple_rms"])[both] for n in NAMES[1::-1])
+        assert ratio == pytest.approx(here.mean() / there.mean())
+    mean = np.exp(np.mean(np.log(pair["torque_ripple_rms_ratios"])))
+    assert pair["torque_ripple_rms"] == pytest.approx(mean)
+    low, high = pair["torque_ripple_rms_ci"]
+    assert low < mean < high
+    assert machines_table(results).row_count == len(NAMES)
+
+
+def test_any_engine_gives_the_same_file(results: Results) -> None:
+    assert evaluate_machines(DESIGN, SEED, N, policies_on, engine=LOCAL).to_json() == (
+        results.to_json()
+    )
+
+
+def test_a_word_replays_a_scenario_on_its_machine(results: Results) -> None:
+    assert results.policies["eq25"]["worst"][0]["scenario"].startswith(f"machines:{SEED}:")
+    motor, word = on_machine(f"machines:{SEED}:33")
+    assert motor == MOTORS[2]
+    drawn = rows_on(motor, 2, SEED, N).draw()[1:2]
+    assert scenario_from(word, motor).tau.tolist() == drawn.tau.tolist()
+    with pytest.raises(UserError, match="write machines:SEED:INDEX"):
+        on_machine("machines:3")
+
+
+def test_judging_and_training_never_share_a_machine() -> None:
+    assert {motor.digest for motor in MOTORS}.isdisjoint(motor.digest for motor in family(SEED, N))
