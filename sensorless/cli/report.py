@@ -17,6 +17,7 @@ from sensorless.cli.options import (
     bench_of,
     console,
     policy_progress,
+    say_verdict,
 )
 from sensorless.errors import UserError
 
@@ -68,11 +69,12 @@ def report_command(
     settings: SetOption = None,
     override: OverrideOption = False,
 ) -> None:
-    """Judge a policy and write one HTML page about it, with its figures as PNG beside it.
+    """Judge a policy and write one HTML page that says whether to flash it, and why.
 
-    The page stands alone. It shows results with intervals, losses by quadrant and by speed, worst
-    cases, where lock holds over speed and load, the schedule beside Eq. 25 (the linear rule of the
-    source paper), waveforms of hand-overs, learning curves, and the command behind each of them.
+    The page stands alone and opens with the verdict: beside Eq. 25, the linear rule of the source
+    paper, and the best tuned rule, what is better, what is worse, and how sure that is. Below:
+    all results, where it fails over speed and load, waveforms of its worst cases, the table beside
+    Eq. 25, learning curves, commands and versions.
 
     For example:
 
@@ -92,7 +94,7 @@ def report_command(
         made = replace(made, override=True)
     options += ["--override"] if made.override else []
     with policy_progress() as progress:
-        page = Report(
+        page, verdict = Report(
             run,
             made,
             others=policy,
@@ -101,4 +103,5 @@ def report_command(
         ).write(
             folder, suite or SUITES, seed, size, grid, shlex.join(["sensorless", *sys.argv[1:]])
         )
+    say_verdict(verdict.sentence)
     console.print(f"wrote {page}", soft_wrap=True)

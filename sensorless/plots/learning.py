@@ -39,13 +39,15 @@ Curve = dict[str, Any]
 """Columns of ``progress.csv`` by name, each (validations,)."""
 
 
-def curves_of(folder: Path) -> dict[str, Curve]:
+def curves_of(folder: Path, *, alone: bool = False) -> dict[str, Curve]:
     """Validation over training time of the runs inside a folder, or of the folder's own run.
 
-    Columns are by name. A run that contains other runs is a copy of one of them and is left out.
+    Columns are by name. A run that contains other runs is a copy of one of them and is left out,
+    unless it is wanted ``alone``.
     """
     out = {}
-    for path in sorted(folder.glob(f"*/{PROGRESS}")) or [folder / PROGRESS]:
+    inside = [] if alone else sorted(folder.glob(f"*/{PROGRESS}"))
+    for path in inside or [folder / PROGRESS]:
         if path.is_file() and (path.parent == folder or not any(path.parent.glob(f"*/{PROGRESS}"))):
             with path.open(encoding="utf-8", newline="") as file:
                 rows = list(csv.DictReader(file))

@@ -1,11 +1,11 @@
 """Check of a machine: examined on paper, then simulated briefly; as a table or as a page."""
 
+import base64
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from rich.table import Table
 
 from sensorless.design.derived import derive
@@ -16,7 +16,7 @@ from sensorless.machine.motor import Motor
 from sensorless.plots.figure import png
 from sensorless.plots.suitability import reach, signal
 from sensorless.policies.registry import make_policy
-from sensorless.report.page import Figure
+from sensorless.report.page import render
 from sensorless.suitability.examine import Examination, examine
 from sensorless.suitability.finding import LIMIT, NO, Finding
 
@@ -49,6 +49,21 @@ class Check:
 
     examination: Examination
     run: QuickRun | None
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture of the page."""
+
+    file: str
+    title: str
+    caption: str
+    png: bytes
+
+    @property
+    def uri(self) -> str:
+        """Return the picture as a data URI."""
+        return "data:image/png;base64," + base64.b64encode(self.png).decode("ascii")
 
 
 def check(motor: Motor, design: DriveDesign, size: int = SIZE) -> Check:
@@ -168,11 +183,8 @@ def write_page(c: Check, path: Path, command: str) -> None:
         caption = "Over the current along maximum torque per ampere; dashed: rated current."
         picture = png(signal(e.motor, e.seen))
         figures.append(Figure("signal", "What injection sees", caption, picture))
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    page = environment.get_template("motor_page.html.j2").render(
+    page = render(
+        "motor.html.j2",
         motor=e.motor, verdict=str(e.verdict), word=e.verdict.word, rows=rows(c),
         findings=e.findings, figures=figures, command=command,
     )  # fmt: skip

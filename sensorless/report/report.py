@@ -1,33 +1,38 @@
-"""Judges a policy, draws figures, and writes one HTML page with the pictures beside it."""
+"""Judges a policy and writes one HTML page about it."""
 
 import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import asdict
-from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from sensorless.agents.loading import VERDICT
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.envs.scenarios.words import scenario_from
 from sensorless.evaluation.evaluate import PolicyProgress, evaluate
-from sensorless.evaluation.objective import LOST_WEIGHT
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
 from sensorless.files import ensure_writable, write_atomic
-from sensorless.plots.envelope import envelope_maps
-from sensorless.plots.figure import png, require_matplotlib
-from sensorless.plots.learning import curves_of, learning_curves, shipped_levels
-from sensorless.plots.schedule import lost_by_place, schedule_maps
-from sensorless.plots.waveforms import waveforms
+from sensorless.plots.envelope import SHOWN
+from sensorless.plots.schedule import sheets
 from sensorless.policies import shipped
 from sensorless.policies.bench import Bench
 from sensorless.policy import TablePolicy, design_for
+from sensorless.report import maps, tables
 from sensorless.report.cases import Case, cases
-from sensorless.report.page import Figure, Section, render
+from sensorless.report.learning import learning
+from sensorless.report.page import UPLOT, render
+from sensorless.report.verdict import LEAST, Verdict, best_rule, contrast, feasible, verdict
+from sensorless.report.waves import wave
 
 PAGE = "index.html"
 SUITES = ("stress-1", "handoff")
+PLAIN = "eq25"
+OPEN = 5
+"""Policies that tables show at first."""
+SHEET = (65, 51)
+"""Points of a map of weights along its axes."""
 
 
 class Report:
@@ -40,8 +45,8 @@ class Report:
     bench : Bench
         Machine and drive.
     others : sequence of str, optional
-        Policies to compare with, waveforms with the first of them; by default Eq. 25 on the paper's
-        observers and on the design's, every shipped tuned rule, and the bounds.
+        Policies to compare with; by default Eq. 25 on the paper's observers and on the design's,
+        every shipped tuned rule, and the bounds. Waveforms are beside Eq. 25, or else the first.
     options : sequence of str
         Words of the command line for this motor and design.
     progress : optional
@@ -50,7 +55,7 @@ class Report:
     Raises
     ------
     UserError
-        A policy does not exist, or matplotlib is missing.
+        A policy does not exist.
     """
 
     def __init__(
@@ -62,18 +67,18 @@ class Report:
         options: Sequence[str] = (),
         progress: PolicyProgress | None = None,
     ) -> None:
-        require_matplotlib()
         self.run, self.bench = run, bench
         self.motor, self.design = bench.motor, bench.design
         self.options, self.progress = options, progress
         wanted = others or ("sliding_mode", "eq25", *shipped.tuned_names(), "oracle", "sensored")
         self.others = [word for word in wanted if word != run] or ["sliding_mode"]
-        self.policy, self.reference = bench.policy(run), bench.policy(self.others[0])
+        self.plain = PLAIN if PLAIN in self.others else self.others[0]
+        self.policy, self.reference = bench.policy(run), bench.policy(self.plain)
 
     def write(
         self, folder: Path, suites: Sequence[str], seed: int, size: int, grid: int, command: str
-    ) -> Path:
-        """Judge, draw and write; return the page. Every file is written whole or not at all.
+    ) -> tuple[Path, Verdict]:
+        """Judge and write; return page and verdict. Every file is written whole or not at all.
 
         Parameters
         ----------
@@ -87,26 +92,66 @@ class Report:
             Command that the user typed, for the page.
         """
         ensure_writable(folder)
-        sections, results = [], []
-        for name in suites:
-            results.append(self._evaluate(name, seed, size, [self.run, *self.others]))
-            sections.append(self._section(results[-1]))
-        figures = [self._envelope(grid, seed), *self._schedule(), *self._curves()]
+        words = [self.run, *self.others]
+        results = [self._evaluate(name, seed, size, words) for name in suites]
+        rivals = self._rivals(results[0])
+        contrasts = [contrast(r, other) for other in rivals for r in results]
+        said = verdict(results, contrasts, isinstance(self.policy, TablePolicy))
+        own, shown = self.policy.name, self._shown(results[0], rivals)
+        chosen = {c.scenario: c for r in results for c in cases(r, own, self.reference.name)}
+        named = dict(zip(results[0].policies, words, strict=True))
+        over = self._evaluate("envelope", seed, grid * grid, [named[n] for n in (own, *rivals)])
+        drawn = {f"envelope {m.title}": m for m in maps.envelope(over, self.motor, SHOWN)}
+        table = {f"table {m.title} {m.note}": m for m in self._table()}
+        panels, about_panels = learning(self.run)
         page = render(
-            self.policy.name,
-            self._about(),
-            sections,
-            figures,
-            self._commands(command),
-            self._versions(results[0]),
-            asdict(design_for(self.policy, self.design)),
+            "report.html.j2",
+            {
+                "maps": {key: m.packed() for key, m in {**drawn, **table}.items()},
+                "cases": {word: self._waves(case) for word, case in chosen.items()},
+                "curves": panels,
+            },
+            name=own,
+            motor=f"{self.motor.name}, {self.motor.description}",
+            verdict=said,
+            contrasts=contrasts,
+            basis=self._basis(results),
+            least=f"{LEAST:g}",
+            sections=[self._section(r, shown, [own, *rivals]) for r in results],
+            shown=shown,
+            columns=[heading for _, heading, _, _ in tables.COLUMNS],
+            place_columns=[heading for _, heading, _, _ in tables.PLACE_COLUMNS],
+            sides=[own, *rivals],
+            fails=[*(tables.said(r, own) for r in results), tables.held(over, self.motor)],
+            envelope=list(drawn),
+            most=SHOWN,
+            cases=list(chosen.values()),
+            sheets=list(table),
+            curves=[panel["label"] for panel in panels],
+            learning=about_panels,
+            about=self._about(),
+            commands=self._commands(command, results, grid * grid),
+            versions=self._versions(results[0]),
+            design=asdict(design_for(self.policy, self.design)),
+            formulas=tables.formulas(),
+            uplot=UPLOT,
         )
         for result in results:
             result.write(folder / f"results-{result.suite}.json", scenarios=False)
-        for figure in [f for s in sections for f in s.figures] + figures:
-            write_atomic(folder / figure.file, figure.png)
         write_atomic(folder / PAGE, page)
-        return folder / PAGE
+        return folder / PAGE, said
+
+    def _rivals(self, results: Results) -> list[str]:
+        """Names of Eq. 25, or else the first other policy, and of the best tuned rule."""
+        best = best_rule(results, self.others)
+        return list(dict.fromkeys(filter(None, (self.reference.name, best))))
+
+    def _shown(self, results: Results, rivals: Sequence[str]) -> list[str]:
+        bounds = [name for name, p in results.policies.items() if p["bound"]][-1:]
+        first = [self.policy.name, *rivals, *bounds]
+        rest = [name for name in results.policies if name not in first]
+        chosen = {*first, *rest[: max(0, OPEN - len(first))]}
+        return [*[n for n in first if n not in bounds], *[n for n in rest if n in chosen], *bounds]
 
     def _evaluate(self, suite: str, seed: int, size: int, policies: Sequence[str]) -> Results:
         def report(name: str, done: float) -> None:
@@ -116,88 +161,45 @@ class Report:
         chosen = self.bench.policies(policies)
         return evaluate(self.motor, self.design, suite, seed, size, chosen, progress=report)
 
-    def _section(self, results: Results) -> Section:
-        policies = [word for name in (self.run, *self.others) for word in ("--policy", name)]
-        setting = ["--suite", results.suite, "--seed", str(results.seed), "--size"]
-        again = ["evaluate", *policies, *setting, str(results.size), "--details"]
-        places = Figure(
-            f"{results.suite}-places.png",
-            "Where lock is lost",
-            "Share of the scenarios that came to a place and were lost there, with 95 % Wilson "
-            "intervals. The place is where the sensored twin was.",
-            png(lost_by_place(results)),
-        )
-        chosen = cases(results, self.policy.name, self.reference.name)
-        return Section(
-            results,
-            self._command(*again),
-            [places, *(self._waveforms(case) for case in chosen)],
-        )
-
-    def _waveforms(self, case: Case) -> Figure:
-        scenario = scenario_from(case.scenario, self.motor)
-        traces = {
-            f"{case.scenario} under {policy.name}": trace(policy, scenario, self.motor, self.design)
-            for policy in (self.policy, self.reference)
+    def _section(
+        self, results: Results, shown: Sequence[str], sides: Sequence[str]
+    ) -> dict[str, Any]:
+        return {
+            "suite": results.suite,
+            "setting": f"seed {results.seed}, {results.size} scenarios",
+            "rows": tables.result_rows(results, shown),
+            "pairs": tables.pair_rows(results, shown),
+            "places": tables.place_rows(results, sides),
         }
-        words = ["simulate", "--scenario", case.scenario, "--policy", self.run]
-        return Figure(
-            f"{case.key}.png",
-            case.title,
-            "Speed, torque, angle errors (truth minus estimate) of both estimators and their "
-            "blend, and the weight.",
-            png(waveforms(traces)),
-            self._command(*words, "--plot", "case.png"),
+
+    def _basis(self, results: Sequence[Results]) -> str:
+        first = results[0].policies[self.policy.name]
+        return (
+            f"Simulated on {' and '.join(f'{r.size} scenarios of {r.suite}' for r in results)}. "
+            f"{feasible(results[0], first)} scenarios of {results[0].suite} bound its lost rate to "
+            f"{100.0 * first['lost_ci'][1]:.1f} % at most (95 %); sensorless certify bounds it "
+            "closer. Eq. 25 is the linear rule of the source paper, here on the drive’s default "
+            "estimator."
         )
 
-    def _envelope(self, grid: int, seed: int) -> Figure:
-        policies = list(dict.fromkeys(("hfi", "smo", "sliding_mode", "eq25", self.run, "sensored")))
-        results = self._evaluate("envelope", seed, grid * grid, policies)
-        words = [word for name in policies for word in ("--policy", name)]
-        words += ["--suite", "envelope", "--size", str(grid * grid), "--seed", str(seed)]
-        return Figure(
-            "envelope.png",
-            "Where lock holds over speed and load",
-            "Nominal parameters. The drive starts at its speed; the load rises within 0.2 s and "
-            "stays for 0.6 s.",
-            png(envelope_maps(results, self.motor)),
-            self._command("evaluate", *words, "--plot", "envelope.png"),
-        )
+    def _waves(self, case: Case) -> list[dict[str, Any]]:
+        scenario = scenario_from(case.scenario, self.motor)
+        return [
+            wave(
+                f"{case.scenario} under {policy.name}",
+                trace(policy, scenario, self.motor, self.design, go_on=True),
+            ).packed()
+            for policy in (self.policy, self.reference)
+        ]
 
-    def _schedule(self) -> list[Figure]:
+    def _table(self) -> list[maps.Map]:
         if not isinstance(self.policy, TablePolicy):
             return []
-        name, eq25 = self.policy.name, linear_table(*EQ25_BAND)
-        return [
-            Figure(
-                "schedule.png",
-                "The schedule as a table, beside Eq. 25",
-                "Weight k_s over the axes of the table. Dots are its nodes, lines are k_s = 0.1, "
-                "0.5 and 0.9. Eq. 25 is the linear rule of the source paper.",
-                png(schedule_maps(name, self.policy.table, eq25, self.motor)),
-            )
-        ]
-
-    def _curves(self) -> list[Figure]:
-        folder = shipped.reference_run(self.run) or Path(self.run)
-        curves = curves_of(folder) if folder.is_dir() else {}
-        if not curves:
-            return []
-        levels = shipped_levels(folder)
-        lines = f" Lines: {' and '.join(levels)} on the same scenarios." if levels else ""
-        return [
-            Figure(
-                "learning.png",
-                "Learning curves",
-                "Validation during training, on scenarios that neither training nor judging uses. "
-                f"The first point is the start of training. The objective is {LOST_WEIGHT:g} times "
-                f"the lost rate plus torque deviation plus torque ripple.{lines}",
-                png(learning_curves(curves, levels)),
-            )
-        ]
+        eq25 = linear_table(*EQ25_BAND)
+        return maps.schedule(sheets(self.policy.name, self.policy.table, eq25, self.motor, *SHEET))
 
     def _about(self) -> dict[str, str]:
-        facts = {"policy": self.run, "motor": f"{self.motor.name}, {self.motor.description}"}
+        facts = {"policy": self.run}
         if isinstance(self.policy, TablePolicy):
             table = self.policy.table
             axes = " × ".join(f"{a.n} of {a.signal} ({a.lo:g} to {a.hi:g})" for a in table.axes)
@@ -207,25 +209,38 @@ class Report:
                 facts["training"] = f"{known['steps']} decisions, seed {known['seed']}"
         if not self.policy.sensored:
             facts["estimator"] = design_for(self.policy, self.design).estimator
-        verdict = Path(self.run) / VERDICT
-        if verdict.is_file():
-            facts["verdict"] = json.loads(verdict.read_text(encoding="utf-8"))["verdict"]
-        facts["compared with"] = ", ".join(self.others)
+        sentence = Path(self.run) / VERDICT
+        if sentence.is_file():
+            known = json.loads(sentence.read_text(encoding="utf-8"))
+            facts["after training"] = known["verdict"]
         return facts
 
     def _versions(self, results: Results) -> dict[str, str]:
-        out = {**results.versions, "matplotlib": version("matplotlib")}
+        out = dict(results.versions)
         if isinstance(self.policy, TablePolicy):
             trained = dict(self.policy.table.provenance.get("versions", {}))
             out |= {f"{name}, in training": str(number) for name, number in trained.items()}
         return out
 
-    def _commands(self, command: str) -> list[tuple[str, str]]:
+    def _commands(
+        self, command: str, results: Sequence[Results], points: int
+    ) -> list[tuple[str, str]]:
         out = [("This page:", command)]
         if isinstance(self.policy, TablePolicy) and self.policy.table.provenance.get("command"):
             out.insert(0, ("The policy:", str(self.policy.table.provenance["command"])))
-        replay = ("simulate", "--scenario", "SCENARIO", "--policy", self.run, "--plot", "case.png")
-        return [*out, ("Any scenario in the tables above:", self._command(*replay))]
+        judged = [word for name in (self.run, *self.others) for word in ("--policy", name)]
+        sides = ["--policy", self.run, "--policy", self.plain]
+        for r in results:
+            setting = ["--suite", r.suite, "--seed", str(r.seed), "--size", str(r.size)]
+            again = self._command("evaluate", *judged, *setting, "--details")
+            out.append((f"The results of {r.suite}:", again))
+        grid = ["--suite", "envelope", "--seed", str(results[0].seed), "--size", str(points)]
+        replay = ("simulate", "--scenario", "SCENARIO", "--policy", self.run, "--plot", "case.html")
+        return [
+            *out,
+            ("The map over speed and load:", self._command("evaluate", *sides, *grid)),
+            ("Any scenario of the tables:", self._command(*replay)),
+        ]
 
     def _command(self, *words: str) -> str:
         return shlex.join(["sensorless", *words, *self.options])

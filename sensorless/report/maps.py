@@ -1,0 +1,75 @@
+"""Maps for a page: where lock holds over speed and load, and a table's weights."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sensorless.core.api import Array
+from sensorless.evaluation.results import Results
+from sensorless.machine.motor import Motor
+from sensorless.plots.schedule import Sheet
+
+BEYOND, LOST = -1, -2
+"""In place of a value: the machine cannot do it, or lock is lost."""
+
+
+@dataclass(frozen=True)
+class Map:
+    """Values over two axes."""
+
+    title: str
+    note: str
+    x: tuple[float, float, str]
+    """first, last, label"""
+    y: tuple[float, float, str]
+    values: Array
+    """(rows, columns), the first row at the lowest y"""
+    most: float
+    """end of the colours"""
+    unit: str
+    decimals: int
+
+    def packed(self) -> dict[str, Any]:
+        """All of it in JSON types."""
+        factor = 10**self.decimals
+        whole = np.where(self.values < 0.0, self.values, np.rint(factor * self.values))
+        return {
+            "title": self.title, "x": self.x, "y": self.y, "columns": self.values.shape[1],
+            "rows": self.values.shape[0], "values": whole.astype(int).ravel().tolist(),
+            "factor": factor, "most": self.most, "unit": self.unit,
+        }  # fmt: skip
+
+
+def envelope(results: Results, motor: Motor, most: float) -> list[Map]:
+    """Angle error where each policy keeps lock."""
+    out = []
+    for name, policy in results.policies.items():
+        rows = policy["scenarios"]
+        side = math.isqrt(len(rows["lost"]))
+        values = np.nan_to_num(np.array(rows["angle_err_rms_deg"], dtype=np.float64))
+        beyond = np.array(["twin" in (cause or "") for cause in rows["lost_cause"]])
+        lost = np.array(rows["lost"])
+        values = np.where(beyond, BEYOND, np.where(lost, LOST, values)).reshape(side, side).T
+        held, able = int(np.sum(~lost & ~beyond)), int(np.sum(~beyond))
+        out.append(
+            Map(
+                name, f"holds {held} of {able} points",
+                (-motor.n_rated_rpm, motor.n_rated_rpm, "speed [r/min]"),
+                (-motor.tau_rated, motor.tau_rated, "load [N m]"),
+                values, most, "°", 1,
+            )
+        )  # fmt: skip
+    return out
+
+
+def schedule(sheets: list[Sheet]) -> list[Map]:
+    """Weights of a table beside those of another one."""
+    return [
+        Map(
+            s.title, s.note, (float(s.x[0]), float(s.x[-1]), s.x_label),
+            (float(s.y[0]), float(s.y[-1]), s.y_label), s.k_s, 1.0, "", 2,
+        )
+        for s in sheets
+    ]  # fmt: skip

@@ -1,0 +1,139 @@
+// Curves over time: drag to zoom, the values under the pointer stand in the legend.
+
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+const drawn = new Map(); // place: uPlots in it
+const HEIGHT = 170;
+
+function plot(place, { label, xLabel, x, curves, span, sync, bands = [], marks = [] }) {
+  const [text, grid] = [colour("text"), colour("grid")];
+  const axis = { stroke: text, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 }, font: "12px system-ui", labelFont: "12px system-ui" };
+  const number = (u, v) => (v === null || v === undefined ? "–" : v.toPrecision(4));
+  const stripes = (u) => {
+    const { ctx, bbox } = u;
+    for (const [from, to, , name] of bands) {
+      const [a, b] = [from, to].map((t) => Math.min(Math.max(u.valToPos(t, "x", true), bbox.left), bbox.left + bbox.width));
+      ctx.fillStyle = colour(name);
+      ctx.globalAlpha = 0.3;
+      ctx.fillRect(a, bbox.top, b - a, bbox.height);
+      ctx.globalAlpha = 1;
+    }
+  };
+  const lines = (u) => {
+    const { ctx, bbox } = u;
+    const said = [...bands.map(([from, to, what, name]) => [(from + to) / 2, what, name === "faint" ? "muted" : name, false]), ...marks.map((m) => [...m, true])];
+    const ratio = devicePixelRatio;
+    ctx.font = `${12 * ratio}px system-ui`;
+    said.forEach(([t, what, name, line], j) => {
+      const at = u.valToPos(t, "x", true);
+      if (at < bbox.left || at > bbox.left + bbox.width) return;
+      ctx.fillStyle = colour(name);
+      if (line) ctx.fillRect(at - ratio / 2, bbox.top, ratio, bbox.height);
+      const right = at > bbox.left + 0.8 * bbox.width;
+      ctx.textAlign = line ? (right ? "right" : "left") : "center";
+      ctx.fillText(what, at + (line ? (right ? -4 : 4) * ratio : 0), bbox.top + (13 + 13 * (j % 3)) * ratio);
+    });
+  };
+  const whole = [x[0], x[x.length - 1]];
+  const fit = (u, low, high) => {
+    const { min, max } = u.scales.x;
+    if (span && !(min > whole[0] || max < whole[1])) return span;
+    return low === null || low === high ? [(low ?? 0) - 1, (low ?? 0) + 1] : uPlot.rangeNum(low, high, 0.06, true);
+  };
+  const u = new uPlot(
+    {
+      width: Math.max(place.clientWidth, 200), height: HEIGHT,
+      cursor: { sync: sync ? { key: sync } : undefined, drag: { x: true, y: false } },
+      scales: { x: { time: false }, y: { range: fit } },
+      axes: [{ ...axis, label: xLabel, labelSize: xLabel ? 18 : 0, size: 30 }, { ...axis, size: 56, space: 28 }],
+      series: [
+        { label: "at", value: number },
+        ...curves.map((c) => ({ label: c.name, stroke: colour(c.colour), width: c.width, value: number, spanGaps: Boolean(c.gaps), points: { show: Boolean(c.points), size: 5 }, dash: c.dash })),
+      ],
+      hooks: { drawClear: [stripes], draw: [lines] },
+    },
+    [x, ...curves.map((c) => c.values)],
+    place,
+  );
+  u.root.querySelector("canvas").setAttribute("role", "img");
+  u.root.querySelector("canvas").setAttribute("aria-label", label);
+  return u;
+}
+
+async function unpack(wave) {
+  if (wave.t) return;
+  const bytes = Uint8Array.from(atob(wave.data), (c) => c.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const raw = await new Response(stream).arrayBuffer();
+  let at = 4 * wave.n;
+  for (const curve of wave.panes.flatMap((p) => p.curves)) {
+    const whole = new Int16Array(raw, at, wave.n);
+    curve.values = Array.from(whole, (q) => (q === -32768 ? null : curve.low + curve.step * (q + 2000)));
+    at += 2 * wave.n;
+  }
+  wave.t = Array.from(new Float32Array(raw, 0, wave.n));
+}
+
+// Axis that holds the curves of all waves.
+function common(waves, j) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const { panes } of waves) {
+    if (panes[j].span) return panes[j].span;
+    for (const { values } of panes[j].curves) for (const v of values) if (v !== null) [low, high] = [Math.min(low, v), Math.max(high, v)];
+  }
+  return low < high ? uPlot.rangeNum(low, high, 0.06, true) : null;
+}
+
+async function drawWaves(place) {
+  const waves = data.cases[place.dataset.case];
+  await Promise.all(waves.map(unpack));
+  const more = document.getElementById("more")?.checked;
+  const plots = clear(place);
+  const columns = waves.map((wave) => {
+    const column = make("div");
+    column.append(make("h4", wave.title));
+    place.append(column);
+    return column;
+  });
+  waves[0].panes.forEach((pane, j) => {
+    if (pane.folded && !more) return;
+    const span = common(waves, j);
+    waves.forEach(({ title, t, panes, bands, marks }, k) => {
+      columns[k].append(make("div", pane.label, { class: "soft" }));
+      plots.push(plot(columns[k], { label: `${pane.label}, ${title}`, x: t, curves: panes[j].curves, span, sync: place.id, bands, marks: j ? marks.map(([at, , name]) => [at, "", name]) : marks }));
+    });
+  });
+}
+
+function drawCurves(place) {
+  const panel = data.curves[place.dataset.curves];
+  clear(place).push(plot(place, { label: panel.label, xLabel: panel.xLabel, x: panel.x, curves: panel.curves }));
+}
+
+function clear(place) {
+  for (const u of drawn.get(place) ?? []) u.destroy();
+  place.replaceChildren();
+  drawn.set(place, []);
+  return drawn.get(place);
+}
+
+function drawAll() {
+  for (const place of document.querySelectorAll(".waves[data-case]")) drawWaves(place);
+  for (const place of document.querySelectorAll("[data-curves]")) drawCurves(place);
+}
+
+for (const button of document.querySelectorAll("button[data-show]")) {
+  button.addEventListener("click", () => {
+    const place = document.querySelector(".waves");
+    place.dataset.case = button.dataset.show;
+    for (const other of document.querySelectorAll("button[data-show]")) other.ariaPressed = other === button;
+    drawWaves(place);
+    place.scrollIntoView({ block: "nearest", behavior: "smooth" });
+  });
+}
+document.getElementById("more")?.addEventListener("change", () => drawWaves(document.querySelector(".waves")));
+document.getElementById("whole")?.addEventListener("click", () => drawWaves(document.querySelector(".waves")));
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
+addEventListener("resize", () => {
+  for (const plots of drawn.values()) for (const u of plots) u.setSize({ width: Math.max(u.root.parentElement.clientWidth, 200), height: HEIGHT });
+});
+drawAll();

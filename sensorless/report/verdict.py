@@ -1,0 +1,202 @@
+"""Flash it or not: a policy's measures beside Eq. 25's and the best tuned rule's, in words."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from sensorless.evaluation.objective import LOST_WEIGHT
+from sensorless.evaluation.results import RATES, Results
+from sensorless.evaluation.results_tables import number
+from sensorless.export.judge import MOST_LOST
+from sensorless.policies import shipped
+
+LEAST = 1.0
+"""A change below this is called none, however sure it is [%]."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What is compared; less is better in every one."""
+
+    key: str
+    label: str
+    factor: float
+    unit: str
+    decimals: int
+
+    @property
+    def is_rate(self) -> bool:
+        """Whether it counts scenarios."""
+        return self.key in RATES
+
+
+MEASURES = (
+    Measure("lost_rate", "lost", 100.0, " %", 1),
+    Measure("not_held_rate", "not held", 100.0, " %", 1),
+    Measure("torque_dev_rms", "torque deviation", 100.0, " %", 2),
+    Measure("torque_ripple_rms", "torque ripple", 100.0, " %", 2),
+    Measure("overshoot_excess_pct", "overshoot beyond the twin’s", 1.0, " %", 2),
+    Measure("angle_err_rms_deg", "angle error", 1.0, "°", 2),
+    Measure("injection_share", "injection on", 100.0, " %", 1),
+)
+BETTER, SAME, WORSE = "better", "same", "worse"
+
+
+@dataclass(frozen=True)
+class Change:
+    """One measure of the policy beside another's, over the same scenarios."""
+
+    measure: Measure
+    here: str
+    there: str
+    percent: float
+    """of the other's mean; NaN for rates, and where the other's is 0"""
+    low: float
+    high: float
+    """its 95 % interval, likewise"""
+    word: str
+    """better, same or worse"""
+    rates: tuple[tuple[float, ...], ...] = ()
+    """value, low, high of both [%], if the measure counts scenarios"""
+
+    @property
+    def text(self) -> str:
+        """How much it changed."""
+        if self.measure.is_rate or not math.isfinite(self.percent):
+            return f"{self.here} instead of {self.there}"
+        return f"{self.percent:+.0f} %".replace("-", "−")
+
+
+@dataclass(frozen=True)
+class Contrast:
+    """The policy beside one other on one suite."""
+
+    suite: str
+    other: str
+    changes: tuple[Change, ...]
+
+    @property
+    def reach(self) -> float:
+        """Half the width of a picture that shows all intervals [%]."""
+        ends = [abs(x) for c in self.changes for x in (c.low, c.high) if math.isfinite(x)]
+        return next((x for x in (2.0, 5.0, 10.0, 20.0, 50.0) if max(ends, default=0) <= x), 100.0)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What to do with the policy, and why."""
+
+    word: str
+    """yes, with or no"""
+    head: str
+    because: str = ""
+    lines: tuple[tuple[str, str], ...] = ()
+    """Better or worse, and what is."""
+
+    @property
+    def sentence(self) -> str:
+        """All of it in one paragraph."""
+        found = (text for _, text in self.lines)
+        return " ".join(filter(None, (self.head, self.because, *found)))
+
+
+def contrast(results: Results, other: str) -> Contrast:
+    """Set the first policy of results beside another one."""
+    first = next(iter(results.policies))
+    return Contrast(
+        results.suite, other, tuple(_change(results, first, other, m) for m in MEASURES)
+    )
+
+
+def _change(results: Results, first: str, other: str, m: Measure) -> Change:
+    pair = results.paired[other]
+    change, base = -pair[m.key], pair["there"][m.key] + pair[m.key]
+    low, high = (-x for x in reversed(pair[f"{m.key}_ci"]))
+    sign = BETTER if high < 0.0 else WORSE if low > 0.0 else SAME
+    if m.is_rate:
+        sides = [results.policies[name] for name in (first, other)]
+        total = feasible(results, sides[0])
+        counts = [round(p[m.key] * feasible(results, p)) if total else 0 for p in sides]
+        rates = [tuple(100.0 * x for x in (p[m.key], *p[RATES[m.key]])) for p in sides]
+        nothing = (math.nan, math.nan, math.nan)
+        here, there = f"{counts[0]} of {total}", f"{counts[1]}"
+        return Change(m, here, there, *nothing, sign, tuple(rates) if total else ())
+    known = math.isfinite(base) and abs(base) > 1e-12
+    share, low, high = (100.0 * x / base if known else math.nan for x in (change, low, high))
+    here, there = (number(m.factor * x, m.decimals) + m.unit for x in (base + change, base))
+    word = SAME if known and abs(share) < LEAST else sign
+    return Change(m, here, there, share, low, high, word)
+
+
+def feasible(results: Results, policy: dict[str, float]) -> int:
+    """Scenarios that the machine can do at all."""
+    return round(results.size * (1.0 - policy["infeasible_rate"]))
+
+
+def best_rule(results: Results, words: Sequence[str]) -> str | None:
+    """The tuned rule of the lowest objective; None if none was judged. ``words`` name policies."""
+    tuned = set(shipped.tuned_names()) | {Path(w).stem for w in words if w.endswith(".json")}
+    found = {
+        name: LOST_WEIGHT * p["lost_rate"] + p["torque_dev_rms"] + p["torque_ripple_rms"]
+        for name, p in list(results.policies.items())[1:]
+        if name in tuned
+    }
+    return min(found, key=lambda name: found[name]) if found else None
+
+
+def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bool) -> Verdict:
+    """Say what to do with the first policy of the results.
+
+    Parameters
+    ----------
+    contrasts : sequence of Contrast
+        Beside Eq. 25 first, on every suite; the best tuned rule may follow.
+    table : bool
+        It is a table, which a drive can hold.
+    """
+    name, first = next(iter(results[0].policies.items()))
+    if first["bound"]:
+        return Verdict("no", "It cannot be flashed.", f"{name} knows what no drive can know.")
+    for r in results:
+        p = r.policies[name]
+        if not feasible(r, p):
+            return Verdict("no", "Nothing to judge by.", f"No scenario of {r.suite} is feasible.")
+        if not p["lost_rate"] <= MOST_LOST:
+            lost = f"{round(p['lost_rate'] * feasible(r, p))} of {feasible(r, p)}"
+            return Verdict("no", "Do not flash it.", f"It loses {lost} scenarios of {r.suite}.")
+    plain = contrasts[0].other
+    words: dict[str, set[str]] = {}
+    for k in contrasts:
+        words.setdefault(k.other, set()).update(c.word for c in k.changes)
+    lines = tuple(
+        (word, f"{word.capitalize()} than {other}: {text}.")
+        for other in words
+        for word in (BETTER, WORSE)
+        if (text := _listed([k for k in contrasts if k.other == other], word))
+    )
+    loses = any(c.measure.is_rate and c.word == WORSE for k in contrasts for c in k.changes)
+    if loses:
+        return Verdict("no", "Do not flash it.", "It loses or does not hold more drives.", lines)
+    if BETTER not in words[plain]:
+        return Verdict("no", "Do not flash it.", f"Nothing is better than {plain}.", lines)
+    for other, found in words.items():
+        if BETTER not in found and WORSE in found:
+            why = f"Nothing is better than {other}."
+            return Verdict("no", f"Flash {other} instead.", why, lines)
+    if not table:
+        why = "It is no table: sensorless distill makes one of a network."
+        return Verdict("with", "Not as it is.", why, lines)
+    if any(word == WORSE for word, _ in lines):
+        return Verdict("with", "Flash it, if you can live with what got worse.", "", lines)
+    return Verdict("yes", "Flash it.", "Nothing got worse.", lines)
+
+
+def _listed(contrasts: Sequence[Contrast], word: str) -> str:
+    """Measures of which a change has this word, each with how much on which suite."""
+    found: dict[str, list[str]] = {}
+    for k in contrasts:
+        for c in k.changes:
+            if c.word == word:
+                found.setdefault(c.measure.label, []).append(f"{c.text} on {k.suite}")
+    return "; ".join(f"{label} {', '.join(texts)}" for label, texts in found.items())

@@ -1,0 +1,85 @@
+"""The verdict of a report, from results that are written by hand."""
+
+import math
+from typing import Any
+
+import pytest
+
+from sensorless.evaluation.results import Results
+from sensorless.report.verdict import MEASURES, best_rule, contrast, verdict
+
+
+def entry(lost: int = 0, size: int = 100, *, bound: bool = False) -> dict[str, Any]:
+    rate = lost / size
+    ends = {"lost_ci": (rate, rate + 0.02), "not_held_rate": 0.0, "not_held_rate_ci": (0.0, 0.02)}
+    means = {"torque_dev_rms": 0.03, "torque_ripple_rms": 0.01}
+    return {"bound": bound, "infeasible_rate": 0.0, "lost_rate": rate, **ends, **means}
+
+
+def pair(**ours_minus_theirs: float) -> dict[str, Any]:
+    """Differences of the first policy in percent of the other's means, sure to a tenth of that."""
+    out: dict[str, Any] = {"there": {}}
+    for m in MEASURES:
+        change = 0.01 * ours_minus_theirs.get(m.key, 0.0)
+        out[m.key] = -change  # results have the other minus the first
+        spread = 0.1 * abs(change)
+        out[f"{m.key}_ci"] = (-change - spread, -change + spread)
+        out["there"][m.key] = 1.0 + change
+    return out
+
+
+def results(pairs: dict[str, dict[str, Any]], lost: int = 0, *, bound: bool = False) -> Results:
+    policies = {"mine": entry(lost, bound=bound), **{name: entry() for name in pairs}}
+    return Results("stress-1", 1, 100, "paper", "", {}, {}, policies, pairs)
+
+
+@pytest.mark.parametrize(
+    ("pairs", "lost", "table", "word", "head"),
+    [
+        ({"eq25": pair(torque_dev_rms=-5.0)}, 0, True, "yes", "Flash it."),
+        ({"eq25": pair(torque_dev_rms=-5.0, angle_err_rms_deg=3.0)}, 0, True, "with", "if you can"),
+        ({"eq25": pair(torque_dev_rms=-0.5)}, 0, True, "no", "Do not"),
+        ({"eq25": pair(torque_dev_rms=-5.0, lost_rate=2.0)}, 2, True, "no", "Do not"),
+        ({"eq25": pair(torque_dev_rms=-5.0)}, 6, True, "no", "Do not"),
+        ({"eq25": pair(torque_dev_rms=-5.0)}, 0, False, "with", "Not as it is"),
+        (
+            {"eq25": pair(torque_dev_rms=-5.0), "linear-tuned": pair(torque_dev_rms=3.0)},
+            0, True, "no", "Flash linear-tuned instead",
+        ),
+    ],
+    ids=["better", "mixed", "too little", "loses more", "loses many", "network", "rule is better"],
+)  # fmt: skip
+def test_verdict(
+    pairs: dict[str, dict[str, Any]], lost: int, table: bool, word: str, head: str
+) -> None:
+    r = results(pairs, lost)
+    said = verdict([r], [contrast(r, name) for name in pairs], table)
+    assert said.word == word
+    assert head in said.head
+
+
+def test_what_got_worse_is_said_with_its_size() -> None:
+    r = results({"eq25": pair(torque_dev_rms=-5.0, angle_err_rms_deg=12.0)})
+    said = verdict([r], [contrast(r, "eq25")], True)
+    assert "Better than eq25: torque deviation −5 % on stress-1." in said.sentence
+    assert "Worse than eq25: angle error +12 % on stress-1." in said.sentence
+
+
+def test_a_bound_is_not_to_be_flashed() -> None:
+    r = results({"eq25": pair(torque_dev_rms=-50.0)}, bound=True)
+    assert "cannot" in verdict([r], [contrast(r, "eq25")], True).head
+
+
+def test_nothing_feasible_is_nothing_to_judge_by() -> None:
+    r = results({"eq25": pair()})
+    r.policies["mine"] |= {"infeasible_rate": 1.0, "lost_rate": math.nan}
+    r.policies["eq25"] |= {"infeasible_rate": 1.0, "lost_rate": math.nan}
+    assert "Nothing to judge" in verdict([r], [contrast(r, "eq25")], True).head
+
+
+def test_the_best_rule_is_a_tuned_one() -> None:
+    r = results({"eq25": pair(), "linear-tuned": pair(), "gated-tuned": pair(), "x": pair()})
+    r.policies["eq25"]["torque_dev_rms"] = r.policies["x"]["torque_dev_rms"] = 0.01
+    r.policies["gated-tuned"]["torque_dev_rms"] = 0.02
+    assert best_rule(r, list(r.policies)) == "gated-tuned"
+    assert best_rule(results({"eq25": pair()}), ["eq25"]) is None
