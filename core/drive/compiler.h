@@ -5,7 +5,9 @@
 /* With compilers other than gcc and clang, define CORE_SQRTF as their square root of a float. Of
  * CORE_FABSF, the magnitude of a float, even the magnitude of -0 is 0. */
 #if defined(__GNUC__)
+#ifndef CORE_INLINE
 #define CORE_INLINE static inline __attribute__((always_inline))
+#endif
 #define CORE_APART static __attribute__((noinline))
 #define CORE_COLD __attribute__((cold)) /* runs rarely: small rather than fast */
 #define CORE_LIKELY(x) __builtin_expect(x, 1)

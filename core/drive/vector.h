@@ -28,7 +28,8 @@ CORE_INLINE float pick_f(const float *y, int j, int n) {
 #ifdef CORE_VECTOR
     float x = y[0];
     for (int i = 1; i < n; i++) {
-        x = i == j ? y[i] : x;
+        float next = y[i]; /* read in any case: clang would choose between addresses */
+        x = j >= i ? next : x;
     }
     return x;
 #else

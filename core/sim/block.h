@@ -12,7 +12,9 @@
 
 #ifdef BLOCK_RUN
 
+#ifndef __clang__
 #pragma GCC optimize("no-thread-jumps") /* threaded jumps would split the loop body into paths */
+#endif
 
 #include "sim_period.h"
 
@@ -24,8 +26,7 @@
  * constant estimator leaves no branch in the loop. */
 CORE_INLINE void block_period(block_t *restrict block, const float *restrict k_s_ref, int with_twin,
                               int estimator, int detail) {
-#pragma GCC ivdep
-    for (int l = 0; l < LANES; l++) {
+    LANES_LOOP for (int l = 0; l < LANES; l++) {
         sim_t s;
         SIM_PARAM_FIELDS(LOAD)
         SIM_STATE_FIELDS(LOAD)
@@ -36,12 +37,17 @@ CORE_INLINE void block_period(block_t *restrict block, const float *restrict k_s
     }
 }
 
-#define KEEP_DUE(type, path) AT(type, path)[l] = due ? s.path : AT(type, path)[l];
+#define KEEP_DUE(type, path)                                                                       \
+    {                                                                                              \
+        type old = AT(type, path)[l];                                                              \
+        type now = s.path;                                                                         \
+        AT(type, path)[l] = due ? now : old;                                                       \
+    }
 
 /* One of the two parts of lock.h, in lanes where it is due. */
 #define BLOCK_LOCK(name, part, when)                                                               \
     CORE_APART void name(block_t *restrict block) {                                                \
-        _Pragma("GCC ivdep") for (int l = 0; l < LANES; l++) {                                     \
+        LANES_LOOP for (int l = 0; l < LANES; l++) {                                               \
             sim_t s;                                                                               \
             SIM_PARAM_FIELDS(LOAD)                                                                 \
             SIM_STATE_FIELDS(LOAD)                                                                 \

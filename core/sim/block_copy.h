@@ -21,25 +21,31 @@
 #define UNIT_STATE (offsetof(sim_t, drive) / 8) /* parameters before it, the state after */
 
 typedef struct {
-    double units[UNITS][LANES];
+    double units[UNITS][LANES] __attribute__((aligned(64)));
 } block_t;
 
 /* Four units, and eight 4-byte numbers. They may alias anything, at any multiple of 8 bytes. */
 typedef long long four_t __attribute__((vector_size(32), may_alias, aligned(8)));
 typedef int eight_t __attribute__((vector_size(32), may_alias, aligned(8)));
 
+#ifdef __clang__
+#define SHUFFLE(type, a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#else
+#define SHUFFLE(type, a, b, ...) __builtin_shuffle(a, b, (type){__VA_ARGS__})
+#endif
+
 static const unsigned char unit_is_pair[UNITS] = SIM_UNIT_IS_PAIR;
 
 /* Transposes four rows of four. */
 CORE_INLINE void turn_4x4(four_t *x) {
-    four_t a = __builtin_shuffle(x[0], x[1], (four_t){0, 4, 2, 6});
-    four_t b = __builtin_shuffle(x[0], x[1], (four_t){1, 5, 3, 7});
-    four_t c = __builtin_shuffle(x[2], x[3], (four_t){0, 4, 2, 6});
-    four_t d = __builtin_shuffle(x[2], x[3], (four_t){1, 5, 3, 7});
-    x[0] = __builtin_shuffle(a, c, (four_t){0, 1, 4, 5});
-    x[1] = __builtin_shuffle(b, d, (four_t){0, 1, 4, 5});
-    x[2] = __builtin_shuffle(a, c, (four_t){2, 3, 6, 7});
-    x[3] = __builtin_shuffle(b, d, (four_t){2, 3, 6, 7});
+    four_t a = SHUFFLE(four_t, x[0], x[1], 0, 4, 2, 6);
+    four_t b = SHUFFLE(four_t, x[0], x[1], 1, 5, 3, 7);
+    four_t c = SHUFFLE(four_t, x[2], x[3], 0, 4, 2, 6);
+    four_t d = SHUFFLE(four_t, x[2], x[3], 1, 5, 3, 7);
+    x[0] = SHUFFLE(four_t, a, c, 0, 1, 4, 5);
+    x[1] = SHUFFLE(four_t, b, d, 0, 1, 4, 5);
+    x[2] = SHUFFLE(four_t, a, c, 2, 3, 6, 7);
+    x[3] = SHUFFLE(four_t, b, d, 2, 3, 6, 7);
 }
 
 /* One unit of eight lanes, as pairs in the order of sim_t, to and from half a row of the block;
@@ -47,16 +53,15 @@ CORE_INLINE void turn_4x4(four_t *x) {
 CORE_INLINE void pairs_apart(const four_t *x, char *row) {
     eight_t a = (eight_t)x[0];
     eight_t b = (eight_t)x[1];
-    *(eight_t *)(void *)row = __builtin_shuffle(a, b, (eight_t){0, 2, 4, 6, 8, 10, 12, 14});
-    *(eight_t *)(void *)(row + 4 * LANES) =
-        __builtin_shuffle(a, b, (eight_t){1, 3, 5, 7, 9, 11, 13, 15});
+    *(eight_t *)(void *)row = SHUFFLE(eight_t, a, b, 0, 2, 4, 6, 8, 10, 12, 14);
+    *(eight_t *)(void *)(row + 4 * LANES) = SHUFFLE(eight_t, a, b, 1, 3, 5, 7, 9, 11, 13, 15);
 }
 
 CORE_INLINE void pairs_together(const char *row, four_t *x) {
     eight_t a = *(const eight_t *)(const void *)row;
     eight_t b = *(const eight_t *)(const void *)(row + 4 * LANES);
-    x[0] = (four_t)__builtin_shuffle(a, b, (eight_t){0, 8, 1, 9, 2, 10, 3, 11});
-    x[1] = (four_t)__builtin_shuffle(a, b, (eight_t){4, 12, 5, 13, 6, 14, 7, 15});
+    x[0] = (four_t)SHUFFLE(eight_t, a, b, 0, 8, 1, 9, 2, 10, 3, 11);
+    x[1] = (four_t)SHUFFLE(eight_t, a, b, 4, 12, 5, 13, 6, 14, 7, 15);
 }
 
 /* Copies units u ... u + 3 of lanes l ... l + 7 into the block. */

@@ -40,7 +40,8 @@ CORE_INLINE void profile_step(const profile_t *p, profile_state_t *x, int32_t k)
     int32_t next = x->segment + 1 < PROFILE_N ? x->segment + 1 : PROFILE_N - 1;
     int32_t start = NEVER;
     for (int32_t i = 1; i < PROFILE_N; i++) {
-        start = i == next ? p->start[i] : start;
+        int32_t at = p->start[i];
+        start = next >= i ? at : start;
     }
     int32_t j = k >= start ? next : x->segment;
     x->segment = j;

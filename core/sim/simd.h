@@ -7,7 +7,7 @@
 /* Each set includes those before it. */
 enum { SIMD_NONE = 0, SIMD_AVX2 = 1, SIMD_AVX512 = 2 };
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#if defined(__x86_64__) && defined(__GNUC__)
 #define SIMD_BLOCKS /* the compiler can use them in block.h */
 #endif
 

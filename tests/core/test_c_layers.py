@@ -87,9 +87,9 @@ def test_what_a_header_declares_its_own_source_defines() -> None:
 
 
 def test_only_one_file_knows_of_vector_code() -> None:
-    """All else says SCALAR_ONLY; the two sources that ask for vector code define the word."""
+    """All else says SCALAR_ONLY; vectorise.h, for the sources of vector code, defines the word."""
     knows = {path.name for path in files() if "CORE_VECTOR" in code(path)}
-    assert knows == {"vector.h", "block_avx2.c", "block_avx512.c"}
+    assert knows == {"vector.h", "vectorise.h"}
 
 
 def test_what_only_scalar_code_does_is_known() -> None:
