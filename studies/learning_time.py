@@ -21,7 +21,7 @@ from rich.table import Table
 from sensorless.errors import UserError
 from sensorless.evaluation.objective import OBJECTIVE
 from sensorless.files import ensure_writable, write_atomic
-from sensorless.plots.learning import Curve, curves_of, levels_of, rule_for
+from sensorless.report.learning import Curve, curves_of, levels_of, rule_for
 
 WANTED = {"rule": 120.0, "reference": 900.0}
 """Time that each may take [s]."""

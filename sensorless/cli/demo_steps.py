@@ -14,6 +14,7 @@ from sensorless.export.judge import judge_export
 from sensorless.machine.motor import Motor
 from sensorless.plots.figure import save
 from sensorless.plots.schedule import schedule_maps
+from sensorless.plots.wave import wave
 from sensorless.plots.waveforms import waveforms
 from sensorless.policies.registry import make_policies, make_policy
 from sensorless.policy import TablePolicy, design_for
@@ -72,16 +73,18 @@ def draw(folder: Path, run: str, motor: Motor, results: Results) -> list[Path]:
     speed = ",".join(f"{t:g}:{share * rpm:g}" for t, rpm in FIG9)
     plan = plan_from(speed, "0:0", None, 3.0, motor, 0)
     run_9 = trace(paper, plan, motor, design)
-    save(waveforms({"Fig. 9 under Eq. 25 on the paper's observers, no load": run_9}), paths[0])
+    save(
+        waveforms([wave("Fig. 9 under Eq. 25 on the paper's observers, no load", run_9)]), paths[0]
+    )
     assert isinstance(paper, TablePolicy) and isinstance(learned, TablePolicy)
     save(schedule_maps(learned.name, learned.table, paper.table, motor), paths[1])
     word = results.policies[paper.name]["worst"][0]["scenario"]
     case = scenario_from(word, motor)
-    traces = {
-        f"{word} under {policy.name}": trace(policy, case, motor, design)
+    waves = [
+        wave(f"{word} under {policy.name}", trace(policy, case, motor, design))
         for policy in (paper, learned)
-    }
-    save(waveforms(traces), paths[2])
+    ]
+    save(waveforms(waves), paths[2])
     return paths
 
 

@@ -2,9 +2,12 @@
 
 import json
 import math
+import shlex
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -123,6 +126,17 @@ def bench_of(
 def say_json(data: object) -> None:
     """Print data for programs; what is no number becomes null."""
     typer.echo(json.dumps(_finite(data), indent=1))
+
+
+def say_wrote(*paths: Path | None) -> None:
+    """Name the files that a command wrote, on the error stream: programs read the other one."""
+    for path in filter(None, paths):
+        errors.print(f"wrote {path}", markup=False, highlight=False, soft_wrap=True)
+
+
+def typed() -> str:
+    """Command that the user typed."""
+    return shlex.join(["sensorless", *sys.argv[1:]])
 
 
 def _finite(data: object) -> object:

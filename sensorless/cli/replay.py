@@ -16,6 +16,8 @@ from sensorless.cli.options import (
     console,
     errors,
     say_json,
+    say_wrote,
+    typed,
 )
 
 
@@ -70,7 +72,9 @@ def replay_command(
     plot: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE.png", help="Draw the estimates as a PNG picture. Default: no picture."
+            metavar="FILE",
+            help="Draw the estimates: FILE.png as a picture, FILE.html as a page to zoom in. "
+            "Default: neither.",
         ),
     ] = None,
 ) -> None:
@@ -90,9 +94,11 @@ def replay_command(
     from sensorless.replay.judgement import judgement
     from sensorless.replay.mapping import names_from
     from sensorless.replay.replay import SAMPLE, load, replay
+    from sensorless.report.picture import check_drawable, write_waves
 
     check_writable(out)
     check_writable(plot, "plot")
+    check_drawable(plot)
     made = bench_of([policy], motor, settings, override)
     rule = made.policy(policy)
     machine, design = made.motor, design_for(rule, made.design)
@@ -116,10 +122,10 @@ def replay_command(
             console.print(line, markup=False, highlight=False, soft_wrap=True)
     if out is not None:
         found.write_csv(out)
-        console.print(f"wrote {out}")
     if plot is not None:
-        from sensorless.plots.figure import save
         from sensorless.plots.replayed import replayed
 
-        save(replayed(found), plot)
-        console.print(f"wrote {plot}")
+        title = f"{log.name} on {machine.name}, k_s: {rule.name}"
+        said = (*found.notes, *judgement(found, after))
+        write_waves([replayed(found, title)], plot, typed(), said)
+    say_wrote(out, plot)

@@ -1,7 +1,5 @@
 """The command ``sensorless report``."""
 
-import shlex
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -18,6 +16,7 @@ from sensorless.cli.options import (
     console,
     policy_progress,
     say_verdict,
+    typed,
 )
 from sensorless.errors import UserError
 
@@ -100,8 +99,6 @@ def report_command(
             others=policy,
             options=options,
             progress=progress,
-        ).write(
-            folder, suite or SUITES, seed, size, grid, shlex.join(["sensorless", *sys.argv[1:]])
-        )
+        ).write(folder, suite or SUITES, seed, size, grid, typed())
     say_verdict(verdict.sentence)
     console.print(f"wrote {page}", soft_wrap=True)

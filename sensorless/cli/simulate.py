@@ -7,11 +7,15 @@ import typer
 
 from sensorless.cli.options import (
     CarriedMotorOption,
+    JsonOption,
     OverrideOption,
     PolicyOption,
     SetOption,
     bench_of,
     console,
+    say_json,
+    say_wrote,
+    typed,
 )
 from sensorless.errors import UserError
 
@@ -81,9 +85,21 @@ def simulate_command(
     plot: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE.png", help="Draw the waveforms as a PNG picture. Default: no picture."
+            metavar="FILE",
+            help="Draw the waveforms: FILE.png as a picture, FILE.html as a page to zoom in. "
+            "Default: neither.",
         ),
     ] = None,
+    show: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PANE",
+            help="Draw this in a picture, too: current (i_d, i_q), voltage (u_d, u_q) or faults; "
+            "repeat the option for several. A page has them all. Default: speed, torque, angle "
+            "error and weight.",
+        ),
+    ] = None,
+    as_json: JsonOption = False,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -132,8 +148,14 @@ def simulate_command(
         sensorless simulate --scenario stress-1:7:12 --policy hysteresis --out run.csv
     """
     from sensorless.files import check_writable
+    from sensorless.plots.wave import FOLDED, wave
+    from sensorless.report.picture import check_drawable, write_waves
 
     check_writable(plot, "plot")
+    check_drawable(plot)
+    unknown = [pane for pane in show or () if pane not in FOLDED]
+    if unknown:
+        raise UserError(f"show: {unknown[0]!r} is none of {', '.join(FOLDED)}; give one of these")
     check_writable(out)
     check_writable(log, "log")
     if plant is not None or inputs is not None:
@@ -144,12 +166,12 @@ def simulate_command(
                 "plant, inputs: a machine alone needs --plant, --inputs and --out; give all three"
             )
         simulate_plant(plant, inputs, out)
-        console.print(f"wrote {out}")
+        say_wrote(out)
         return
     from sensorless.envs.scenarios.machines_suite import is_on_machines, on_machine
     from sensorless.envs.scenarios.words import plan_from, scenario_from
-    from sensorless.evaluation.trace import trace, write_csv
-    from sensorless.evaluation.trace_summary import summary_table
+    from sensorless.evaluation.trace import outcome, trace, write_csv
+    from sensorless.evaluation.trace_summary import plateaus, summary_table
 
     made = bench_of([policy], motor, settings, override)
     if scenario is not None and is_on_machines(scenario):
@@ -164,18 +186,17 @@ def simulate_command(
         )
     )
     run = trace(rule, case, machine, made.design, go_on=True)
-    console.print(summary_table(run, rule.name))
+    if as_json:
+        say_json({"policy": rule.name, "outcome": outcome(run), "plateaus": plateaus(run)})
+    else:
+        console.print(summary_table(run, rule.name))
     if out is not None:
         write_csv(run, out)
-        console.print(f"wrote {out}")
     if log is not None:
         from sensorless.replay.log import write_log
 
         write_log(run, log)
-        console.print(f"wrote {log}")
     if plot is not None:
-        from sensorless.plots.figure import save
-        from sensorless.plots.waveforms import waveforms
-
-        save(waveforms({f"{machine.name}, {rule.name}, {scenario or 'planned run'}": run}), plot)
-        console.print(f"wrote {plot}")
+        title = f"{machine.name}, {rule.name}, {scenario or 'planned run'}"
+        write_waves([wave(title, run)], plot, typed(), show=show or ())
+    say_wrote(out, log, plot)

@@ -29,7 +29,7 @@ Trace = dict[str, Array]
 """Columns of ``TRACE_NAMES`` (``core/sim/simulate.h``), each (periods,): SI units, rad, rad/s.
 Beside them ``lost``, bits of the verdict in every row; ``judged``, 1 after it; ``alarm``, 1 while
 the drive's own tests tell lost lock; ``recovering``, 1 while it seeks its rotor after that or has
-stopped. The last two are as of the end of a decision."""
+stopped; ``fault``, the drive's fault bits. The last three are as of the end of a decision."""
 
 MOST_PERIODS = 5_000_000
 
@@ -90,15 +90,16 @@ def trace(
     of_rows = np.repeat(np.array(own), [len(part) for part in rows], axis=0)
     out["lost"] = np.full(len(table), sim["lost"][0])
     out["judged"] = np.arange(len(table)) >= (sim["k_lost"][0] or len(table))
-    out["alarm"], out["recovering"] = of_rows[:, 0], of_rows[:, 1]
+    out["alarm"], out["recovering"] = of_rows[:, 0] != 0, of_rows[:, 1] != 0
+    out["fault"] = of_rows[:, 2]
     return out
 
 
-def _own(sim: Array) -> tuple[bool, bool]:
-    """Whether the drive has an alarm, and whether it is out of control after one."""
+def _own(sim: Array) -> tuple[bool, bool, int]:
+    """Whether the drive has an alarm, whether it is out of control after one, its fault bits."""
     x = sim["drive"]["x"][0]
     out = x["start"]["phase"] != lib.START_DONE and x["fault"] & lib.FAULT_LOCK != 0
-    return bool(x["lock"]["alarm"] != 0), bool(out)
+    return bool(x["lock"]["alarm"] != 0), bool(out), int(x["fault"])
 
 
 def lost_cause(t: Trace) -> str | None:

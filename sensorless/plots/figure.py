@@ -18,6 +18,20 @@ COLOURS = {
     "twin": "#8d99ae",
     "ref": "#f2a541",
 }
+PALETTE = {
+    "own": "#16191d",
+    "twin": "#b3bcc8",
+    "observer": "#0072b2",
+    "hfi": "#d1495b",
+    "ref": "#e69f00",
+    "ekf": "#009e73",
+    "faint": "#b5d6ea",
+    "blush": "#e9a0ab",
+    "text": "#16191d",
+    "muted": "#565d66",
+    "bad": "#b3151f",
+}
+"""Of waveforms, as in the style of a page."""
 DPI = 120
 LARGE = 100_000
 """Pictures larger than this [byte] get a palette: waveforms do, maps with gradients do not."""

@@ -1,15 +1,102 @@
-"""Learning curves of a training run, for a page."""
+"""Learning curves of training runs, and what other schedules reach on the same scenarios."""
 
+import csv
+import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sensorless.evaluation.objective import LOST_WEIGHT
-from sensorless.plots.learning import CURVES, curves_of, shipped_levels
+from sensorless.agents.loading import CONFIG
+from sensorless.agents.train.run_folder import PROGRESS, design_and_motor
+from sensorless.agents.validation import validate
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.evaluation.objective import LOST_WEIGHT, Cost
 from sensorless.policies import shipped
+from sensorless.policies.registry import make_policy
 
+RULES = {
+    "smo": "linear-tuned",
+    "flux": "flux_observer-tuned",
+    "coupled": "linear-coupled-tuned",
+}
+"""Tuned ramp that a trained schedule has to beat, by the estimator of its drive."""
+CURVES = (
+    ("objective", "objective [%]"),
+    ("lost_rate", "lost in validation [%]"),
+    ("torque_dev", "torque deviation [% of rated]"),
+    ("torque_ripple", "torque ripple [% of rated]"),
+)
+"""Columns of ``progress.csv``, which are fields of ``Cost``, with their labels."""
 COLOURS = ("observer", "hfi", "ekf", "ref", "own")
+
+Curve = dict[str, Any]
+"""Columns of ``progress.csv`` by name, each (validations,)."""
+
+
+def curves_of(folder: Path, *, alone: bool = False) -> dict[str, Curve]:
+    """Validation over training time of the runs inside a folder, or of the folder's own run.
+
+    Columns are by name. A run that contains other runs is a copy of one of them and is left out,
+    unless it is wanted ``alone``.
+    """
+    out = {}
+    inside = [] if alone else sorted(folder.glob(f"*/{PROGRESS}"))
+    for path in inside or [folder / PROGRESS]:
+        if path.is_file() and (path.parent == folder or not any(path.parent.glob(f"*/{PROGRESS}"))):
+            with path.open(encoding="utf-8", newline="") as file:
+                rows = list(csv.DictReader(file))
+            if rows:
+                out[path.parent.resolve().name] = {
+                    key: np.array([float(row[key]) for row in rows]) for key in rows[0]
+                }
+    return out
+
+
+def levels_of(folder: Path, words: Sequence[str]) -> dict[str, Cost]:
+    """Cost of other policies on the scenarios that a run was validated on, by name.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of a training run.
+    words : sequence of str
+        Policies, as in ``sensorless.policies.registry.known``.
+
+    Raises
+    ------
+    UserError
+        The folder has no training run, or its motor has no such policy.
+    """
+    design, motor = design_and_motor(folder)
+    size = int(json.loads((folder / CONFIG).read_text(encoding="utf-8"))["train"]["validate_size"])
+    factory = SimFactory(motor, design)
+    return {word: validate(make_policy(word, motor), factory, size) for word in words}
+
+
+def shipped_levels(folder: Path) -> dict[str, Cost]:
+    """Cost of the tuned ramp and the reference on a run's scenarios, if they are shipped.
+
+    The reference is for one machine only.
+    """
+    if not (folder / CONFIG).is_file():
+        return {}
+    rule = rule_for(folder)
+    words = [rule] if shipped.tuned_file(rule).is_file() else []
+    reference = shipped.reference_run()
+    if reference is not None and _motor_of(reference) == _motor_of(folder):
+        words.append("reference")
+    return levels_of(folder, words)
+
+
+def rule_for(folder: Path) -> str:
+    """Name of the tuned ramp on the estimator of a run."""
+    return RULES.get(design_and_motor(folder)[0].estimator, RULES["smo"])
+
+
+def _motor_of(folder: Path) -> str:
+    return design_and_motor(folder)[1].digest
 
 
 def learning(run: str) -> tuple[list[dict[str, Any]], str]:

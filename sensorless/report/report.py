@@ -16,6 +16,7 @@ from sensorless.evaluation.trace import trace
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.plots.envelope import SHOWN
 from sensorless.plots.schedule import sheets
+from sensorless.plots.wave import wave
 from sensorless.policies import shipped
 from sensorless.policies.bench import Bench
 from sensorless.policy import TablePolicy, design_for
@@ -24,7 +25,7 @@ from sensorless.report.cases import Case, cases
 from sensorless.report.learning import learning
 from sensorless.report.page import UPLOT, render
 from sensorless.report.verdict import LEAST, Verdict, best_rule, contrast, feasible, verdict
-from sensorless.report.waves import wave
+from sensorless.report.waves import packed
 
 PAGE = "index.html"
 SUITES = ("stress-1", "handoff")
@@ -184,13 +185,11 @@ class Report:
 
     def _waves(self, case: Case) -> list[dict[str, Any]]:
         scenario = scenario_from(case.scenario, self.motor)
-        return [
-            wave(
-                f"{case.scenario} under {policy.name}",
-                trace(policy, scenario, self.motor, self.design, go_on=True),
-            ).packed()
+        runs = {
+            policy.name: trace(policy, scenario, self.motor, self.design, go_on=True)
             for policy in (self.policy, self.reference)
-        ]
+        }
+        return [packed(wave(f"{case.scenario} under {n}", run)) for n, run in runs.items()]
 
     def _table(self) -> list[maps.Map]:
         if not isinstance(self.policy, TablePolicy):

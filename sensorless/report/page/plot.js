@@ -3,6 +3,7 @@
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 const drawn = new Map(); // place: uPlots in it
 const HEIGHT = 170;
+const FOLDED = ["current", "voltage", "faults"]; // panes that are shown only when asked for
 
 function plot(place, { label, xLabel, x, curves, span, sync, bands = [], marks = [] }) {
   const [text, grid] = [colour("text"), colour("grid")];
@@ -13,7 +14,7 @@ function plot(place, { label, xLabel, x, curves, span, sync, bands = [], marks =
     for (const [from, to, , name] of bands) {
       const [a, b] = [from, to].map((t) => Math.min(Math.max(u.valToPos(t, "x", true), bbox.left), bbox.left + bbox.width));
       ctx.fillStyle = colour(name);
-      ctx.globalAlpha = 0.3;
+      ctx.globalAlpha = name === "bad" ? 0.2 : 0.5;
       ctx.fillRect(a, bbox.top, b - a, bbox.height);
       ctx.globalAlpha = 1;
     }
@@ -83,6 +84,12 @@ function common(waves, j) {
   return low < high ? uPlot.rangeNum(low, high, 0.06, true) : null;
 }
 
+// Only the first pane has their names.
+function named(bands, marks, first) {
+  const name = (what) => (first ? what : "");
+  return { bands: bands.map(([from, to, what, c]) => [from, to, name(what), c]), marks: marks.map(([at, what, c]) => [at, name(what), c]) };
+}
+
 async function drawWaves(place) {
   const waves = data.cases[place.dataset.case];
   await Promise.all(waves.map(unpack));
@@ -90,16 +97,16 @@ async function drawWaves(place) {
   const plots = clear(place);
   const columns = waves.map((wave) => {
     const column = make("div");
-    column.append(make("h4", wave.title));
+    if (waves.length > 1) column.append(make("h4", wave.title));
     place.append(column);
     return column;
   });
   waves[0].panes.forEach((pane, j) => {
-    if (pane.folded && !more) return;
+    if ((FOLDED.includes(pane.key) && !more) || !waves.some((w) => w.panes[j].curves.length)) return;
     const span = common(waves, j);
     waves.forEach(({ title, t, panes, bands, marks }, k) => {
       columns[k].append(make("div", pane.label, { class: "soft" }));
-      plots.push(plot(columns[k], { label: `${pane.label}, ${title}`, x: t, curves: panes[j].curves, span, sync: place.id, bands, marks: j ? marks.map(([at, , name]) => [at, "", name]) : marks }));
+      plots.push(plot(columns[k], { label: `${pane.label}, ${title}`, x: t, curves: panes[j].curves, span, sync: place.id, ...named(bands, marks, j === 0) }));
     });
   });
 }

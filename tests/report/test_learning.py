@@ -3,29 +3,17 @@
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
-
-pytest.importorskip("matplotlib")
 
 from sensorless.agents.validation import validate
 from sensorless.design.carried import record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
-from sensorless.evaluation.objective import Cost
 from sensorless.machine.motor import Motor
-from sensorless.plots.learning import curves_of, learning_curves, levels_of, shipped_levels
 from sensorless.policies import shipped
 from sensorless.policies.registry import make_policy
-
-CURVE = {
-    "seconds": np.array([0.0, 60.0, 120.0]),
-    "lost_rate": np.array([0.1, 0.05, 0.02]),
-    "torque_dev": np.array([0.06, 0.05, 0.05]),
-    "torque_ripple": np.array([0.02, 0.01, 0.01]),
-    "objective": np.array([1.08, 0.56, 0.26]),
-}
+from sensorless.report.learning import curves_of, learning, levels_of, shipped_levels
 
 
 @pytest.fixture
@@ -57,17 +45,21 @@ def test_the_shipped_levels_are_those_of_the_same_motor(run: Path, tmp_path: Pat
     assert shipped_levels(run / "no-run") == {}
 
 
-def test_levels_are_lines_across_every_part() -> None:
-    levels = {"rule": Cost(0.03, 0.055, 0.015), "reference": Cost(0.0, 0.06, 0.013)}
-    figure = learning_curves({"seed-1": CURVE}, levels)
-    heights = [[100.0 * c.objective for c in levels.values()], [3.0, 0.0], [5.5, 6.0], [1.5, 1.3]]
-    for ax, wanted in zip(figure.axes, heights, strict=True):
-        flat = {str(x.get_label()): np.asarray(x.get_ydata()) for x in ax.lines}
-        for name, y in zip(levels, wanted, strict=True):
-            np.testing.assert_allclose(flat[name], y)
-    legend = figure.axes[0].get_legend()
-    assert legend is not None
-    assert [t.get_text() for t in legend.get_texts()] == ["seed-1", "rule", "reference"]
+def test_the_panels_have_the_run_the_levels_and_what_was_kept(run: Path) -> None:
+    rows = "steps,seconds,lost_rate,torque_dev,torque_ripple,objective,best\n"
+    rows += "0,0,0.1,0.06,0.02,1.08,1\n5,60,0.02,0.05,0.01,0.26,1\n9,120,0.05,0.05,0.01,0.56,0\n"
+    (run / "progress.csv").write_text(rows)
+    panels, said = learning(str(run))
+    assert [p["label"].split(" [")[0] for p in panels][:2] == ["objective", "lost in validation"]
+    curves = {c["name"]: c["values"] for c in panels[1]["curves"]}
+    assert panels[1]["x"] == [0.0, 1.0, 2.0]
+    assert curves[run.name] == pytest.approx([10.0, 2.0, 5.0])
+    assert curves[f"{run.name}, kept"] == [None, pytest.approx(2.0), None]
+    levels = shipped_levels(run)
+    assert levels and all(name in said for name in levels)
+    for name, cost in levels.items():
+        assert curves[name] == [100.0 * cost.lost_rate] * 3
+    assert learning(str(run / "none")) == ([], "")
 
 
 def test_curves_of_a_folder_of_runs_and_of_one(tmp_path: Path) -> None:
@@ -76,5 +68,6 @@ def test_curves_of_a_folder_of_runs_and_of_one(tmp_path: Path) -> None:
         (tmp_path / name / "progress.csv").write_text("steps,objective\n0,0.5\n10,0.25\n")
     (tmp_path / "progress.csv").write_text("steps,objective\n0,0.5\n")
     assert list(curves_of(tmp_path)) == ["a", "b"]
+    assert list(curves_of(tmp_path, alone=True)) == [tmp_path.name]
     assert curves_of(tmp_path / "a")["a"]["objective"].tolist() == [0.5, 0.25]
     assert curves_of(tmp_path / "none") == {}

@@ -1,0 +1,67 @@
+"""What a run shows over time: nothing hidden, everything named."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("matplotlib")
+
+from sensorless.core.api import lib
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.words import plan_from
+from sensorless.evaluation.trace import Trace, trace
+from sensorless.machine.motor import Motor
+from sensorless.plots.wave import FOLDED, Curve, faults, merged, wave
+from sensorless.plots.waveforms import waveforms
+from sensorless.policies.registry import make_policy
+from sensorless.report.picture import write_waves
+
+MOTOR = Motor.load("paper")
+
+
+@pytest.fixture(scope="module")
+def lost() -> Trace:
+    """A start, then the observer alone at a shaft that a load turns back: lost, told, recovered."""
+    plan = plan_from("0:30", "0:10", None, 0.5, MOTOR, 0, start=True)
+    design = DriveDesign(estimator="smo", lost_lock="restart")
+    return trace(make_policy("constant:0", MOTOR), plan, MOTOR, design, go_on=True)
+
+
+def test_every_band_and_mark_is_named(lost: Trace) -> None:
+    found = wave("run", lost)
+    assert found.bands[0][2] == "start"
+    assert found.bands[0][1] == pytest.approx(lost["t"][lost["starting"] > 0.0][-1])
+    assert "recovery" in [what for _, _, what, _ in found.bands]
+    assert {what for _, what, _ in found.marks} == {"lost", "alarm"}
+    drawn = waveforms([found])
+    texts = [text.get_text().strip() for text in drawn.axes[0].texts]
+    assert {"start", "recovery", "lost", "alarm"} <= set(texts)
+
+
+def test_panes_are_drawn_as_asked(lost: Trace) -> None:
+    found = wave("run", lost)
+    assert len(waveforms([found]).axes) == len(found.panes) - len(FOLDED)
+    asked = waveforms([found], ["current", "faults"])
+    labels = [line.get_label() for ax in asked.axes[-2:] for line in ax.lines]
+    assert {"i_d", "i_q", "lock"} <= set(labels)
+
+
+def test_a_fault_is_up_while_it_is_set(lost: Trace) -> None:
+    (curve,) = (c for c in faults(lost["fault"]) if c.name == "lock")
+    up = lost["fault"] & int(lib.FAULT_LOCK) != 0
+    assert up.any() and not up.all()
+    assert np.array_equal(curve.values % 1.0 > 0.5, up)
+
+
+def test_the_same_curves_are_one_with_both_names() -> None:
+    x = np.array([0.0, np.nan, 2.0])
+    found = merged([Curve("a", "hfi", x), Curve("b", "own", x + 1e-6, 3.0), Curve("c", "ref", -x)])
+    assert [(c.name, c.colour) for c in found] == [("a, b", "own"), ("c", "ref")]
+
+
+@pytest.mark.parametrize("name", ["run.png", "run.html"])
+def test_the_name_of_the_file_says_what_it_becomes(lost: Trace, tmp_path: Path, name: str) -> None:
+    write_waves([wave("run & more", lost)], tmp_path / name, "sensorless simulate")
+    head = (tmp_path / name).read_bytes()[:15]
+    assert head.startswith(b"\x89PNG" if name.endswith("png") else b"<!DOCTYPE html>")
