@@ -7,7 +7,6 @@ from sensorless.files import write_atomic
 from sensorless.plots.figure import require_matplotlib, save
 from sensorless.plots.wave import FOLDED, Wave
 from sensorless.plots.waveforms import waveforms
-from sensorless.report.page import render
 from sensorless.report.waves import packed
 
 PAGES = (".html", ".htm")
@@ -46,6 +45,8 @@ def write_waves(
     if path.suffix.lower() not in PAGES:
         save(waveforms(waves, show), path)
         return
+    from sensorless.report.page import render  # loads Jinja, which other commands do without
+
     data = {"maps": {}, "curves": [], "cases": {"run": [packed(wave) for wave in waves]}}
     more = any(pane.key in FOLDED for pane in waves[0].panes)
     page = render(
