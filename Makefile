@@ -9,7 +9,7 @@ CORE  := $(wildcard core/*/*.c core/*/*.h) core/binding.py core/source_hash.py f
 C_WARNINGS := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra \
               -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror -fsyntax-only -Icore -Icore/drive -Ibuild/generated
 
-.PHONY: help install demo test test-lowest check core bench bench-peers mutants lock sbom reference docs docs-test playground clean venv extension c-warnings c-lint force
+.PHONY: help install demo test test-lowest check core bench bench-peers mutants lock sbom reference docs docs-test playground audit clean venv extension c-warnings c-lint force
 
 help: ## List the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
@@ -62,6 +62,9 @@ docs-test: $(READY) ## Run what the documentation shows, small
 
 playground: $(READY) ## Build the page build/playground/playground.html
 	$(VENV)/bin/python -m web.build
+
+audit: docs playground ## Check both in a browser: contrast, names, width, paint, console
+	$(VENV)/bin/python -m web.audit build/site/index.html build/playground/playground.html
 
 mutants: $(READY) ## Which small mistakes in core/drive do the checks notice (20 minutes)
 	$(VENV)/bin/python -m tests.mutants.run

@@ -1,4 +1,4 @@
-"""The page in a browser, which starts once."""
+"""Pages in a browser, which starts once."""
 
 import os
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from web.wasm import missing_tools
 
 @dataclass(frozen=True)
 class Shown:
-    """The page in Chromium."""
+    """The playground in Chromium."""
 
     driver: Any
     file: Path
@@ -27,15 +27,26 @@ class Shown:
 
 
 @pytest.fixture(scope="session")
-def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
-    """The page, built and loaded; required where the environment says CI=true."""
-    missing = [*missing_tools(), *missing_browser()]
+def driver() -> Iterator[Any]:
+    """Chromium, started once; required where the environment says CI=true."""
+    require(missing_browser())
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture(scope="session")
+def shown(driver: Any, tmp_path_factory: pytest.TempPathFactory) -> Shown:
+    """The page, built and loaded."""
+    require(missing_tools())
+    file = tmp_path_factory.mktemp("playground") / "playground.html"
+    size = build(file)
+    driver.get(file.as_uri())
+    return Shown(driver, file, size)
+
+
+def require(missing: list[str]) -> None:
+    """Skip, or fail where the environment says CI=true, if something is missing."""
     if missing and os.environ.get("CI") == "true":
         pytest.fail(f"CI needs {', '.join(missing)}")
     if missing:
         pytest.skip(f"needs {', '.join(missing)}")
-    file = tmp_path_factory.mktemp("playground") / "playground.html"
-    size = build(file)
-    with chromium() as driver:
-        driver.get(file.as_uri())
-        yield Shown(driver, file, size)

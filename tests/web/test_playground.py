@@ -16,6 +16,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from tests.web.conftest import Shown
 from tests.web.native import Move, final
+from web.audit import CHECKS
 from web.browser import prefer, size_to
 from web.build import MOST
 
@@ -23,7 +24,6 @@ NAMES = ("speed", "ramp", "load", "resistance", "magnet", "inertia", "link", "ga
 """Order of the levers in a link."""
 PATIENCE = 30.0
 """Longest time to wait for the page [s]."""
-CHECKS = (Path(__file__).parent / "checks.js").read_text(encoding="utf-8")
 
 
 def link(

@@ -1,13 +1,16 @@
 // Checks of accessibility that run in the page.
 
-const visible = (e) => e.checkVisibility() && e.getClientRects().length > 0;
+const visible = (e) =>
+  e.checkVisibility({ opacityProperty: true, visibilityProperty: true }) && e.getClientRects().length > 0;
 
+// Controls and pictures without a name; a picture inside a link or a button goes by the name of that.
 function unnamed() {
   const controls = document.querySelectorAll("button, input, select, [role=slider], canvas, svg");
   const name = (e) =>
-    e.getAttribute("aria-label") || [...(e.labels ?? [])].map((l) => l.textContent).join("") ||
+    e.getAttribute("aria-label") || e.title || [...(e.labels ?? [])].map((l) => l.textContent).join("") ||
     (e.tagName === "BUTTON" ? e.textContent : "");
-  return [...controls].filter((e) => visible(e) && !name(e).trim()).map((e) => e.outerHTML);
+  const inside = (e) => e.parentElement.closest("a, button, label");
+  return [...controls].filter((e) => visible(e) && !inside(e) && !String(name(e)).trim()).map((e) => e.outerHTML);
 }
 
 function rgb(text) {
