@@ -9,6 +9,8 @@ with the after-effects of the same noise in early ones: it has the wrong sign wh
 helps at once costs torque later.
 """
 
+from typing import Any
+
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -28,24 +30,42 @@ def opposite(z: torch.Tensor) -> torch.Tensor:
     return torch.stack((z, -z), dim=1).flatten(0, 1)
 
 
+USUAL = 0.95
+"""Share of the pairs whose advantages are not cut before the usual size is taken."""
+
+
 class PairedRolloutBuffer(RolloutBuffer):
     """Advantage at every step of a rollout: half of its own minus half of its partner's.
 
     With gae_lambda = 1, a rollout's own advantage is what it earned plus the critic's value of its
     end minus that of its beginning. Once one of a pair begins a new episode, the two have nothing
     in common any more, and the advantage is 0.
+
+    Parameters
+    ----------
+    outlier : float
+        Count an advantage at most this many times the root mean square of the others, taken with
+        the largest 5 % cut; 0 counts all of it.
     """
+
+    def __init__(self, *args: Any, outlier: float = 0.0, **kwargs: Any) -> None:
+        self._outlier = outlier
+        super().__init__(*args, **kwargs)
 
     def compute_returns_and_advantage(
         self, last_values: torch.Tensor, dones: NDArray[np.bool_]
     ) -> None:
         """Set the advantages; the returns, which the critic learns, stay each environment's own."""
         super().compute_returns_and_advantage(last_values, dones)
-        first, second = self.advantages[0, 0::2], self.advantages[0, 1::2]
+        gain = 0.5 * (self.advantages[0, 0::2] - self.advantages[0, 1::2])
+        if self._outlier:
+            square = gain**2
+            most = np.sqrt(np.mean(np.minimum(square, np.quantile(square, USUAL))))
+            gain = np.clip(gain, -self._outlier * most, self._outlier * most)
         begun = np.cumsum(self.episode_starts[1:], axis=0) > 0.0
         apart = np.zeros((self.buffer_size, self.n_envs // 2), dtype=bool)
         apart[1:] = begun[:, 0::2] | begun[:, 1::2]
-        half = np.where(apart, 0.0, 0.5 * (first - second)).astype(np.float32)
+        half = np.where(apart, 0.0, gain).astype(np.float32)
         self.advantages = np.stack((half, -half), axis=2).reshape(self.advantages.shape)
 
 

@@ -24,9 +24,9 @@ AXES = (
 )
 
 
-def logistic_table(v: Values) -> KsTable:
-    """Table of the parameters of RULE."""
-    s, i, d = np.meshgrid(*(a.nodes.astype(np.float64) for a in AXES), indexing="ij")
+def logistic_table(v: Values, axes: tuple[Axis, ...] = AXES) -> KsTable:
+    """Table of the parameters of RULE; ``axes`` has the same signals as AXES."""
+    s, i, d = np.meshgrid(*(a.nodes.astype(np.float64) for a in axes), indexing="ij")
     centre = (
         v["speed"]
         + v["motoring"] * np.maximum(i, 0.0)
@@ -36,7 +36,7 @@ def logistic_table(v: Values) -> KsTable:
     )
     z = 4.0 * (centre - s) / (v["width"] * (1.0 + v["spread"] * np.abs(i)))
     k_s: NDArray[np.float64] = 1.04 / (1.0 + np.exp(-np.clip(z, -50.0, 50.0))) - 0.02
-    return KsTable(AXES, np.clip(k_s, 0.0, 1.0).astype(np.float32))
+    return KsTable(axes, np.clip(k_s, 0.0, 1.0).astype(np.float32))
 
 
 def _build(name: str, v: Values, motor: Motor) -> TablePolicy:

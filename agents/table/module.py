@@ -6,11 +6,9 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from sensorless.agents.table.start import MARGIN
 from sensorless.core.api import SIGNAL_NAMES
 from sensorless.table.ks_table import KsTable
-
-MARGIN = 0.25
-"""How far node values may lie outside [0, 1]."""
 
 
 class TableModule(nn.Module):
@@ -20,9 +18,9 @@ class TableModule(nn.Module):
     of ``table()`` to the bit, and so does the start.
 
     ``values`` are the node values without squashing. They are clipped to [0, 1] where they are
-    read, but their gradient is that without clipping. ``project`` keeps them within ``MARGIN`` of
+    read, but their gradient is that without clipping. ``project`` keeps them within ``margin`` of
     that range after a step of the optimiser, so no gradient dies. A node at a bound starts
-    ``MARGIN`` beyond it, so that exploration does not lift it off: at 0 any higher k_s turns the
+    ``margin`` beyond it, so that exploration does not lift it off: at 0 any higher k_s turns the
     injection on, and at 1 the other estimator may have no signal at all. Noise that does either
     trains a schedule for the noise.
 
@@ -30,22 +28,24 @@ class TableModule(nn.Module):
     ----------
     table : KsTable
         Axes and start values.
+    margin : float
+        How far node values may lie outside [0, 1].
     """
 
     x0: Tensor
     inv_step: Tensor
     last: Tensor
 
-    def __init__(self, table: KsTable) -> None:
+    def __init__(self, table: KsTable, margin: float = MARGIN) -> None:
         super().__init__()
         axes = table.axes
-        self._table = table
+        self._table, self._margin = table, margin
         self.shape = tuple(axis.n for axis in axes)
         self._columns = [SIGNAL_NAMES.index(axis.signal) for axis in axes]
         self._speed = SIGNAL_NAMES.index("speed")
         self._strides = [int(np.prod(self.shape[a + 1 :])) for a in range(len(axes))]
         k_s = torch.tensor(table.values.reshape(-1))
-        beyond = MARGIN * ((k_s >= 1.0).float() - (k_s <= 0.0).float())
+        beyond = margin * ((k_s >= 1.0).float() - (k_s <= 0.0).float())
         self.values = nn.Parameter(k_s + beyond)
         grids = [torch.tensor(grid.values.reshape(-1)) for grid in table.gains]
         self.gains = nn.Parameter(torch.stack(grids)) if grids else None
@@ -88,7 +88,7 @@ class TableModule(nn.Module):
         return torch.where(finite, k_s, torch.full_like(k_s, self._table.fallback))
 
     def centre(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
-        """Centre of the exploration (n,): k_s, or up to ``MARGIN`` beyond 0 and 1.
+        """Centre of the exploration (n,): k_s, or up to ``margin`` beyond 0 and 1.
 
         It lies beyond where all corners are 0, or all are 1: there the values count unclipped.
         """
@@ -139,7 +139,7 @@ class TableModule(nn.Module):
             Also keep them from rising with speed: take the mean of the running minimum from below
             and the running maximum from above, which leaves a falling line unchanged.
         """
-        self.values.clamp_(-MARGIN, 1.0 + MARGIN)
+        self.values.clamp_(-self._margin, 1.0 + self._margin)
         if self.gains is not None:
             for values, (low, high) in zip(self.gains, self._bounds, strict=True):
                 values.clamp_(low, high)

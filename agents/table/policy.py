@@ -12,6 +12,7 @@ from torch import Tensor, nn
 from sensorless.agents.table.kernel import NodeKernel
 from sensorless.agents.table.module import TableModule
 from sensorless.agents.table.noise import NodeNoise
+from sensorless.agents.table.start import MARGIN
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import KsTable
 
@@ -36,6 +37,8 @@ class TableActorCritic(ActorCriticPolicy):
         Distance over which nodes explore and move together [nodes], see ``NodeKernel``.
     monotone : bool
         Keep k_s from rising with speed.
+    margin : float
+        How far nodes of k_s may lie outside [0, 1].
     value_scale : float
         Size of a typical return, the unit of the critic's network.
     hidden : int
@@ -55,6 +58,7 @@ class TableActorCritic(ActorCriticPolicy):
         value_scale: float,
         hidden: int,
         monotone: bool = False,
+        margin: float = MARGIN,
         use_sde: bool = True,
     ) -> None:
         self._settings: dict[str, Any] = {
@@ -65,6 +69,7 @@ class TableActorCritic(ActorCriticPolicy):
             "value_scale": value_scale,
             "hidden": hidden,
             "monotone": monotone,
+            "margin": margin,
         }
         self.learn_actor = True
         self.monotone = monotone
@@ -81,7 +86,7 @@ class TableActorCritic(ActorCriticPolicy):
         s = self._settings
         self._lr_critic = lr_schedule(1)
         self._build_mlp_extractor()
-        self.actor = TableModule(s["table"])
+        self.actor = TableModule(s["table"], s["margin"])
         self.value_net = nn.Sequential(  # type: ignore[assignment]
             nn.Linear(self.features_dim, s["hidden"]),
             nn.Tanh(),

@@ -7,6 +7,8 @@ from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import Axis, KsTable
 
+MARGIN = 0.25
+"""How far nodes of k_s may lie outside [0, 1] in training, unless something else is asked for."""
 TO_RATED = 1.0
 """Speed that a placed axis must reach, over rated speed."""
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sensorless.agents.table.start import start_table
-from sensorless.core.gains import GAIN_NAMES
+from sensorless.agents.table.start import MARGIN, start_table
+from sensorless.core.gains import DEFAULT, Gain, ranks
 from sensorless.decision import TRAINING
 from sensorless.envs.scenarios.machine_family import MOST_MACHINES
 from sensorless.envs.window_reward import WindowWeights
@@ -63,8 +63,9 @@ class TrainConfig:
     gains: str = word(
         "",
         "let the table also set these gains of the drive, commas between: observer, injection, "
-        "l_q, amplitude; they start static, and the reward is that of Blend-v1 with the costs "
-        "below; tables only",
+        "l_q, amplitude, each alone or with its range as NAME:LOW:HIGH, factors on the static "
+        "gain; they start static, and the reward is that of Blend-v1 with the costs below; tables "
+        "only",
     )
     n_envs: int = number(
         256,
@@ -125,12 +126,28 @@ class TrainConfig:
     smoothness: float = number(
         2.0, "nodes", 0, 10, "let nodes explore and move together over this distance"
     )
+    margin: float = number(
+        MARGIN,
+        "1",
+        0,
+        1,
+        "let nodes of k_s lie this far outside 0 to 1, and start there if they are 0 or 1; where "
+        "it exceeds --noise by much, exploration does not reach beyond the band of the start",
+    )
     monotone: bool = switch(False, "keep k_s from rising with speed; tables only")
     ripple_cost: float = number(
         WindowWeights.torque_ripple, "1/ms", 0, 10, "charge this for ripple in training with gains"
     )
     ripple_weight: float = number(
         1.0, "1", 0, 1e3, "weigh ripple so much in the objective by which the best table is kept"
+    )
+    outlier: float = number(
+        0.0,
+        "1",
+        0,
+        1e3,
+        "count the advantage of a pair at most this many times the usual, so that one lost "
+        "scenario does not drown what all others say; 0 counts all of it",
     )
     average: int = number(5, "1", 1, 10**6, "validate and keep the mean table of this many updates")
     warm_up: int = number(2, "1", 0, 10**6, "update the critic alone this many times first")
@@ -156,6 +173,14 @@ class TrainConfig:
         10,
         "charge this for an angle error at which lock is lost; the cost begins at 20 degrees",
     )
+    hard: float = number(
+        0.0,
+        "1",
+        0,
+        1,
+        "take this share of the scenarios from hard-train, the finds of a search for losses: of "
+        "stress-1 alone, too few are lost to learn from",
+    )
     eval_freq: int = number(
         500_000, "1", 1, 10**12, "validate after this many decisions, summed over all environments"
     )
@@ -180,10 +205,7 @@ class TrainConfig:
             raise UserError("monotone: True: only a table can be: use policy_kind table")
         if self.gains and self.policy_kind != "table":
             raise UserError("gains: only a table sets them: use policy_kind table")
-        for name in self.gain_names:
-            if name not in GAIN_NAMES:
-                known = ", ".join(GAIN_NAMES)
-                raise UserError(f"gains: {name!r} is unknown; choose from {known}")
+        self._named_gains()
         if self.n_envs % 2:
             raise UserError(f"n_envs: {self.n_envs}: must be even")
         if 2 * self.machines > self.n_envs:
@@ -192,11 +214,22 @@ class TrainConfig:
             )
 
     @property
-    def gain_names(self) -> tuple[str, ...]:
-        """Names in ``gains``, in the order of every table."""
-        given = [name.strip() for name in self.gains.split(",") if name.strip()]
-        known = [name for name in GAIN_NAMES if name in given]
-        return (*known, *(name for name in given if name not in GAIN_NAMES))
+    def gain_ranges(self) -> dict[str, Gain]:
+        """Range of each of ``gains``, by name, in the order of every table."""
+        return {name: self._named_gains()[name] for name in ranks(self._named_gains())}
+
+    def _named_gains(self) -> dict[str, Gain]:
+        out: dict[str, Gain] = {}
+        for text in filter(None, (part.strip() for part in self.gains.split(","))):
+            name, *bounds = text.split(":")
+            if name not in DEFAULT:
+                raise UserError(f"gains: {name!r} is unknown; choose from {', '.join(DEFAULT)}")
+            try:
+                low, high = map(float, bounds or (DEFAULT[name].low, DEFAULT[name].high))
+            except ValueError:
+                raise UserError(f"gains: {text!r}; write {name}, or {name}:LOW:HIGH") from None
+            out[name] = GainGrid(name, np.zeros(1), low, high).range
+        return out
 
     def start_table(self, source: KsTable, motor: Motor, slew_per_s: float) -> KsTable:
         """Return the table training starts from: ``source`` on the axes of this run.
@@ -206,6 +239,8 @@ class TrainConfig:
         table = start_table(self.axes, self.start, source, motor, slew_per_s)
         kept = {g.gain: g for g in source.gains} if self.axes == "start" else {}
         zero = np.zeros(table.values.shape, dtype=np.float32)
-        names = self.gain_names
-        grids = tuple(kept[name] if name in kept else GainGrid(name, zero) for name in names)
+        grids = tuple(
+            kept[name] if name in kept else GainGrid(name, zero, x.low, x.high)
+            for name, x in self.gain_ranges.items()
+        )
         return replace(table, gains=grids)

@@ -1,15 +1,18 @@
 """Environments to train in: scenarios of the suite ``stress-1`` with the role ``train``."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 
 import numpy as np
 
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.blend_settings import Sampler
 from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.reward import RewardWeights
+from sensorless.envs.scenarios.finds import hard_scenarios
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.envs.scenarios.suites import ROLES
@@ -17,10 +20,33 @@ from sensorless.envs.several import SeveralMachines
 from sensorless.envs.window_reward import WindowWeights
 from sensorless.machine.motor import Motor
 
+OF_HARD = 100
+"""Added to the role for the draws that decide which scenarios are hard."""
+REPEATS = 10_000
+"""Indices from here on repeat the suite, so every number is moved."""
+
 
 def training_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     """Scenarios of the suite ``stress-1`` with the role ``train``."""
     return stress_1_scenarios(motor, combine(ROLES["train"], seeds))
+
+
+def with_hard(share: float) -> Sampler:
+    """Sampler of the same, but a ``share`` of them of the suite ``hard-train``, slightly moved."""
+
+    def draw(motor: Motor, seeds: Seeds) -> Scenarios:
+        usual, chance = training_scenarios(motor, seeds), combine(ROLES["train"] + OF_HARD, seeds)
+        rows = np.flatnonzero(chance < np.uint64(share * (2**64 - 2**11)))
+        if not len(rows):
+            return usual
+        repeats = REPEATS + (chance[rows] >> np.uint64(34)).astype(np.int64)
+        hard = hard_scenarios(motor, chance[rows], repeats, 1)
+        out = {f.name: getattr(usual, f.name).copy() for f in fields(usual)}
+        for name, values in out.items():
+            values[rows] = getattr(hard, name)
+        return Scenarios(**out)
+
+    return draw
 
 
 def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Motor]) -> SB3VecEnv:
@@ -29,10 +55,10 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
     Pairs are spread evenly over the machines; the first machines get what is left over.
     """
     share, more = divmod(config.n_envs // 2, len(motors))
-    names = config.gain_names
+    ranges = config.gain_ranges
     lost, angle = config.lost_penalty, config.angle_cost
     weights: RewardWeights | WindowWeights = RewardWeights(lost=lost, angle=angle)
-    if names:
+    if ranges:
         weights = WindowWeights(lost=lost, angle=angle, torque_ripple=config.ripple_cost)
     envs = [
         BlendVectorEnv(
@@ -41,9 +67,10 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
             motor=motor,
             design=design,
             decision_period=1e-3 * config.decision_ms,
-            scenarios=training_scenarios,
+            scenarios=with_hard(config.hard) if config.hard else training_scenarios,
             weights=weights,
-            gains=names,
+            gains=tuple(ranges),
+            gain_ranges=ranges,
         )
         for i, motor in enumerate(motors)
     ]

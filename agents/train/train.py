@@ -151,6 +151,7 @@ def new_model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
             "lr_nodes": config.lr_nodes,
             "smoothness": config.smoothness,
             "monotone": config.monotone,
+            "margin": config.margin,
         }
     else:
         actor = MlpActorCritic
@@ -168,6 +169,7 @@ def new_model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
         vf_coef=0.5 / VALUE_SCALE**2,
         use_sde=True,
         rollout_buffer_class=PairedRolloutBuffer,
+        rollout_buffer_kwargs={"outlier": config.outlier},
         seed=config.seed,
         device="cpu",
         policy_kwargs=kwargs,

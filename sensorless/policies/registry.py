@@ -150,6 +150,8 @@ def file_of(spec: str) -> Path:
     word, colon, text = spec.partition(":")
     if word.endswith(shipped.SUFFIX) and shipped.tuned_file(word).is_file() and not colon:
         return shipped.tuned_file(word)
+    if spec in shipped.learned_names():
+        return shipped.learned_file(spec)
     run = shipped.reference_run(spec)
     if run is not None:
         return run

@@ -9,6 +9,8 @@ FOLDER = Path(__file__).absolute().parents[1] / "reference"
 """``results/reference`` of the repository."""
 RUNS = {"reference": "", "reference-flux": "flux", "reference-smo": "sliding-mode"}
 """Learned schedules by name, and their folders within ``FOLDER``."""
+LEARNED = "learned"
+"""Folder of the policies of ``studies/learning_study.py`` within ``FOLDER``."""
 SUFFIX = "-tuned"
 
 
@@ -21,6 +23,16 @@ def reference_run(name: str = "reference") -> Path | None:
 def tuned_file(name: str) -> Path:
     """Path of a tuned rule, such as ``linear-tuned``; the file need not exist."""
     return FOLDER / "tuned" / f"{name}.json"
+
+
+def learned_names() -> list[str]:
+    """Names of the policies that ``studies/learning_study.py`` ships."""
+    return sorted(path.stem for path in (FOLDER / LEARNED).glob("*.json"))
+
+
+def learned_file(name: str) -> Path:
+    """Path of one of them: a table, or a tuned rule."""
+    return FOLDER / LEARNED / f"{name}.json"
 
 
 def tuned_names() -> list[str]:
@@ -50,6 +62,11 @@ def docs(own: Mapping[str, str | None]) -> dict[str, str]:
             f"{tuned.rule} with parameters found by CMA-ES in {budget:g} s simulated, "
             f"estimator={runs_on}"
         )
+    for name in learned_names():
+        kind, on, *what = name.split("-")
+        sets = "k_s and gains" if what == ["gains"] else "k_s"
+        how = "PPO from Eq. 25" if kind == "ppo" else "CMA-ES on a rule"
+        lines[name] = f"{sets} on the {on} drive by {how}, the best of five seeds"
     for name, where in RUNS.items():
         if reference_run(name) is not None:
             lines[name] = f"the schedule of {Path('results/reference', where)}, learned by PPO"

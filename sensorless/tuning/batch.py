@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
+from sensorless.core.gains import Values
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.evaluation.engines.engine import LOCAL, Engine
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.objective import Cost
 from sensorless.evaluation.rollout import Floats, rollout
-from sensorless.policy import Policy, Signals, decide
+from sensorless.policy import GainPolicy, Policy, Signals, decide, gains_of
 
 DRIVES = 512
 """Most drives simulated at once, roughly."""
@@ -23,7 +24,7 @@ DRIVES = 512
 class SideBySide:
     """Policies in blocks of n rows: rows i n to (i + 1) n - 1 belong to policy i.
 
-    All must bring the same settings.
+    All must bring the same settings and set the same gains.
     """
 
     name = "side by side"
@@ -32,9 +33,11 @@ class SideBySide:
 
     def __init__(self, policies: Sequence[Policy]) -> None:
         self.policies = policies
-        self.settings = policies[0].settings
+        self.settings, self.ranges = policies[0].settings, gains_of(policies[0])
         if any(policy.settings != self.settings for policy in policies):
             raise ValueError("policies on different drives")
+        if any(gains_of(policy) != self.ranges for policy in policies):
+            raise ValueError("policies with different gains")
         self._n = 0
 
     def reset(self, n: int) -> None:
@@ -49,10 +52,20 @@ class SideBySide:
 
     def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
         """Weights (n,); a policy that is not privileged does not see ``sims``."""
-        n = self._n
-        blocks = [slice(i * n, (i + 1) * n) for i in range(len(self.policies))]
-        parts = (decide(p, obs[b], sims[b]) for p, b in zip(self.policies, blocks, strict=True))
+        parts = (decide(p, obs[b], sims[b]) for p, b in self._blocks())
         return np.concatenate(list(parts))
+
+    def act_gains(self, obs: Signals) -> Values:
+        """Values of the gains (n, GAIN_N)."""
+        parts = []
+        for policy, rows in self._blocks():
+            assert isinstance(policy, GainPolicy)
+            parts.append(policy.act_gains(obs[rows]))
+        return np.concatenate(parts)
+
+    def _blocks(self) -> Iterator[tuple[Policy, slice]]:
+        n = self._n
+        return ((p, slice(i * n, (i + 1) * n)) for i, p in enumerate(self.policies))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ import pytest
 import torch
 from numpy.typing import NDArray
 
-from sensorless.agents.table.module import MARGIN, TableModule
+from sensorless.agents.table.module import TableModule
+from sensorless.agents.table.start import MARGIN
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.table.ks_table import Axis, KsTable
 

@@ -1,0 +1,224 @@
+"""Five seeds of PPO from Eq. 25 against tuned rules that may set the same numbers.
+
+    python studies/learning_study.py smo-gains
+    python studies/learning_study.py smo-gains --seeds 1 --budget 4000 --steps 500000 --size 100
+
+Trains, tunes, picks the best of each in validation, judges all on scenarios that none has seen,
+adds what it finds to the JSON file, and with --publish ships the best in results/reference/learned.
+What is in the work folder is not made again.
+"""
+
+import argparse
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rule_with_gains import SCHEDULED, STATIC, tune_with_gains, weighted
+
+from sensorless.agents.loading import load_run, load_table
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.train import train
+from sensorless.agents.validation import validate
+from sensorless.design.carried import record
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.machines import Machines
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import SuiteRows
+from sensorless.evaluation.evaluate import Scores, score
+from sensorless.files import write_atomic
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy, rule_named, table_named
+from sensorless.policies.shipped import FOLDER
+from sensorless.policy import Policy
+from sensorless.tuning.tune import tune
+from sensorless.versions import versions
+
+NAMES = ("torque_dev_rms", "torque_ripple_rms", "overshoot_excess_pct", "injection_share")
+JUDGED = {"stress-1": (11, 12), "mismatch": (11,), "low-inertia": (11,), "hard": (11,)}
+"""Suites, and the seeds of their scenarios."""
+RESAMPLES = 1000
+SHARED = {"outlier": 30.0, "smoothness": 1.0, "margin": 0.05, "average": 5}
+"""Settings of every training: against rare losses, for a coarse grid, and no dead zone."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One question to learning."""
+
+    estimator: str
+    train: Mapping[str, Any]
+    ripple_weight: float
+    """In validation, of schedules and of rules with gains"""
+    gains: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    """Rules that set gains too, by name: speeds of ``rule_with_gains``"""
+
+
+CASES = {
+    "smo-ks": Case(
+        "smo", {"axes": "speed:0:0.8:13,torque_current:-1.5:1.5:5,disagreement:-1.5:1.5:5"}, 1.0
+    ),
+    "smo-gains": Case(
+        "smo",
+        {
+            "gains": "observer,injection,l_q,amplitude:0.5:1.5",
+            "axes": "speed:0:0.5333333:9,torque_current:-1:1:3,disagreement:-1:1:3,"
+            "speed_error:-0.1:0.1:3",
+            "ripple_cost": 0.06,
+        },
+        4.0,
+        {"static": STATIC, "scheduled": SCHEDULED},
+    ),
+}
+
+
+def trained(
+    name: str, case: Case, seed: int, factory: SimFactory, work: Path, steps: int
+) -> Policy:
+    """Schedule of one seed of PPO from Eq. 25."""
+    run = work / f"{name}-seed-{seed}"
+    if not (run / "done").is_file():
+        config = TrainConfig(
+            **{**SHARED, **case.train, "ripple_weight": case.ripple_weight},
+            seed=seed, steps=steps, eval_freq=2_000_000, validate_size=2048,
+        )  # fmt: skip
+        train(config, factory.design, run, table_named("eq25", factory.motor))
+        write_atomic(run / "done", "")
+    return load_run(run, factory.motor)
+
+
+def tuned(
+    name: str, kind: str, case: Case, seed: int, factory: SimFactory, work: Path, budget: float
+) -> Policy:
+    """Rule of one seed of CMA-ES: ``kind`` is rule, or one of the gains of the case."""
+    motor, path = factory.motor, work / f"{name}-{kind}-{seed}.json"
+    if not path.is_file() and kind == "rule":
+        tune("logistic", motor, factory.design, budget, seed).save(path)
+    elif not path.is_file():
+        ranges = TrainConfig(**case.train).gain_ranges
+        start = rule_named("logistic").defaults()
+        given = factory, ranges, case.gains[kind], budget, seed, case.ripple_weight, start
+        table, value = tune_with_gains(*given)
+        origin = {**Machines.of(motor, 0, seed).origin(), **record(factory.design, motor)}
+        facts = {"rule": "logistic", "gains over speed": list(case.gains[kind]), "seed": seed}
+        table.save(path, {**origin, **facts, "budget_s": budget, "judged": value})
+    return make_policy(str(path), motor) if kind == "rule" else load_table(path, motor)
+
+
+def best(policies: Mapping[int, Policy], factory: SimFactory, weight: float, size: int) -> int:
+    """Seed of the policy with the least objective in validation."""
+    found = {s: weighted(validate(p, factory, size), weight) for s, p in policies.items()}
+    return min(found, key=lambda s: found[s])
+
+
+def contrast(ours: Sequence[Scores], theirs: Scores, name: str) -> dict[str, float]:
+    """Change of a mean [%], ours over theirs, with its 95 % interval over seeds and scenarios.
+
+    Means are over the scenarios that both survived; an interval resamples seeds and scenarios.
+    """
+    there = theirs.metrics[name]
+    both = [(s.lost == 0) & (theirs.lost == 0) & np.isfinite(there) for s in ours]
+    both = [b & np.isfinite(s.metrics[name]) for b, s in zip(both, ours, strict=True)]
+    a = np.array([np.where(b, s.metrics[name], 0.0) for b, s in zip(both, ours, strict=True)])
+    b = np.array([np.where(b, there, 0.0) for b in both])
+    rng = np.random.default_rng(len(there))
+    counts = rng.multinomial(len(there), np.full(len(there), 1.0 / len(there)), RESAMPLES)
+    seeds = rng.integers(len(ours), size=(RESAMPLES, len(ours)))
+    top, bottom = (np.take_along_axis(counts @ x.T, seeds, axis=1).sum(axis=1) for x in (a, b))
+    low, high = np.percentile(top / bottom, (2.5, 97.5))
+    change = float(a.sum() / b.sum())
+    return {k: round(100.0 * (x - 1.0), 2) for k, x in
+            {"change": change, "low": float(low), "high": float(high)}.items()}  # fmt: skip
+
+
+def row(s: Scores) -> dict[str, float]:
+    """Lost scenarios, and means over the survived ones."""
+    kept = s.lost == 0
+    means = {n: round(float(np.nanmean(s.metrics[n][kept])), 5) for n in NAMES}
+    return {"lost": int(np.sum(~kept)), "of": len(kept), **means}
+
+
+def judge(
+    policies: Mapping[str, Policy], agents: Sequence[str], factory: SimFactory, size: int
+) -> dict[str, Any]:
+    """Every policy on every suite, and the agents against each of the others."""
+    out: dict[str, Any] = {}
+    for suite, seeds in JUDGED.items():
+        for seed in seeds:
+            rows = SuiteRows(suite, factory.motor, seed, size)
+            found = {name: score(p, rows, factory) for name, p in policies.items()}
+            ours = [found[name] for name in agents]
+            against = {
+                name: {metric: contrast(ours, s, metric) for metric in NAMES}
+                for name, s in found.items()
+                if name not in agents
+            }
+            table = {name: row(s) for name, s in found.items()}
+            out[f"{suite}:{seed}"] = {"policies": table, "agents against": against}
+            print(f"{suite}:{seed}", json.dumps(out[f"{suite}:{seed}"], indent=1), flush=True)
+    return out
+
+
+def study(name: str, words: argparse.Namespace) -> dict[str, Any]:
+    """Train, tune, pick and judge one case."""
+    case = CASES[name]
+    factory = SimFactory(Motor.load("paper"), DriveDesign(estimator=case.estimator))
+    words.work.mkdir(parents=True, exist_ok=True)
+    agents = {s: trained(name, case, s, factory, words.work, words.steps) for s in words.seeds}
+    policies: dict[str, Policy] = {"eq25": make_policy("eq25", factory.motor)}
+    picked = {f"ppo-{name}": best(agents, factory, case.ripple_weight, words.validate)}
+    for kind in ("rule", *case.gains):
+        rules = {
+            s: tuned(name, kind, case, s, factory, words.work, words.budget) for s in words.seeds
+        }
+        weight = case.ripple_weight if kind != "rule" else 1.0
+        picked[kind] = best(rules, factory, weight, words.validate)
+        policies[kind] = rules[picked[kind]]
+    policies |= {f"ppo seed {s}": p for s, p in agents.items()}
+    found = judge(policies, [f"ppo seed {s}" for s in agents], factory, words.size)
+    asked = {"steps": words.steps, "budget_s": words.budget, "size": words.size}
+    return {**asked, "estimator": case.estimator, "train": {**SHARED, **case.train},
+            "best seed": picked, "judged": found, "versions": versions()}  # fmt: skip
+
+
+def publish(name: str, found: Mapping[str, Any], work: Path) -> None:
+    """Ship the best agent, the best tuned rule, and the better of the rules with gains."""
+    picked = dict(found["best seed"])
+    run = work / f"{name}-seed-{picked.pop(f'ppo-{name}')}"
+    source = {f"ppo-{name}": run / "table.json"}
+    stem = name.removesuffix("-ks").removesuffix("-gains")
+    kinds = [kind for kind in picked if kind != "rule"]
+    if kinds:
+        files = [work / f"{name}-{kind}-{picked[kind]}.json" for kind in kinds]
+        values = [json.loads(p.read_text(encoding="utf-8"))["provenance"]["judged"] for p in files]
+        source[f"tuned-{stem}-gains"] = files[int(np.argmin(values))]
+    else:
+        source[f"tuned-{stem}"] = work / f"{name}-rule-{picked['rule']}.json"
+    for policy, path in source.items():
+        write_atomic(FOLDER / "learned" / f"{policy}.json", path.read_text(encoding="utf-8"))
+
+
+def main() -> None:
+    """Run one case."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("case", choices=list(CASES))
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
+    parser.add_argument("--steps", type=int, default=12_000_000, help="decisions of a training")
+    parser.add_argument("--budget", type=float, default=60_000.0, help="simulated s of a tuning")
+    parser.add_argument("--validate", type=int, default=8192, help="scenarios to pick the best on")
+    parser.add_argument("--size", type=int, default=2000, help="scenarios of a suite to judge on")
+    parser.add_argument("--work", type=Path, default=Path("build/learning"))
+    parser.add_argument("--out", type=Path, default=Path("results/studies/learning.json"))
+    parser.add_argument("--publish", action="store_true", help="ship the best by their names")
+    words = parser.parse_args()
+    found = study(words.case, words)
+    known = json.loads(words.out.read_text(encoding="utf-8")) if words.out.is_file() else {}
+    write_atomic(words.out, json.dumps({**known, words.case: found}, indent=1) + "\n")
+    if words.publish:
+        publish(words.case, found, words.work)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,102 @@
+"""Logistic rule with gains of the drive, static or over speed, tuned together by CMA-ES.
+
+The strongest opponent of a schedule that learns gains: it may set the same ones in the same ranges.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensorless.baselines.logistic import RULE, logistic_table
+from sensorless.core.gains import GAIN_NAMES, Gain
+from sensorless.envs.counter_random import combine
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
+from sensorless.evaluation.objective import LOST_WEIGHT, Cost
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import Axis, GainGrid, KsTable
+from sensorless.tuning.batch import costs
+from sensorless.tuning.evolution import evolution
+
+AXES = (
+    Axis("speed", 0.0, 1.0, 17),
+    Axis("torque_current", -1.5, 1.5, 5),
+    Axis("disagreement", -1.0, 1.0, 3),
+)
+"""Grid of k_s and gains: the finest of three axes in which four gains have room."""
+STATIC, SCHEDULED = (0.0,), (0.1, 0.25, 0.5, 0.8)
+"""Speeds [rated] between which a gain is linear, constant outside."""
+SIGMA = 0.12
+"""First step of the search, over the range of each number."""
+CANDIDATE, CHECK, JUDGED = 64, 6, 1024
+"""Scenarios of a candidate, generations between two judgements, scenarios of a judgement."""
+
+Floats = NDArray[np.float64]
+
+
+def weighted(cost: Cost, ripple_weight: float) -> float:
+    """Objective with a weight of its own for ripple."""
+    lost, dev, ripple = astuple(cost)
+    return float(LOST_WEIGHT * lost + dev + ripple_weight * ripple)
+
+
+def table_of(x: Floats, ranges: Mapping[str, Gain], speeds: Sequence[float]) -> KsTable:
+    """Table of a point in the unit cube: the rule's numbers, then each gain at each speed."""
+    n = len(RULE.parameters)
+    values = {
+        p.name: p.search[0] + (p.search[1] - p.search[0]) * float(y)
+        for p, y in zip(RULE.parameters, x[:n], strict=True)
+    }
+    at = np.broadcast_to(AXES[0].nodes[:, None, None], [a.n for a in AXES])
+    names = [name for name in GAIN_NAMES if name in ranges]
+    grids = []
+    for name, y in zip(names, x[n:].reshape(-1, len(speeds)), strict=True):
+        limits = ranges[name].limits(1.0)
+        wanted = np.clip(2.0 * y - 1.0, limits["least"], limits["most"])
+        nodes = np.interp(at, speeds, wanted).astype(np.float32)
+        grids.append(GainGrid(name, nodes, ranges[name].low, ranges[name].high))
+    return KsTable(AXES, logistic_table(values, AXES).values, gains=tuple(grids))
+
+
+def tune_with_gains(
+    factory: SimFactory,
+    ranges: Mapping[str, Gain],
+    speeds: Sequence[float],
+    budget: float,
+    seed: int,
+    ripple_weight: float,
+    start: Mapping[str, float],
+) -> tuple[KsTable, float]:
+    """Best centre of the search within ``budget`` simulated seconds, and its value in judgement.
+
+    Parameters
+    ----------
+    start : mapping
+        The rule's numbers to begin with; all gains begin static.
+    """
+    motor = factory.motor
+    first = [
+        float(np.clip((start[p.name] - p.search[0]) / (p.search[1] - p.search[0]), 0.02, 0.98))
+        for p in RULE.parameters
+    ]
+    es = evolution(first + [0.5] * (len(ranges) * len(speeds)), SIGMA, seed)
+    judge = suite("stress-1", motor, seed, JUDGED, "tune")
+    best, least, used = table_of(np.array(es.x0), ranges, speeds), np.inf, 0.0
+    generation = 0
+    while used < budget:
+        points = es.ask()
+        drawn = suite("stress-1", motor, int(combine(seed, generation)[0]) >> 1, CANDIDATE, "tune")
+        tried = [TablePolicy("tried", table_of(x, ranges, speeds)) for x in points]
+        found, seconds = costs(tried, drawn, factory)
+        es.tell(points, [weighted(cost, ripple_weight) for cost in found])
+        used += seconds
+        generation += 1
+        if generation % CHECK == 0 or used >= budget:
+            centre = table_of(np.array(es.result.xfavorite), ranges, speeds)
+            (cost,), seconds = costs([TablePolicy("centre", centre)], judge, factory)
+            used += seconds
+            if weighted(cost, ripple_weight) < least:
+                best, least = centre, weighted(cost, ripple_weight)
+    return best, least
