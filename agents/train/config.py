@@ -228,7 +228,7 @@ class TrainConfig:
                 low, high = map(float, bounds or (DEFAULT[name].low, DEFAULT[name].high))
             except ValueError:
                 raise UserError(f"gains: {text!r}; write {name}, or {name}:LOW:HIGH") from None
-            out[name] = GainGrid(name, np.zeros(1), low, high).range
+            out[name] = GainGrid(name, np.zeros(1, dtype=np.float32), low, high).range
         return out
 
     def start_table(self, source: KsTable, motor: Motor, slew_per_s: float) -> KsTable:

@@ -9,7 +9,7 @@ from sensorless.agents.pairs import PairedRolloutBuffer, opposite, paired_seeds
 from sensorless.agents.table.kernel import NodeKernel
 from sensorless.agents.table.noise import NodeNoise
 from sensorless.agents.train.config import TrainConfig
-from sensorless.agents.train.env import training_env
+from sensorless.agents.train.env import training_env, training_scenarios, with_hard
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -37,11 +37,12 @@ def test_partners_explore_in_opposite_directions() -> None:
     assert opposite(torch.arange(2.0)).tolist() == [0.0, -0.0, 1.0, -1.0]
 
 
-def filled(rewards: np.ndarray, starts: np.ndarray) -> PairedRolloutBuffer:
+def filled(rewards: np.ndarray, starts: np.ndarray, outlier: float = 0.0) -> PairedRolloutBuffer:
     """Buffer with values 0, so that the advantage of a rollout is what it earned."""
     steps, n = rewards.shape
     box = spaces.Box(-1.0, 1.0, (1,))
-    buffer = PairedRolloutBuffer(steps, box, box, gae_lambda=1.0, gamma=1.0, n_envs=n)
+    buffer = PairedRolloutBuffer(steps, box, box, gae_lambda=1.0, gamma=1.0, n_envs=n,
+                                 outlier=outlier)  # fmt: skip
     buffer.rewards[:], buffer.episode_starts[:] = rewards, starts
     buffer.compute_returns_and_advantage(torch.zeros(n), np.zeros(n, dtype=bool))
     return buffer
@@ -54,6 +55,26 @@ def test_every_step_gets_half_of_what_the_rollout_earned_more_than_the_partners(
     expected = 0.5 * np.array([gain[0] - gain[1], gain[1] - gain[0],
                                gain[2] - gain[3], gain[3] - gain[2]])  # fmt: skip
     np.testing.assert_allclose(found, np.tile(expected, (5, 1)), rtol=1e-5)
+
+
+def test_one_lost_scenario_counts_a_few_times_the_usual_difference() -> None:
+    gain = np.ones((1, 400), dtype=np.float32)
+    gain[0, 1::2] = -1.0
+    gain[0, 7] = -2000.0
+    found = filled(gain, np.zeros((1, 400)), outlier=5.0).advantages[0]
+    np.testing.assert_allclose(np.delete(found, [6, 7]), np.delete(gain[0], [6, 7]), rtol=1e-6)
+    np.testing.assert_allclose(found[6:8], [5.0, -5.0], rtol=1e-3)
+
+
+def test_a_share_of_the_scenarios_is_hard_and_each_follows_from_its_seed() -> None:
+    motor, seeds = Motor.load("paper"), np.arange(600, dtype=np.uint64)
+    usual, mixed = training_scenarios(motor, seeds), with_hard(0.25)(motor, seeds)
+    hard = (usual.seed != mixed.seed) | (usual.t != mixed.t).any(axis=1)
+    assert 0.18 < hard.mean() < 0.32
+    one = with_hard(0.25)(motor, seeds[41:42])
+    assert np.array_equal(one.omega, mixed.omega[41:42]) and one.J[0] == mixed.J[41]
+    moved = mixed.omega[hard]
+    assert len(np.unique(moved, axis=0)) == len(moved), "none is repeated"
 
 
 def test_nothing_is_learned_from_a_pair_out_of_step() -> None:

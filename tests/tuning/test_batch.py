@@ -13,6 +13,8 @@ from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.rollout import rollout
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
+from sensorless.policy import TablePolicy
+from sensorless.table.ks_table import Axis, GainGrid, KsTable
 from sensorless.tuning.batch import SideBySide, costs
 
 MOTOR = Motor.load("paper")
@@ -57,3 +59,18 @@ def test_the_cost_is_that_of_an_evaluation() -> None:
         assert getattr(cost, name) == pytest.approx(wanted[key], rel=1e-6)
     parts = wanted["torque_dev_rms"] + wanted["torque_ripple_rms"]
     assert cost.objective == pytest.approx(10.0 * wanted["lost_rate"] + parts)
+
+
+def test_policies_with_gains_keep_their_own() -> None:
+    nodes = np.zeros((2,), dtype=np.float32)
+    tables = [
+        KsTable((Axis("speed", 0.2, 0.3, 2),), 1.0 - nodes, gains=(GainGrid("l_q", nodes + v),))
+        for v in (-0.5, 0.5)
+    ]
+    policies = [TablePolicy(f"{i}", table) for i, table in enumerate(tables)]
+    together = rollout(SideBySide(policies), SCENARIOS[np.tile(np.arange(3), 2)], FACTORY)
+    for i, policy in enumerate(policies):
+        alone = rollout(policy, SCENARIOS, FACTORY)
+        assert (together.sums[:, 3 * i : 3 * (i + 1)] == alone.sums).all()
+    with pytest.raises(ValueError, match="different gains"):
+        SideBySide([policies[0], make_policy("eq25", MOTOR)])

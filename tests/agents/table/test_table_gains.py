@@ -10,6 +10,7 @@ import torch
 from sensorless.agents.loading import load_run
 from sensorless.agents.table.policy import TableActorCritic
 from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.env import training_env
 from sensorless.agents.train.train import train
 from sensorless.core.api import SIGNAL_N
 from sensorless.design.drive import DriveDesign
@@ -79,6 +80,19 @@ def test_a_run_moves_gains_and_keeps_them(tmp_path: Path, motor: Motor) -> None:
     model = PPO.load(tmp_path / "run" / "checkpoints" / "latest.zip", device="cpu")
     moved = model.policy.actor.gains.detach()  # type: ignore[operator, union-attr]
     assert moved.abs().sum() > 0.0 and moved[1].max() <= 0.0
+
+
+def test_a_gain_may_have_a_range_of_its_own(motor: Motor) -> None:
+    config = TrainConfig(gains="amplitude:0.5:1.5, observer")
+    assert list(config.gain_ranges) == ["observer", "amplitude"]
+    table = config.start_table(table_named("eq25", motor), motor, 50.0)
+    assert [(g.low, g.high) for g in table.gains] == [(0.5, 2.0), (0.5, 1.5)]
+    assert training_env(config, DriveDesign(), [motor]).action_space.shape == (3,)
+    for words in ("amplitude:0.5", "amplitude:low:1.5"):
+        with pytest.raises(UserError, match="write amplitude, or amplitude:LOW:HIGH"):
+            TrainConfig(gains=words)
+    with pytest.raises(UserError, match="low"):
+        TrainConfig(gains="amplitude:1.2:1.5")
 
 
 def test_unknown_gains_are_refused() -> None:
