@@ -32,7 +32,7 @@ build/foreign_drive: $(HOOK) example/foreign_drive.c
 cortex_m4: build/cortex_m4.o
 build/cortex_m4.o: $(wildcard core/*.c) params.c ks_table_data.c example/cortex_m4.c
 	@mkdir -p $(@D)
-	@$(CROSS)gcc $(FLAGS) -O2 $(M4) $(WARNINGS) -r -nostdlib -o $@ $^
+	@$(CROSS)gcc $(FLAGS) $(CFLAGS) $(M4) $(WARNINGS) -r -nostdlib -o $@ $^
 
 build/%.o: %.c Makefile
 	@mkdir -p $(@D)

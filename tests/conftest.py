@@ -121,6 +121,13 @@ def brief(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures are made and their files written, but not drawn; tests of each kind draw one."""
+    for module in ("plots.figure", "report.motor_check"):
+        monkeypatch.setattr(f"sensorless.{module}.png", lambda made: b"\x89PNG, not drawn")
+
+
+@pytest.fixture
 def without_selftest(monkeypatch: pytest.MonkeyPatch) -> None:
     """Exports are written as where there is no compiler; the target runs their tests, or others."""
     monkeypatch.setattr(selftest, "find_compiler", lambda: None)

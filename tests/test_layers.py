@@ -129,6 +129,11 @@ def test_a_forbidden_import_is_found(module: str, source: str) -> None:
     assert len(forbidden(module, f"{text}\n{source}\n")) == 1
 
 
+def called(node: ast.expr) -> str:
+    """Name that an expression ends with, if it is one."""
+    return node.id if isinstance(node, ast.Name) else getattr(node, "attr", "")
+
+
 def private_names(source: str) -> set[str]:
     """Private functions, classes, variables and attributes that a file defines."""
     found = set()
@@ -137,8 +142,9 @@ def private_names(source: str) -> set[str]:
             found.add(node.name)
         elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
             found.add(node.id)
-        elif isinstance(node, ast.Attribute) and ast.unparse(node.value) == "self":
-            found.add(node.attr)
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            if node.value.id == "self":
+                found.add(node.attr)
     return {name for name in found if re.fullmatch("_[^_].*", name)}
 
 
@@ -147,16 +153,18 @@ PRIVATE = set().union(*(private_names(p.read_text(encoding="utf-8")) for p in FI
 
 def pried(source: str) -> list[str]:
     """Private names of the package that a file outside of it imports, reads or replaces."""
-    out, own = [], private_names(source)
+    out, others = [], PRIVATE - private_names(source)
     for node in parsed(source):
         names: list[object] = []
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sensorless."):
             names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.Attribute) and ast.unparse(node.value) not in ("self", "cls"):
+        elif isinstance(node, ast.Attribute) and (
+            not isinstance(node.value, ast.Name) or node.value.id not in ("self", "cls")
+        ):
             names = [node.attr]
-        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("setattr"):
+        elif isinstance(node, ast.Call) and called(node.func).endswith("setattr"):
             names = [arg.value for arg in node.args[1:2] if isinstance(arg, ast.Constant)]
-        out += [f"{ast.unparse(node)}: {name}" for name in names if name in PRIVATE - own]
+        out += [f"{ast.unparse(node)}: {name}" for name in names if name in others]
     return out
 
 

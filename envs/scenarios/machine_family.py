@@ -7,6 +7,7 @@ from ``RANGES``. A machine that contradicts itself is drawn again, see ``_object
 import hashlib
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -86,6 +87,7 @@ def family_digest(motors: tuple[Motor, ...]) -> str:
     return hashlib.sha256("".join(motor.digest for motor in motors).encode()).hexdigest()
 
 
+@lru_cache(maxsize=MOST_MACHINES)
 def member(seed: int, i: int) -> Motor:
     """Draw machine i alone."""
     for attempt in range(1000):

@@ -17,6 +17,7 @@ from sensorless.core.api import (
     sums_matrix,
 )
 from sensorless.core.gains import gain_records
+from sensorless.core.runs import Run
 from sensorless.decision import decision_periods, decision_time
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.evaluation.lock import LockWatch
@@ -100,15 +101,16 @@ def rollout(
     obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
     ranges = gains_of(policy)
     gains = gain_records(sims, ranges, decision_time(factory.motor)) if ranges else None
+    run = Run(sims, periods, obs, gains)
     policy.reset(n)
     sim_signals(sims, obs)
     for j in range(decisions):
-        k_s = np.ascontiguousarray(decide(policy, obs.copy(), sims), dtype=np.float32)
+        k_s = np.asarray(decide(policy, obs.copy(), sims), dtype=np.float32)
         if k_s.shape != (n,):
             raise ValueError(f"policy {policy.name}: weights of shape {k_s.shape}; return ({n},)")
         if gains is not None:
             decide_gains(policy, obs.copy(), gains)
-        sim_run(sims, periods, k_s, obs, gains)
+        run.decide(k_s)
         rows[j] = now
         if go_on:
             watch.look(sims)

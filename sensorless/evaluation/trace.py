@@ -9,12 +9,10 @@ from sensorless.core.api import (
     SIGNAL_N,
     TRACE_NAMES,
     Array,
-    lib,
     sim_set_gain,
-    sim_signals,
-    sim_trace,
 )
 from sensorless.core.gains import due, gain_records
+from sensorless.core.runs import Recording
 from sensorless.decision import decision_periods, decision_time
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
@@ -67,39 +65,31 @@ def trace(
         )
     sim["go_on"] = go_on
     obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
-    sim_signals(sim, obs)
+    run = Recording(sim, obs)
     policy.reset(1)
-    rows, own = [], []
+    own, counts = [], []
     periods, ranges = decision_periods(motor), gains_of(policy)
     gains = gain_records(sim, ranges, decision_time(motor))
-    while (go_on or sim["lost"][0] == 0) and sim["k"][0] < sim["k_end"][0]:
+    while (go_on or not run.lost) and not run.at_end:
         k_s = float(decide(policy, obs.copy(), sim)[0])
         if ranges:
             decide_gains(policy, obs.copy(), gains)
             for period in range(periods):
                 for g in due(period, periods, len(ranges)):
                     sim_set_gain(sim, gains, g)
-                rows.append(sim_trace(sim, 1, k_s))
-                own.append(_own(sim))
+                counts.append(run.advance(1, k_s))
+                own.append(run.status())
         else:
-            rows.append(sim_trace(sim, periods, k_s))
-            own.append(_own(sim))
-        sim_signals(sim, obs)
-    table = np.concatenate(rows)
+            counts.append(run.advance(periods, k_s))
+            own.append(run.status())
+    table = run.rows
     out = {name: table[:, j] for j, name in enumerate(TRACE_NAMES)}
-    of_rows = np.repeat(np.array(own), [len(part) for part in rows], axis=0)
+    of_rows = np.repeat(np.array(own), counts, axis=0)
     out["lost"] = np.full(len(table), sim["lost"][0])
     out["judged"] = np.arange(len(table)) >= (sim["k_lost"][0] or len(table))
     out["alarm"], out["recovering"] = of_rows[:, 0] != 0, of_rows[:, 1] != 0
     out["fault"] = of_rows[:, 2]
     return out
-
-
-def _own(sim: Array) -> tuple[bool, bool, int]:
-    """Whether the drive has an alarm, whether it is out of control after one, its fault bits."""
-    x = sim["drive"]["x"][0]
-    out = x["start"]["phase"] != lib.START_DONE and x["fault"] & lib.FAULT_LOCK != 0
-    return bool(x["lock"]["alarm"] != 0), bool(out), int(x["fault"])
 
 
 def lost_cause(t: Trace) -> str | None:

@@ -3,6 +3,8 @@
 Checksums, check and lookup run the code of ``core/drive/ks_table.c``.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,14 +36,19 @@ def check(header: Array, values: Array, motor_hash: int = 0) -> int:
 
 def lookup(header: Array, values: Array, obs: NDArray[np.float32]) -> NDArray[np.float32]:
     """k_s (n,) at contiguous signals (n, SIGNAL_N); header and values have passed ``check``."""
-    out = np.empty(len(obs), dtype=np.float32)
-    if len(obs):
-        lib.ks_table_eval_many(
-            pointer(header, "ks_table_t[]"),
-            pointer(values, "char[]"),
-            pointer(obs, "float[]"),
-            pointer(out, "float[]"),
-            len(obs),
-            SIGNAL_N,
-        )
-    return out
+    return bound(header, values)(obs)
+
+
+def bound(header: Array, values: Array) -> Callable[[NDArray[np.float32]], NDArray[np.float32]]:
+    """`lookup` in one table, again and again."""
+    table, nodes = pointer(header, "ks_table_t[]"), pointer(values, "char[]")
+
+    def at(obs: NDArray[np.float32]) -> NDArray[np.float32]:
+        n = len(obs)
+        out = np.empty(n, dtype=np.float32)
+        if n:
+            there, into = pointer(obs, "float[]"), pointer(out, "float[]")
+            lib.ks_table_eval_many(table, nodes, there, into, n, SIGNAL_N)
+        return out
+
+    return at

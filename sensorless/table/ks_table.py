@@ -5,7 +5,7 @@ Lookup, check and checksum run the code of ``core/drive/ks_table.c``; there is n
 
 import hashlib
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -21,7 +21,7 @@ from sensorless.files import reason, write_atomic
 from sensorless.table import gain_image
 from sensorless.table.axis import MAX_NODES, Axis, decimal, float32_in
 from sensorless.table.gain_grid import GainGrid, checked_grids
-from sensorless.table.image import check, lookup, seal
+from sensorless.table.image import bound, check, seal
 from sensorless.table.json_form import check_crc, content, from_text, to_text
 
 __all__ = ["Axis", "GainGrid", "KsTable", "ValueFormat"]
@@ -81,7 +81,7 @@ class KsTable:
 
     def evaluate(self, obs: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return k_s (n,) at signals (n, SIGNAL_N), looked up by the firmware's code."""
-        return lookup(*self._image, _rows(obs))
+        return self._lookup(_rows(obs))
 
     def evaluate_gains(self, obs: NDArray[np.float32]) -> Values:
         """Return values of the gains (n, GAIN_N) at signals (n, SIGNAL_N); the table has some."""
@@ -107,6 +107,14 @@ class KsTable:
             gain_image.record(self.gains, self._image[0], "f32", 1e-3),  # a lookup needs no time
             gain_image.stored(self.gains, "f32"),
         )
+
+    @cached_property
+    def _lookup(self) -> Callable[[NDArray[np.float32]], NDArray[np.float32]]:
+        return bound(*self._image)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy in another process needs: no pointers."""
+        return {name: x for name, x in vars(self).items() if not name.startswith("_")}
 
     @cached_property
     def _image(self) -> tuple[Array, Array]:

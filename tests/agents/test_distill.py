@@ -77,6 +77,7 @@ def test_roughness_knows_lines_from_bends() -> None:
     assert bend @ matrix @ bend > 1.0
 
 
+@pytest.mark.usefixtures("brief")
 def test_a_table_follows_the_network_and_says_how_far() -> None:
     net, rounds = teacher(), []
     fine = (Axis("speed", 0.0, 1.2, 37), Axis("torque_current", -1.5, 1.5, 13))

@@ -17,7 +17,7 @@ from sensorless.machine.motor import MOTORS, Motor
 from sensorless.observers.tracking import LEAST_DEAD_TIME
 
 PAPER = Motor.load("paper")
-MACHINES = [*(Motor.load(path.stem) for path in sorted(MOTORS.glob("*.toml"))), *family(9, 16)]
+MACHINES = [*(Motor.load(path.stem) for path in sorted(MOTORS.glob("*.toml"))), *family(1, 16)]
 PAGE = Path(__file__).parents[2] / "docs/gains.md"
 
 

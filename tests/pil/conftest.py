@@ -3,7 +3,9 @@
 import hashlib
 import shutil
 import subprocess
+import tempfile
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -43,17 +45,26 @@ def kept_objects(
     """``build`` that takes objects of earlier images where the same sources are compiled again."""
     kept = tmp_path_factory.mktemp("objects")
 
+    @cache
+    def around(exported: Path) -> list[Path]:
+        """Objects of what is not the core: numbers, and the loop around it; compiled once."""
+        names = ("params.c", "ks_table_data.c", "ks_table_q15.c", "test/faults.c")
+        own = [exported / name for name in names]
+        own += [FIRMWARE / f"{name}.c" for name in ("pil", "pil_stages", "port_host")]
+        include = [f"-I{path}" for path in (exported, exported / "core", exported / "test")]
+        place = Path(tempfile.mkdtemp(dir=kept))
+        words = ["cc", *flags(FIRMWARE / "Makefile", "BITS", "WARNINGS"), "-O0", *include]
+        words += [f"-I{FIRMWARE}", "-c", *map(str, own)]
+        subprocess.run(words, cwd=place, check=True)
+        return sorted(place.glob("*.o"))
+
     def host(exported: Path, folder: Path, level: str, cc: str) -> Path:
         """As the makefile does it; ``test_bad_inputs`` has one that the makefile builds."""
         how = [cc, *flags(FIRMWARE / "Makefile", "BITS", "WARNINGS"), *level.split()]
         core = core_objects.of(exported / "core", how)
         assert not isinstance(core, Failed), core.stderr
-        names = ("params.c", "ks_table_data.c", "ks_table_q15.c", "test/faults.c")
-        own = [exported / name for name in names]
-        own += [FIRMWARE / f"{name}.c" for name in ("pil", "pil_stages", "port_host")]
-        include = [f"-I{path}" for path in (exported, exported / "core", exported / "test")]
         folder.mkdir()
-        words = [*how, *include, f"-I{FIRMWARE}", *map(str, [*own, *core])]
+        words = [*how, *map(str, [*around(exported), *core])]
         subprocess.run([*words, "-o", str(folder / "host")], check=True)
         return folder / "host"
 

@@ -10,6 +10,7 @@ from rich.console import Console
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
+from sensorless.pil import scenarios
 from sensorless.pil.pil import Report, passed, pil
 from sensorless.pil.report import table as report_table
 from sensorless.pil.report import write_report
@@ -71,7 +72,10 @@ def test_the_report_can_be_read(report: Report, tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("target", "without_selftest")
-def test_three_axes_stay_within_130_instructions(motor: Motor) -> None:
+def test_three_axes_stay_within_130_instructions(
+    motor: Motor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(scenarios, "DURATION", 0.5)
     axes = (
         Axis("speed", 0.0, 0.5, 5),
         Axis("torque_current", -1.5, 1.5, 4),

@@ -14,6 +14,7 @@ from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.export.export import table_of
 from sensorless.machine.motor import Motor
+from sensorless.pil import scenarios
 from sensorless.policies.registry import make_policy, table_named
 
 START = table_named("eq25", Motor.load("paper"))
@@ -23,8 +24,11 @@ SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, val
 
 @pytest.mark.usefixtures("target", "brief", "without_selftest")
 @pytest.mark.parametrize("estimator", ["smo", "flux"])
-def test_a_trained_table_runs_on_the_target(estimator: str, tmp_path: Path) -> None:
+def test_a_trained_table_runs_on_the_target(
+    estimator: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """With the estimator it was trained on: no ``--set`` here; the default one is in test_pil."""
+    monkeypatch.setattr(scenarios, "DURATION", 0.8)
     run, out = tmp_path / "run", tmp_path / "pil.json"
     train(replace(SMALL, lr_nodes=0.05), DriveDesign(estimator=estimator), run, START)
     answer = CliRunner().invoke(app, ["pil", str(run), "--out", str(out)])

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.scenarios.machine_family import family
+from sensorless.envs.scenarios.machine_family import member
 from sensorless.report.motor_check import LOST, QuickRun, check, judged
 from sensorless.suitability.finding import LIMIT, NO
 
@@ -31,7 +31,7 @@ def test_what_the_quick_run_finds(
 
 def test_trips_ask_for_a_shorter_period() -> None:
     """The family's machine of 20 PWM periods a turn loses only by the current limit."""
-    coarse = family(5, 12)[11]
+    coarse = member(5, 11)
     run = check(coarse, DriveDesign(), 16).run
     assert run is not None and run.lost > LOST[0] and run.tripped == 1.0
     assert "shorter T_s" in judged(run)[-1].text

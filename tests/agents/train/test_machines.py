@@ -128,6 +128,7 @@ def test_a_run_goes_on_with_its_own_machines(
     assert "of 9 scenarios of stress-1" in judge(folder), "three a machine, of eight asked for"
     ranges = {**machine_family.RANGES, "x_d": machine_family.Range(0.25, 0.4, "another family")}
     monkeypatch.setattr(machine_family, "RANGES", ranges)
+    monkeypatch.setattr(machine_family, "member", machine_family.member.__wrapped__)  # drawn anew
     with pytest.raises(
         UserError, match=r"resume: .* digest .*; it cannot continue on '3 machines of"
     ):

@@ -5,7 +5,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sensorless.core.api import CONTROL, SIGNAL_N, Array, ffi, lib, pointer, sim_run, sim_signals
+from sensorless.core.api import (
+    CONTROL,
+    SIGNAL_N,
+    SIM,
+    Array,
+    ffi,
+    lib,
+    pointer,
+    sim_run,
+    sim_signals,
+)
 from sensorless.core.gains import GAIN_NAMES, due, gain_records
 from sensorless.decision import decision_periods, decision_time
 from sensorless.design.drive import DriveDesign
@@ -76,10 +86,13 @@ def test_a_run_and_the_firmware_agree_to_the_bit(motor: Motor, estimator: str) -
     schedules = [Firmware(t, c, periods, decision_time(motor)) for c in sims["control"]]
     obs = np.zeros((6, SIGNAL_N), dtype=np.float32)
     total = np.zeros_like(sims["sums"]["tau"])
+    at, size = SIM.fields["control"][1], SIM["control"].itemsize  # type: ignore[index]
+    control = sims.view(np.uint8).reshape(6, -1)[:, at : at + size].view(np.uint32)
     for _ in range(int(sims["k_end"].max())):
         signals = sims["drive"]["x"]["signal"]
         k_s = np.array([s.step(signals[i]) for i, s in enumerate(schedules)], np.float32)
-        sims["control"] = np.concatenate([s.live for s in schedules])
+        for words, s in zip(control, schedules, strict=True):
+            words[:] = s.live.view(np.uint32)
         sim_run(sims, 1, k_s, obs, plain=True)
         total += sims["sums"]["dev_sq"]
     assert sims["control"]["L_q"]["y"].std() > 0.0
@@ -123,8 +136,6 @@ def firmware(motor: Motor) -> Firmware:
 
 
 def signals_at(speed: float, motor: Motor) -> Array:
-    from sensorless.core.api import SIM
-
     x = np.zeros(1, dtype=SIM["drive"]["x"]["signal"])
     x["omega"] = speed * motor.omega_rated
     return x

@@ -32,6 +32,8 @@ def cluster() -> Iterator[Any]:
         patch.setenv("RAY_AUTH_MODE", "token")
         patch.setenv("RAY_AUTH_TOKEN", "0123456789abcdef" * 4)
         patch.setenv("RAY_USAGE_STATS_ENABLED", "0")
+        for name in ("prestart_worker_first_driver", "enable_worker_prestart"):
+            patch.setenv(f"RAY_{name}", "0")  # no worker that none of these tests needs
         try:
             from ray.cluster_utils import Cluster
         except ImportError:
