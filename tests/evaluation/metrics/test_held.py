@@ -136,7 +136,7 @@ def test_the_limit_cycle_of_half_the_inertia_is_found() -> None:
 
 def test_ordinary_scenarios_hold() -> None:
     factory = SimFactory(MOTOR, DriveDesign())
-    scenarios = suite("stress-1", MOTOR, 11, 256)
+    scenarios = suite("stress-1", MOTOR, 11, 128)
     for policy in ("eq25", "sensored"):
         r = rollout(make_policy(policy, MOTOR), scenarios, factory)
         assert not not_held(r)[r.lost == 0].any()
