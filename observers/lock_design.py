@@ -9,6 +9,7 @@ from typing import Any
 from sensorless.core.api import lib
 from sensorless.machine.motor import Motor
 from sensorless.observers.injection_signal import dead_time_voltage
+from sensorless.observers.tracking import rated_acceleration
 
 ACTIONS = {name: getattr(lib, f"LOCK_{name.upper()}") for name in ("report", "restart", "stop")}
 """Numbers of the C core by the name that the setting ``lost_lock`` takes."""
@@ -24,10 +25,11 @@ SPEED_LAG = 0.15
 with the slowest of the estimators."""
 LEFT_DEAD_TIME, LEFT_RESISTANCE = 0.75, 0.5
 """Voltage that the model lacks: of the dead time's, and of the resistive one at rated current."""
-ERROR_SHARE = 0.5
-"""Mean square of the injection's error signal over the square of its largest value."""
-NEVER = 1e30
-"""Threshold that no error signal reaches."""
+SPEED_SHARE = 4.0
+"""Largest acceleration of a shaft, over the rated one: rated torque with a rated load, on half the
+inertia."""
+SLIP = math.pi / 3.0 / (4.0 * TAU)
+"""Speed [rad/s] at which an estimate slips by 60 degrees in four time constants of the low-pass."""
 CURRENT_SHARE = 0.1
 """Distance of the torque current from its reference, over rated current, beyond what the slope of
 the reference makes."""
@@ -42,7 +44,7 @@ its reference when a drive has taken control."""
 
 
 def design_lock(
-    motor: Motor, *, action: str, loop: bool, bias: float, speed_hz: float, current_hz: float
+    motor: Motor, *, action: str, bias: float, speed_hz: float, current_hz: float
 ) -> dict[str, Any]:
     """Fields of ``lock_params_t``.
 
@@ -50,9 +52,6 @@ def design_lock(
     ----------
     action : str
         Key of ``ACTIONS``.
-    loop : bool
-        Injection has a loop of its own, which brings its error signal to zero. In the coupled
-        observer the flux leads, an error of the injection stays, and INJECTION cannot fail.
     bias : float
         Observer's q inductance over the apparent one.
     speed_hz, current_hz : float
@@ -64,7 +63,6 @@ def design_lock(
     emf = motor.omega_rated * motor.psi_f
     unknown = LEFT_DEAD_TIME * dead_time_voltage(motor)
     unknown += LEFT_RESISTANCE * motor.R_s * motor.i_rated
-    largest = (motor.L_q - motor.L_d) / (motor.L_q + motor.L_d)
     lag = 2.0 * speed_hz / current_hz
     return {
         "alpha": -math.expm1(-step / TAU),
@@ -73,7 +71,7 @@ def design_lock(
         "L_q_true": 1.0 / bias,
         "e_share": ANGLE_SHARE,
         "e_floor": SPEED_LAG * emf + unknown,
-        "err_sq": ERROR_SHARE * largest**2 if loop else NEVER,
+        "jump": SPEED_SHARE * rated_acceleration(motor) * TAU + SLIP,
         "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
         "n": n,
         "n_alarm": max(1, round(ALARM / step)),

@@ -22,6 +22,9 @@ EMF_LOW_PASS = 0.2
 FLY_SHARE = 0.25
 """EMF, over its rated value, above which the shaft counts as spinning. Above it, the EMF turns by
 several times its noise while it is watched; below it, the injection estimator still locks in."""
+POLE_SPEED = 0.08
+"""Speed, over rated, above which the EMF shows the pole: several times the error of the injection
+estimator's speed at the end of LOCK."""
 PULSE_SHARE = 0.8
 """Largest pulse voltage, over the largest that the DC link allows."""
 POLE_SHARE = 0.08
@@ -33,6 +36,7 @@ TIMES = {
     "mark": 3e-3,
     "catch": 7e-3,
     "fly": 16e-3,
+    "again": 8e-3,
     "scan": 2e-3,
     "lock": 8e-3,
     "rest": 1.2e-3,
@@ -107,6 +111,7 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
         "alpha_e": EMF_LOW_PASS,
         "e_lag": (1.0 - EMF_LOW_PASS) / EMF_LOW_PASS,
         "e_fly": FLY_SHARE * motor.omega_rated * motor.psi_f,
+        "omega_pole": POLE_SPEED * motor.omega_rated,
         "inv_t_turn": 1.0 / ((n["catch"] - n["mark"]) * motor.T_s),
         "u_pulse": volt_seconds / (n_pulse * motor.T_s),
         "i_pole": difference,
@@ -116,6 +121,7 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
         "n_catch_mark": n["mark"],
         "n_catch": n["catch"],
         "n_fly": n["fly"],
+        "n_again": n["again"],
         "n_scan": n["scan"],
         "n_lock": n["lock"],
         "n_rest": n["rest"],

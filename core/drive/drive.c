@@ -62,8 +62,8 @@ static void control_clear(control_state_t *x) {
     x->u_max = 1.0f;
 }
 
-static void lock_clear(const lock_params_t *p, lock_state_t *x) {
-    lock_begin(p, x, 0.0f);
+static void lock_clear(const lock_params_t *p, lock_state_t *x, float omega) {
+    lock_begin(p, x, omega);
     x->wait = LOCK_FIRST; /* a schedule decides in the first period and every n */
     x->calm = 0;
     x->restarts = 0;
@@ -96,7 +96,7 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
     coupled_clear(&x->coupled);
     control_clear(&x->control);
     signals_clear(&x->signal);
-    lock_clear(&p->lock, &x->lock);
+    lock_clear(&p->lock, &x->lock, omega);
     x->u_1.a = 0.0f;
     x->u_1.b = 0.0f;
     x->u_2.a = 0.0f;
@@ -124,8 +124,11 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
 
 CORE_COLD ab_t drive_mend(const drive_params_t *p, drive_state_t *x) {
     int fault = x->fault & FAULT_ALL; /* the word itself may be damaged */
+    int stopped = x->start.phase == START_STOPPED || (fault & FAULT_STOPPED) != 0;
+    int stop = p->lock.action == LOCK_STOP || stopped;
     drive_init(p, x, 0.0f, 0.0f, 1.0f);
-    x->fault = fault | FAULT_STATE;
+    x->fault = fault | FAULT_STATE | (stop ? FAULT_STOPPED : 0);
     drive_find_rotor(x);
+    x->start.phase = stop ? START_STOPPED : x->start.phase;
     return x->u_1;
 }

@@ -19,7 +19,8 @@
 extern "C" {
 #endif
 
-/* No voltage and a new start in the place of a damaged state: FAULT_STATE. */
+/* No voltage and a new start in the place of a damaged state: FAULT_STATE. A drive that stops when
+ * it loses lock, or has stopped, does not start: FAULT_STOPPED too. */
 ab_t drive_mend(const drive_params_t *p, drive_state_t *x);
 
 #ifdef __cplusplus

@@ -26,6 +26,9 @@ CORE_COLD void drive_find_again(drive_state_t *x) {
     x->smo.z.b = 0.0f;
     x->emf.e.a = 0.0f;
     x->emf.e.b = 0.0f;
+    x->control.u_int.d = 0.0f; /* of the wrong frame: they would kick when control goes on */
+    x->control.u_int.q = 0.0f;
+    x->control.i_d_fw = 0.0f;
 }
 
 /* Hands over to control; both estimators continue from the estimate for k+1. */
@@ -41,7 +44,7 @@ CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimat
     /* Again: as at the reference without load, so torque acts on the whole error of the speed. It
      * rises from zero with the slope of its reference. */
     control_ready(&p->control, &x->control, x->start.again != 0 ? omega_ref : next.omega);
-    lock_begin(&p->lock, &x->lock, 0.0f);
+    lock_begin(&p->lock, &x->lock, next.omega);
     start_enter(&x->start, START_DONE);
 }
 
@@ -83,7 +86,7 @@ CORE_COLD static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive
     see_emf(p, x, i_ab, x->est.omega);
     ab_t u = drive_hold(p, x, in, i_ab, x->est);
     x->start.n += 1;
-    if (x->start.n >= p->start.n_fly) {
+    if (x->start.n >= (x->start.again != 0 ? p->start.n_again : p->start.n_fly)) {
         estimate_t next = {x->emf.pll.theta, x->emf.pll.omega};
         release(p, x, next, i_ab, in->omega_ref);
     }
@@ -93,13 +96,13 @@ CORE_COLD static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive
 /* Decides at the end of CATCH whether the shaft spins. */
 CORE_COLD static void watch_emf(const drive_params_t *p, drive_state_t *x) {
     start_state_t *s = &x->start;
-    if (s->n == p->start.n_catch_mark) {
-        s->e_mark = s->e_f;
+    if (s->n > p->start.n_catch_mark) {
+        start_turn(&p->start, s);
     }
+    s->e_mark = s->e_f;
     if (s->n < p->start.n_catch) {
         return;
     }
-    s->omega = start_speed(&p->start, s);
     if (norm_ab(s->e_f) >= p->start.e_fly) {
         enter_fly(p, x);
     } else {
@@ -122,6 +125,19 @@ CORE_COLD static float emf_speed(const drive_params_t *p, const drive_state_t *x
     rot_t r = unit(x->hfi.pll.theta);
     float omega = (r.c * x->start.e_f.b - r.s * x->start.e_f.a) / p->control.psi_f;
     return bound_f(omega, p->hfi.pll.omega_max);
+}
+
+/* Whether the shaft turns fast enough for its EMF to show the pole, without pulses: a speed by EMF
+ * against that of the injection estimator means south. */
+CORE_COLD static int know_pole(const drive_params_t *p, drive_state_t *x) {
+    float by_emf = emf_speed(p, x);
+    float turns = x->hfi.pll.omega;
+    if (abs_f(by_emf) < p->start.omega_pole || abs_f(turns) < 0.5f * abs_f(by_emf)) {
+        return 0;
+    }
+    int south = by_emf * turns < 0.0f;
+    x->hfi.pll.theta = wrap_pi(x->hfi.pll.theta + (south ? PI_F : 0.0f));
+    return 1;
 }
 
 /* Without injection, the angle continues at the last speed. The sign of the EMF depends on the
@@ -205,6 +221,13 @@ CORE_COLD static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t 
     return output(p, x, u, axis, sign, i_ab, u_dc);
 }
 
+/* Hands over at the angle of the injection estimator and the speed of the EMF. */
+CORE_COLD static void take_over(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
+                                float omega_ref) {
+    estimate_t next = {x->hfi.pll.theta, emf_speed(p, x)};
+    release(p, x, next, i_ab, omega_ref);
+}
+
 /* Enters the next phase when the present one has had its periods. */
 CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
                                 float omega_ref) {
@@ -220,12 +243,15 @@ CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t 
     } else if (s->phase == START_SCAN && s->n >= 2 * q->n_scan + 2) {
         enter_lock(p, x);
     } else if (s->phase == START_LOCK && s->n >= q->n_lock) {
-        enter_pole(p, x);
+        if (s->again != 0 && know_pole(p, x)) {
+            take_over(p, x, i_ab, omega_ref);
+        } else {
+            enter_pole(p, x);
+        }
     } else if (s->phase == START_POLE && s->n >= 2 * (q->n_rest + 2 * q->n_pulse)) {
         judge_pole(p, x);
     } else if (s->phase == START_SETTLE && s->n >= q->n_lock) {
-        estimate_t next = {x->hfi.pll.theta, emf_speed(p, x)};
-        release(p, x, next, i_ab, omega_ref);
+        take_over(p, x, i_ab, omega_ref);
     }
 }
 

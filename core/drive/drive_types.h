@@ -25,7 +25,7 @@ enum {
     FAULT_POLE = 8,          /* the start sequence was not sure of the north pole */
     FAULT_OVER_CURRENT = 16, /* the current vector was beyond the limit: open the bridge */
     FAULT_LOCK = 32,    /* the estimate is not the rotor's; lock.reason has the tests that failed */
-    FAULT_STOPPED = 64, /* no voltage any more after lost lock: start again with drive_init */
+    FAULT_STOPPED = 64, /* no voltage any more, lost lock or state: start again with drive_init */
     FAULT_STATE = 128, /* the state was damaged: the drive started anew, without voltage at first */
     FAULT_ALL = 255    /* all of these */
 };

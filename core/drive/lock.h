@@ -1,13 +1,13 @@
 /* Tells that the estimate is no longer the rotor's: three tests on what a drive knows of itself.
  *
- *   EMF        the q voltage without resistive drop and change of flux is omega psi_d at the true
- *              angle. r = u_q - R_s i_q - L_q d i_q/dt - omega psi_d, low-passed, stays small next
- *              to the EMF of the auxiliary flux; an angle error delta adds
- *              (cos(delta) - 1) omega psi_a, an EMF that is missing or unexpected all of it
- *   INJECTION  the error signal of a loop in lock is noise around zero; its mean square tells a
- *              loop that slips or sweeps
- *   CURRENT    in a frame that is not the rotor's the EMF turns, and the torque current misses its
- *              reference
+ *   EMF      the q voltage without resistive drop and change of flux is omega psi_d at the true
+ *            angle. r = u_q - R_s i_q - L_q d i_q/dt - omega psi_d, low-passed, stays small next
+ *            to the EMF of the auxiliary flux; an angle error delta adds
+ *            (cos(delta) - 1) omega psi_a, an EMF that is missing or unexpected all of it
+ *   SPEED    an estimate that slips moves faster than torque and load can move the shaft: the
+ *            estimated speed leaves its own low-pass
+ *   CURRENT  in a frame that is not the rotor's the EMF turns, and the torque current misses its
+ *            reference
  *
  * An evaluation every n periods, in two parts in two periods in a row, neither of them the one in
  * which a schedule decides. Thresholds and reasons: docs/lock.md.
@@ -20,7 +20,7 @@
 #include "frames.h"
 
 /* Bits of lock_state_t.reason: the tests that failed. */
-enum { LOCK_EMF = 1, LOCK_INJECTION = 2, LOCK_CURRENT = 4 };
+enum { LOCK_EMF = 1, LOCK_SPEED = 2, LOCK_CURRENT = 4 };
 
 /* What a drive does about it: lock_params_t.action. */
 enum {
@@ -36,7 +36,7 @@ typedef struct {
     float L_q_true;  /* apparent q inductance over that of the observer */
     float e_share;   /* EMF: residual over the EMF of the auxiliary flux beyond which it fails */
     float e_floor;   /* beyond this residual in addition [V] */
-    float err_sq;    /* INJECTION: mean square of the error signal beyond which it fails */
+    float jump;      /* SPEED: distance from the low-pass beyond which it fails [rad/s] */
     float i_off;     /* CURRENT: mean distance from the reference beyond which it fails [A] */
     int32_t n;       /* periods from one evaluation to the next, at least 2 */
     int32_t n_alarm; /* evaluations from the first failed one to an alarm, if the last failed too */
@@ -52,7 +52,7 @@ typedef struct {
     float i_q;        /* torque current at the last evaluation [A] */
     float residual;   /* low-passed r [V] */
     float emf;        /* low-passed magnitude of the auxiliary flux's EMF [V] */
-    float err_sq;     /* mean square of the injection's error signal */
+    float omega;      /* low-passed estimated speed [rad/s] */
     float i_off;      /* mean distance of the torque current from its reference [A] */
     int32_t wait;     /* periods until the second part; the first comes at 1 */
     int32_t bad;      /* evaluations since the first failed one, 0 without; see LOCK_GRACE */
@@ -80,12 +80,12 @@ typedef struct {
     float psi_a; /* auxiliary flux on the d axis [Vs] */
 } lock_in_t;
 
-/* Nothing seen yet, for a drive that takes control with torque current i_q [A]. */
-CORE_INLINE void lock_begin(const lock_params_t *p, lock_state_t *x, float i_q) {
-    x->i_q = i_q;
+/* Nothing seen yet, for a drive that takes control without torque at speed omega [rad/s]. */
+CORE_INLINE void lock_begin(const lock_params_t *p, lock_state_t *x, float omega) {
+    x->i_q = 0.0f;
     x->residual = 0.0f;
     x->emf = 0.0f;
-    x->err_sq = 0.0f;
+    x->omega = omega;
     x->i_off = 0.0f;
     x->bad = LOCK_GRACE + p->n_grace;
     x->alarm = 0;
@@ -100,14 +100,14 @@ CORE_INLINE void lock_emf(const lock_params_t *p, lock_state_t *x, const lock_in
     x->emf += p->alpha * (abs_f(in->omega * in->psi_a) - x->emf);
 }
 
-/* Second part, a period later: the other tests, and the verdict. err: error signal of the
- * injection, 0 without one; off: torque current less its reference [A]. */
-CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float err, float off) {
-    x->err_sq += p->alpha * (err * err - x->err_sq);
+/* Second part, a period later: the other tests, and the verdict. omega: estimated
+ * speed [rad/s]; off: torque current less its reference [A]. */
+CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega, float off) {
+    x->omega += p->alpha * (omega - x->omega);
     x->i_off += p->alpha * (abs_f(off) - x->i_off);
     int32_t grace = x->bad > LOCK_GRACE;
     int32_t found = (abs_f(x->residual) > p->e_share * x->emf + p->e_floor ? LOCK_EMF : 0) |
-                    (x->err_sq > p->err_sq ? LOCK_INJECTION : 0) |
+                    (abs_f(omega - x->omega) > p->jump ? LOCK_SPEED : 0) |
                     (x->i_off > p->i_off ? LOCK_CURRENT : 0);
     int32_t failed = grace ? 0 : found;
     int32_t calm = x->calm < p->n_calm ? x->calm + 1 : x->calm;

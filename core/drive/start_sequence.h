@@ -42,6 +42,7 @@ typedef struct {
     float alpha_e;        /* low-pass on the EMF that is fed forward [rad/s] times T_s, at most 1 */
     float e_lag;          /* delay of that low-pass [periods] */
     float e_fly;          /* EMF above which the shaft counts as spinning [V] */
+    float omega_pole;     /* speed above which the EMF shows the pole after lost lock [rad/s] */
     float inv_t_turn;     /* 1 / time over which the EMF's rotation is measured [1/s] */
     float u_pulse;        /* voltage of a polarity pulse [V] */
     float i_pole;         /* forward minus backward peak at the right polarity, signed [A] */
@@ -51,6 +52,7 @@ typedef struct {
     int32_t n_catch_mark; /* period of CATCH from which the EMF's rotation is measured */
     int32_t n_catch;      /* periods of CATCH */
     int32_t n_fly;        /* periods of FLY */
+    int32_t n_again;      /* the same after lost lock, when time without torque counts */
     int32_t n_scan;       /* periods of each half of SCAN */
     int32_t n_lock;       /* periods of LOCK and of SETTLE */
     int32_t n_rest;       /* periods at zero current before a pulse */
@@ -67,7 +69,7 @@ typedef struct {
     ab_t i_2;      /* sample k-2 [A] */
     ab_t e_1;      /* EMF of period k-1 [V] */
     ab_t e_f;      /* low-passed EMF [V] */
-    ab_t e_mark;   /* the same at n_catch_mark [V] */
+    ab_t e_mark;   /* the same a period before [V] */
     ab_t axis;     /* sum of the anisotropic responses, along twice the rotor angle [A] */
     float omega;   /* electrical speed at which the EMF turns [rad/s] */
     int32_t reserved;
@@ -116,13 +118,14 @@ CORE_INLINE ab_t start_hold(const start_params_t *p, const start_state_t *x, ab_
     return u;
 }
 
-/* Signed electrical speed at which the EMF has turned since the mark [rad/s]. */
-CORE_INLINE float start_speed(const start_params_t *p, const start_state_t *x) {
+/* Adds the EMF's turn of this period to its signed electrical speed: at a high speed it turns by
+ * more than half a turn while it is watched. */
+CORE_INLINE void start_turn(const start_params_t *p, start_state_t *x) {
     ab_t turn = {
         x->e_mark.a * x->e_f.a + x->e_mark.b * x->e_f.b,
         x->e_mark.a * x->e_f.b - x->e_mark.b * x->e_f.a,
     };
-    return angle_of(turn) * p->inv_t_turn;
+    x->omega += angle_of(turn) * p->inv_t_turn;
 }
 
 /* Adds one sample of SCAN; sign: that of the injection over [k-1, k]. The axis changes at n_scan; a

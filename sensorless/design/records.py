@@ -137,7 +137,6 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
             "lock": design_lock(
                 motor,
                 action=design.lost_lock,
-                loop=design.estimator != "coupled",
                 bias=bias,
                 speed_hz=by.speed_hz,
                 current_hz=by.current_hz,

@@ -245,9 +245,9 @@ void t_curve(const curve_t *c, const float *i_q, float inv_step, float *y, int n
 /* n evaluations; rows of in: omega, u_q, i_q, L_q, psi_d, psi_a, err, i_q less its reference. */
 void t_lock(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
     for (int j = 0; j < n; j++) {
-        const float *v = &in[8 * j];
+        const float *v = &in[7 * j];
         lock_in_t now = {v[0], v[1], v[2], v[3], v[4], v[5]};
         lock_emf(p, x, &now);
-        lock_judge(p, x, v[6], v[7]);
+        lock_judge(p, x, v[0], v[6]);
     }
 }

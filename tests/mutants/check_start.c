@@ -71,7 +71,9 @@ static void emf(void) {
         float turn = draw_f(-3, 3);
         vec_t mark = of_ab(x.e_f) * cexp(-I * (double)turn);
         x.e_mark.a = (float)creal(mark), x.e_mark.b = (float)cimag(mark);
-        check("speed of a start", near((double)start_speed(&p, &x), 250.0 * (double)turn, 1e-4));
+        x.omega = 40.0f;
+        start_turn(&p, &x);
+        check("speed of a start", near((double)x.omega, 40.0 + 250.0 * (double)turn, 1e-4));
     }
 }
 

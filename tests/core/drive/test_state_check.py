@@ -11,6 +11,7 @@ from sensorless.core.api import CONTROL, Array, lib, pointer, struct_dtype
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.design.records import control_record
 from sensorless.machine.motor import Motor
+from sensorless.observers.lock_design import ACTIONS
 from tests.helpers.lock import unwatched
 
 STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")
@@ -126,6 +127,25 @@ def test_a_damaged_drive_seeks_its_rotor_and_keeps_its_faults(motor: Motor) -> N
     assert drive.step() == 0.0
     assert drive.x["fault"][0] == lib.FAULT_U_DC | lib.FAULT_STATE
     assert drive.x["start"]["phase"][0] == lib.START_CATCH
+
+
+@pytest.mark.parametrize("action", ["report", "restart", "stop"])
+@pytest.mark.parametrize("before", [False, True])
+def test_a_damaged_drive_that_stops_or_has_stopped_gives_no_voltage_any_more(
+    motor: Motor, action: str, before: bool
+) -> None:
+    drive = Drive(motor, "coupled", False, 100)
+    drive.params["lock"]["action"] = ACTIONS[action]
+    if before:
+        drive.x["fault"] |= lib.FAULT_STOPPED
+        drive.x["start"]["phase"] = lib.START_STOPPED
+        drive.step()
+    drive.x["control"]["i_int"] = math.nan
+    latched = before or action == "stop"
+    end = [abs(drive.step()) for _ in range(200)]
+    assert bool(drive.x["fault"][0] & lib.FAULT_STOPPED) == latched
+    assert (max(end) == 0.0) == latched
+    assert drive.sound() and drive.flagged()
 
 
 def test_a_healthy_drive_is_not_flagged_at_its_largest_voltage(motor: Motor) -> None:
