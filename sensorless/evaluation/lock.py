@@ -17,8 +17,9 @@ from sensorless.machine.motor import Motor
 BAND = 0.02
 """Band around the twin's speed, over rated: that of ``metrics.held``."""
 EARLY = 0.1
-"""Longest time by which an alarm may precede the verdict that it belongs to [s]; one before that is
-a false one."""
+"""Longest time by which an alarm that has ended may precede the verdict that it belongs to [s]; one
+before that is a false one. So long before or after it, a drive whose angle error passes the
+judge's limit was close to a loss."""
 IN_TIME = 0.05
 """Latest alarm after the verdict that counts as detected [s]."""
 BACK_IN = 0.3
@@ -28,7 +29,7 @@ STAYS = 0.02
 
 Floats = NDArray[np.float64]
 
-LOCK = ("alarm_s", "back_s", "watched_s", "false_alarms")
+LOCK = ("alarm_s", "back_s", "watched_s", "false_alarms", "near_losses")
 """Numbers of `LockWatch.scores`, one per scenario each."""
 
 
@@ -51,6 +52,11 @@ class LockWatch:
         self._since = np.full(n, np.inf)
         self._alarms = np.zeros(n, dtype=np.int64)
         self._early = np.zeros(n, dtype=np.int64)
+        self._lost = np.zeros(n, dtype=np.bool_)
+        self._kept = np.zeros(n, dtype=np.bool_)
+        self._over = np.full(n, -np.inf)
+        self._close = np.zeros(n, dtype=np.bool_)
+        self._near = np.zeros(n, dtype=np.int64)
         self._now = 0.0
 
     def look(self, sims: Array) -> None:
@@ -60,15 +66,28 @@ class LockWatch:
         alarms = x["lock"]["alarms"].astype(np.int64)
         new = alarms > self._alarms
         self._alarms = alarms
+        self._look_close(sims, lost)
         if not (new | lost).any():
             return
+        self._kept |= lost & ~self._lost & (x["lock"]["alarm"] != 0)
+        self._lost = lost
         verdict = self._T_s * sims["k_lost"]
         stale = self._before < np.where(lost, verdict, self._now) - EARLY
-        self._early += np.isfinite(self._before) & stale & (new | lost)
-        self._before = np.where(stale & (new | lost), -np.inf, self._before)
+        stale &= np.isfinite(self._before) & ~self._kept & (new | lost)
+        self._early += stale
+        self._near += stale & self._close
+        self._before = np.where(stale, -np.inf, self._before)
+        self._close = np.where(new & ~lost, self._now - self._over <= EARLY, self._close)
         self._before = np.where(new & ~lost, self._now, self._before)
         self._after = np.where(new & lost, np.minimum(self._after, self._now), self._after)
         self._look_back(sims, lost)
+
+    def _look_close(self, sims: Array, lost: NDArray[np.bool_]) -> None:
+        """Whether the angle error passed the judge's limit next to the last alarm."""
+        over = ~lost & (sims["sums"]["err_max"] > sims["err_limit"])
+        if over.any():
+            self._over = np.where(over, self._now, self._over)
+            self._close |= over & (self._now - self._before <= EARLY)
 
     def _look_back(self, sims: Array, lost: NDArray[np.bool_]) -> None:
         """Whether lost drives are in control again, at their angle and their twin's speed."""
@@ -90,12 +109,14 @@ class LockWatch:
             ``alarm_s``: from verdict to alarm [s], negative if the alarm came first, infinite
             without one. ``back_s``: from that alarm until the drive was back [s], infinite if it
             never was. ``watched_s``: from the verdict to the scenario's end [s]. These are NaN
-            without a verdict. ``false_alarms``: alarms that belong to none.
+            without a verdict. ``false_alarms``: alarms that belong to none; ``near_losses``: those
+            of them next to an angle error beyond the judge's limit.
         """
         lost = sims["lost"] != 0
         verdict = self._T_s * sims["k_lost"]
         alarm = np.where(np.isfinite(self._before), self._before, self._after)
-        early = self._early + (np.isfinite(self._before) & ~lost)
+        last = np.isfinite(self._before) & ~lost
+        early, near = self._early + last, self._near + (last & self._close)
         with np.errstate(invalid="ignore"):
             values = (
                 alarm - verdict,
@@ -103,13 +124,16 @@ class LockWatch:
                 self._T_s * sims["k_end"] - verdict,
             )
         out = {k: np.where(lost, v, np.nan) for k, v in zip(LOCK, values, strict=False)}
-        return {**out, "false_alarms": early.astype(np.float64)}
+        counts = {"false_alarms": early, "near_losses": near}
+        return out | {name: n.astype(np.float64) for name, n in counts.items()}
 
 
 def lock_summary(
     lock: dict[str, Floats], lost: NDArray[np.int32], time: Floats, twin: int
 ) -> dict[str, Any]:
     """Rates over scenarios that lasted long enough after the verdict; NaN of none.
+
+    False alarms are those in scenarios that hold; ``early_alarms`` those in scenarios lost later.
 
     Parameters
     ----------
@@ -125,20 +149,23 @@ def lock_summary(
     found = judged & (alarm <= IN_TIME)
     room = judged & np.isfinite(alarm) & (watched - np.maximum(alarm, 0.0) >= BACK_IN + STAYS)
     back = lock["back_s"][room] <= BACK_IN
-    hours = float(time[feasible].sum()) / 3600.0
-    false = float(lock["false_alarms"][feasible].sum())
+    held = feasible & ~gone
+    hours = float(time[held].sum()) / 3600.0
+    false, near = lock["false_alarms"], lock["near_losses"]
     return {
         "detected_rate": _mean(found[judged]),
         "detect_ms": float(np.median(1e3 * alarm[found])) if found.any() else math.nan,
         "recovered_rate": _mean(back),
-        "false_alarms_per_hour": false / hours if hours > 0.0 else math.nan,
+        "false_alarms_per_hour": float(false[held].sum()) / hours if hours > 0.0 else math.nan,
         "lock_counts": {
             "lost": int(gone.sum()),
             "watched": int(judged.sum()),
             "detected": int(found.sum()),
             "could_recover": int(room.sum()),
             "recovered": int(back.sum()),
-            "false_alarms": int(false),
+            "false_alarms": int(false[held].sum()),
+            "near_losses": int(near[held].sum()),
+            "early_alarms": int(false[gone].sum()),
         },
     }
 

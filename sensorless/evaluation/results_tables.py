@@ -82,7 +82,8 @@ def lock_table(results: Results) -> Table | None:
     caption = (
         "detected: alarm within 50 ms of the verdict, of scenarios that went on so long. after: "
         "median from verdict to alarm, negative where the alarm came first. recovered: back at "
-        "angle and twin's speed (2 % of rated) 300 ms after the alarm, of those with time for it."
+        "angle and twin's speed (2 % of rated) 300 ms after the alarm, of those with time for it. "
+        "false alarms: in scenarios that hold."
     )
     table = Table(title="lost lock, as the drive itself saw it", caption=caption)
     table.add_column("policy", overflow="fold")
