@@ -17,6 +17,7 @@ from sensorless.cli.motors import motors_command
 from sensorless.cli.options import console
 from sensorless.cli.pil import pil_command
 from sensorless.cli.plain import Command, Group
+from sensorless.cli.quiet import quietly
 from sensorless.cli.replay import replay_command
 from sensorless.cli.report import report_command
 from sensorless.cli.reproduce import reproduce_command
@@ -106,6 +107,6 @@ def sensorless(
 
 for _panel, _commands in PANELS.items():
     for _name, _function in _commands.items():
-        app.command(_name, cls=Command, rich_help_panel=_panel)(_function)
+        app.command(_name, cls=Command, rich_help_panel=_panel)(quietly(_function))
 app.add_typer(motor_app, name="motor", rich_help_panel="Your own drive")
 app.add_typer(identify_app, name="identify", rich_help_panel="Your own drive")

@@ -11,6 +11,7 @@ from sensorless.cli.options import (
     POLICIES,
     CarriedMotorOption,
     EngineOption,
+    JsonOption,
     OverrideOption,
     RayAddressOption,
     SeedOption,
@@ -18,6 +19,8 @@ from sensorless.cli.options import (
     bench_of,
     console,
     errors,
+    say_json,
+    say_wrote,
 )
 
 if TYPE_CHECKING:
@@ -72,6 +75,7 @@ def certify_command(
     ] = None,
     engine: EngineOption = "local",
     ray_address: RayAddressOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Count how many of a million scenarios a policy loses or does not hold, and nothing else.
 
@@ -116,5 +120,6 @@ def certify_command(
             highlight=False,
             soft_wrap=True,
         )
-    if out is not None:
-        console.print(f"wrote {out}", soft_wrap=True)
+    if as_json:
+        say_json(found)
+    say_wrote(out)

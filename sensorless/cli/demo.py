@@ -5,7 +5,14 @@ from typing import Annotated
 
 import typer
 
-from sensorless.cli.options import MotorOption, SeedOption, console, errors, policy_progress
+from sensorless.cli.options import (
+    JsonOption,
+    MotorOption,
+    SeedOption,
+    console,
+    errors,
+    policy_progress,
+)
 
 
 def demo_command(
@@ -26,6 +33,7 @@ def demo_command(
         ),
     ] = 400,
     seed: SeedOption = 7,
+    as_json: JsonOption = False,
 ) -> None:
     """Train, judge, draw and export a schedule for a motor in about three minutes.
 
@@ -57,6 +65,8 @@ def demo_command(
     figures = draw(out, str(run), machine, results)
     errors.print("[bold]4/4[/] exporting the C code and checking it")
     folder, said = hand_over(out, str(run), machine)
+    if as_json:
+        typer.echo(results.to_json(scenarios=False))
     console.print(results.table())
     console.print(f"figures:  {', '.join(map(str, figures))}", soft_wrap=True)
     console.print(f"results:  {out / 'results.json'}", soft_wrap=True)

@@ -8,7 +8,14 @@ from typing import Annotated
 
 import typer
 
-from sensorless.cli.options import SeedOption, console, describe, errors
+from sensorless.cli.options import (
+    JsonOption,
+    SeedOption,
+    console,
+    describe,
+    errors,
+    say_json,
+)
 from sensorless.errors import UserError
 
 
@@ -62,6 +69,7 @@ def distill_command(
             help="Judge each table on this many other scenarios of the suite stress-1.",
         ),
     ] = 512,
+    as_json: JsonOption = False,
 ) -> None:
     """Turn a trained network into a schedule table, which can be exported.
 
@@ -130,4 +138,6 @@ def distill_command(
         f"network: {describe(vars(found.network))}\ntable:   {describe(vars(found.cost))}",
         highlight=False,
     )
+    if as_json:
+        say_json({"table": str(folder / TABLE), **found.facts()})
     console.print(f"k_s differs by {found.rms:.4f} RMS\nwrote {folder / TABLE}", highlight=False)

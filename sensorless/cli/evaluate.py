@@ -17,6 +17,7 @@ from sensorless.cli.options import (
     bench_of,
     console,
     policy_progress,
+    say_wrote,
 )
 from sensorless.errors import UserError
 
@@ -191,7 +192,6 @@ def evaluate_command(
         save(envelope_maps(results, made.motor), plot)
     if as_json:
         typer.echo(results.to_json(scenarios=False))
-        return
     console.print(results.table())
     if suite == MACHINES:
         console.print(machines_table(results))
@@ -205,5 +205,4 @@ def evaluate_command(
     noticed = lock_table(results)
     if noticed is not None:
         console.print(noticed)
-    for path in filter(None, (plot, out)):
-        console.print(f"wrote {path}")
+    say_wrote(plot, out)

@@ -7,10 +7,12 @@ import typer
 
 from sensorless.cli.options import (
     CarriedMotorOption,
+    JsonOption,
     OverrideOption,
     SetOption,
     bench_of,
     console,
+    say_json,
     say_verdict,
 )
 
@@ -52,6 +54,7 @@ def export_command(
             "that cannot look up a table.",
         ),
     ] = True,
+    as_json: JsonOption = False,
 ) -> None:
     """Write a schedule and the control core around it as C99, and check the copy.
 
@@ -95,3 +98,6 @@ def export_command(
     )
     console.print(f"wrote {len(done.files)} files to {done.folder}\n{done.self_test.message}")
     say_verdict(verdict(judged))
+    if as_json:
+        facts = {"folder": str(done.folder), "files": list(done.files), **judged.facts()}
+        say_json({**facts, "self_test": done.self_test.message})

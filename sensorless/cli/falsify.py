@@ -8,12 +8,15 @@ import typer
 from sensorless.cli.certify import PolicyArgument
 from sensorless.cli.options import (
     CarriedMotorOption,
+    JsonOption,
     OverrideOption,
     SeedOption,
     SetOption,
     bench_of,
     console,
     errors,
+    say_json,
+    say_wrote,
 )
 
 
@@ -34,6 +37,7 @@ def falsify_command(
     ] = 20_000,
     settings: SetOption = None,
     override: OverrideOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Search for scenarios that a policy loses or nearly loses, inside the ranges of a suite.
 
@@ -99,4 +103,6 @@ def falsify_command(
             highlight=False,
             soft_wrap=True,
         )
-    console.print(f"wrote {out}", soft_wrap=True)
+    if as_json:
+        say_json({**facts, "file": str(out), "finds": len(lost) + len(kept)})
+    say_wrote(out)

@@ -8,8 +8,16 @@ from rich.table import Table
 
 from sensorless.cli.identify_bring_up import bring_up_command
 from sensorless.cli.identify_machine import machine_command
-from sensorless.cli.options import MotorOption, SetOption, console
+from sensorless.cli.options import (
+    JsonOption,
+    MotorOption,
+    SetOption,
+    console,
+    say_json,
+    say_wrote,
+)
 from sensorless.cli.plain import Command, Group
+from sensorless.cli.quiet import quietly
 
 app = typer.Typer(cls=Group, no_args_is_help=True, rich_markup_mode="markdown")
 
@@ -28,11 +36,12 @@ def identify() -> None:
     """
 
 
-app.command("bring-up", cls=Command)(bring_up_command)
-app.command("machine", cls=Command)(machine_command)
+app.command("bring-up", cls=Command)(quietly(bring_up_command))
+app.command("machine", cls=Command)(quietly(machine_command))
 
 
 @app.command("cross-coupling", cls=Command)
+@quietly
 def cross_coupling(
     motor: MotorOption = "paper",
     settings: SetOption = None,
@@ -50,6 +59,7 @@ def cross_coupling(
             metavar="FILE.png", help="Draw sweep and fits as a PNG picture. Default: no picture."
         ),
     ] = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Measure the angle between the rotor and the injection estimate over the torque current.
 
@@ -99,12 +109,14 @@ def cross_coupling(
         f"drive on the table within {r['left_with_table_max_deg']:.2f}°, "
         f"on the line within {r['left_with_line_max_deg']:.2f}° where it was fitted"
     )
+    if as_json:
+        say_json(r)
     if out is not None:
         found.write(out)
-        console.print(f"wrote {out}")
+        say_wrote(out)
     if plot is not None:
         from sensorless.plots.cross_coupling import cross_coupling as draw
         from sensorless.plots.figure import save
 
         save(draw(found), plot)
-        console.print(f"wrote {plot}")
+        say_wrote(plot)

@@ -6,7 +6,12 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from sensorless.cli.options import MotorOption, console
+from sensorless.cli.options import (
+    JsonOption,
+    MotorOption,
+    console,
+    say_json,
+)
 
 
 def bring_up_command(
@@ -39,6 +44,7 @@ def bring_up_command(
             metavar="FILE.csv", help="Write what was sampled with --mistake. Default: no file."
         ),
     ] = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Check how a drive is built in: delay, signs, phases, duty formula, dead time, pole pairs.
 
@@ -78,15 +84,21 @@ def bring_up_command(
                 write_log(rows, save_log)
         for line in verdict(found):
             console.print(line, markup=False, highlight=False)
+        if as_json:
+            say_json({"faults": list(found.faults), "said": verdict(found)})
         if found.faults:
             raise typer.Exit(1)
         return
     table = Table(title=f"{machine.name}: {size} drives with the errors of the suite stress")
     for heading in ("built in", "flagged", "named"):
         table.add_column(heading, justify="left" if heading == "built in" else "right")
+    told: dict[str, dict[str, int]] = {}
     for name, n in survey(machine, np.arange(seed, seed + size, dtype=np.uint64)):
+        told[name] = {"drives": n.drives, "flagged": n.flagged, "named": n.named}
         named = "" if name == "right" else f"{n.named} of {n.drives}"
         table.add_row(name, f"{n.flagged} of {n.drives}", named)
     console.print(table)
     pairs = count_pole_pairs(turning_drive(machine, seed))
     console.print(f"pole pairs counted in a turn of the shaft: {pairs}; motor file: {machine.n_p}")
+    if as_json:
+        say_json({"built_in": told, "pole_pairs": pairs, "pole_pairs_of_the_file": machine.n_p})

@@ -6,7 +6,13 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from sensorless.cli.options import MotorOption, console
+from sensorless.cli.options import (
+    JsonOption,
+    MotorOption,
+    console,
+    say_json,
+    say_wrote,
+)
 
 
 def machine_command(
@@ -37,6 +43,7 @@ def machine_command(
             help="Draw the errors of the simulated sensors and inverter from this seed.",
         ),
     ] = 0,
+    as_json: JsonOption = False,
 ) -> None:
     """Measure resistance, flux linkages, magnet and inertia with the drive's own sensors.
 
@@ -84,8 +91,9 @@ def machine_command(
     for row in screen(found):
         table.add_row(*row)
     console.print(table)
-    if save_log is not None:
-        console.print(f"wrote {save_log}")
+    if as_json:
+        say_json(data)
+    say_wrote(save_log)
     if out is not None:
         how = "its simulated drive" if log is None else log.name
         head = (
@@ -93,4 +101,4 @@ def machine_command(
             "sensors' gain is in R_s and the inductances in full."
         )
         write_atomic(out, written(data, head))
-        console.print(f"wrote {out}")
+        say_wrote(out)

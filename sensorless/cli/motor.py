@@ -8,6 +8,7 @@ from sensorless.cli.motor_check import check_command
 from sensorless.cli.motor_import_map import import_map_command
 from sensorless.cli.motor_new import new_command
 from sensorless.cli.plain import Command, Group
+from sensorless.cli.quiet import quietly
 
 app = typer.Typer(cls=Group, no_args_is_help=True, rich_markup_mode="markdown")
 
@@ -30,4 +31,4 @@ COMMANDS: dict[str, Callable[..., None]] = {
 }
 
 for _name, _function in COMMANDS.items():
-    app.command(_name, cls=Command)(_function)
+    app.command(_name, cls=Command)(quietly(_function))

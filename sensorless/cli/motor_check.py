@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
-from sensorless.cli.options import SetOption, console
+from sensorless.cli.options import (
+    JsonOption,
+    SetOption,
+    console,
+    say_json,
+    say_wrote,
+)
 
 if TYPE_CHECKING:
     from sensorless.design.drive import DriveDesign
@@ -25,6 +31,7 @@ def check_command(
         int, typer.Option(min=0, metavar="N", help="Simulate this many scenarios; 0: none.")
     ] = 100,
     settings: SetOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Tell whether a motor suits this drive: yes, with limits, or no, and why.
 
@@ -45,18 +52,32 @@ def check_command(
     check_writable(out)
     if out is not None:
         require_matplotlib()
-    show_check(Motor.load(file), design_from(settings), size, out, f"sensorless motor check {file}")
+    show_check(
+        Motor.load(file),
+        design_from(settings),
+        size,
+        out,
+        f"sensorless motor check {file}",
+        as_json,
+    )
 
 
 def show_check(
-    motor: "Motor", design: "DriveDesign", size: int, out: Path | None, command: str
+    motor: "Motor",
+    design: "DriveDesign",
+    size: int,
+    out: Path | None,
+    command: str,
+    as_json: bool,
 ) -> None:
     """Check a motor under a design; print the findings and the verdict, and write the page."""
-    from sensorless.report.motor_check import check, screen, write_page
+    from sensorless.report.motor_check import check, facts, screen, write_page
 
     done = check(motor, design, size)
     console.print(screen(done))
     console.print(f"[bold]{escape(str(done.examination.verdict))}[/]", highlight=False)
+    if as_json:
+        say_json(facts(done))
     if out is not None:
         write_page(done, out, command)
-        console.print(f"wrote {out}")
+        say_wrote(out)

@@ -5,7 +5,12 @@ from typing import Annotated
 
 import typer
 
-from sensorless.cli.options import console
+from sensorless.cli.options import (
+    JsonOption,
+    console,
+    say_json,
+    say_wrote,
+)
 
 WANTED = 1.0
 """RMS error within rated current that counts as good [% of rated current]."""
@@ -48,6 +53,7 @@ def import_map_command(
             "along -q. Default: the map's d axis is the magnet's.",
         ),
     ] = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Fit the saturation model to a flux map and say how well it fits.
 
@@ -88,6 +94,10 @@ def import_map_command(
     )
     if max(d, q) > WANTED:
         console.print(f"the model misses the map by more than {WANTED:g} %; --plot shows where")
+    if as_json:
+        rated = {"rms_percent": [d, q], "max_percent": fit.max_percent(machine.i_rated)}
+        zero = {"L_d": made.L_d, "L_q": made.L_q, "psi_f": made.psi_f}
+        say_json({"points": len(i), "within_rated_current": rated, "at_zero_current": zero})
     if out is None:
         text = "\n".join(table_lines("saturation", saturation_table(made.saturation)))
         console.print(text, highlight=False, markup=False)
@@ -95,10 +105,10 @@ def import_map_command(
         head = f"{machine.name} with the flux map of {file.name}, by sensorless motor import-map."
         source = f"flux map {file.name}: fit within {d:.2f} and {q:.2f} % RMS of rated current"
         write_atomic(out, written(tables_of(made, source, motor), head))
-        console.print(f"wrote {out}")
+        say_wrote(out)
     if plot is not None:
         from sensorless.plots.figure import save
         from sensorless.plots.map_fit import map_fit
 
         save(map_fit(machine.name, fit), plot)
-        console.print(f"wrote {plot}")
+        say_wrote(plot)

@@ -6,7 +6,10 @@ from typing import Annotated, Any
 import typer
 
 from sensorless.cli.motor_check import show_check
-from sensorless.cli.options import console
+from sensorless.cli.options import (
+    JsonOption,
+    say_wrote,
+)
 from sensorless.errors import UserError
 
 ASKED = {
@@ -134,6 +137,7 @@ def new_command(
             min=0, metavar="N", help="Simulate this many scenarios in the check; 0: none."
         ),
     ] = 100,
+    as_json: JsonOption = False,
 ) -> None:
     """Write a motor file from what a data sheet gives, then check it.
 
@@ -179,8 +183,8 @@ def new_command(
         "Made by sensorless motor new from data-sheet numbers. Currents and flux are peak values."
     )
     write_atomic(out, written(data, head))
-    console.print(f"wrote {out}")
-    show_check(motor, design, size, None, f"sensorless motor check {out}")
+    say_wrote(out)
+    show_check(motor, design, size, None, f"sensorless motor check {out}", as_json)
 
 
 def _asked(key: str, value: float | None) -> float:

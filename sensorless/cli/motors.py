@@ -1,9 +1,13 @@
 """The command ``sensorless motors``: machines that come with the package."""
 
-from sensorless.cli.options import console
+from sensorless.cli.options import (
+    JsonOption,
+    console,
+    say_json,
+)
 
 
-def motors_command() -> None:
+def motors_command(as_json: JsonOption = False) -> None:
     """List the shipped motors with their numbers, whether each suits this drive, and a schedule.
 
     Whether it suits is the verdict of `sensorless motor check` without its simulation. The
@@ -28,10 +32,16 @@ def motors_command() -> None:
     table = Table(box=None, padding=(0, 1))
     for heading in ("motor", "N m", "r/min", "V", "poles", "L_q/L_d", "suitable"):
         table.add_column(heading, justify="left" if heading in ("motor", "suitable") else "right")
-    schedules = []
+    schedules, told = [], {}
     for path in sorted(MOTORS.glob("*.toml")):
         motor = Motor.load(path)
         found = best(motor)
+        word = examine(motor, derive(motor, DriveDesign()).hfi_pll_hz).verdict.word
+        told[motor.name] = {
+            "rated_torque": motor.tau_rated, "rated_speed_rpm": motor.n_rated_rpm,
+            "u_dc": motor.u_dc, "poles": 2 * motor.n_p, "saliency": motor.L_q / motor.L_d,
+            "suitable": word, "policy": None if found is None else found.policy,
+        }  # fmt: skip
         if found is not None:
             unfit = f"; unfit for export: {found.objection}" if found.objection else ""
             since = "" if found.fresh else "; motor or drive have changed since"
@@ -44,8 +54,10 @@ def motors_command() -> None:
             f"{motor.u_dc:g}",
             str(2 * motor.n_p),
             f"{motor.L_q / motor.L_d:.2f}",
-            examine(motor, derive(motor, DriveDesign()).hfi_pll_hz).verdict.word,
+            word,
         )
+    if as_json:
+        say_json(told)
     console.print(table)
     console.print("best schedules, by studies/best_schedules.py", highlight=False)
     for line in schedules:

@@ -90,7 +90,14 @@ SearchSeedOption = Annotated[
 
 JsonOption = Annotated[
     bool,
-    typer.Option("--json", help="Print the numbers as JSON, for programs, instead of a table."),
+    typer.Option("--json", help="Print the numbers as JSON, for programs, and nothing else."),
+]
+QuietOption = Annotated[
+    bool,
+    typer.Option(
+        "--quiet",
+        help="Print the result and errors alone: no progress, notes, or names of files.",
+    ),
 ]
 
 EngineOption = Annotated[

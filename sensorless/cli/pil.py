@@ -9,11 +9,15 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from sensorless.cli.export import ScheduleArgument
 from sensorless.cli.options import (
     CarriedMotorOption,
+    JsonOption,
     OverrideOption,
     SetOption,
     bench_of,
     console,
     errors,
+    minutely,
+    say_json,
+    say_wrote,
 )
 from sensorless.errors import UserError
 
@@ -27,6 +31,7 @@ def pil_command(
     motor: CarriedMotorOption = None,
     settings: SetOption = None,
     override: OverrideOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Run the exported C code on an emulated Cortex-M4F, in a closed loop with the machine.
 
@@ -49,6 +54,12 @@ def pil_command(
     policy = made.policy(run)
     schedule, design = table_of(policy, run), design_for(policy, made.design)
     columns = (TextColumn("closed loop on the target"), BarColumn(), TimeElapsedColumn())
+    say = minutely()
+
+    def progress(done: float) -> None:
+        bar.update(task, completed=done)
+        say(f"closed loop on the target: {100.0 * done:.0f} %")
+
     with Progress(*columns, console=errors, disable=not errors.is_terminal) as bar:
         task = bar.add_task("", total=1.0)
         report = pil(
@@ -56,11 +67,13 @@ def pil_command(
             made.motor,
             design,
             policy=policy.name,
-            progress=lambda done: bar.update(task, completed=done),
+            progress=progress,
         )
     console.print(table(report))
     if out is not None:
         write_report(report, out)
-        console.print(f"wrote {out}")
+        say_wrote(out)
+    if as_json:
+        say_json(report)
     if not passed(report):
         raise UserError("pil: the target computes other bits than the host; see the table")

@@ -1,6 +1,6 @@
 """The command ``sensorless report``."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -9,13 +9,15 @@ import typer
 from sensorless.cli.options import (
     POLICIES,
     CarriedMotorOption,
+    JsonOption,
     OverrideOption,
     SeedOption,
     SetOption,
     bench_of,
-    console,
     policy_progress,
+    say_json,
     say_verdict,
+    say_wrote,
     typed,
 )
 from sensorless.errors import UserError
@@ -67,6 +69,7 @@ def report_command(
     motor: CarriedMotorOption = None,
     settings: SetOption = None,
     override: OverrideOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Judge a policy and write one HTML page that says whether to flash it, and why.
 
@@ -101,4 +104,6 @@ def report_command(
             progress=progress,
         ).write(folder, suite or SUITES, seed, size, grid, typed())
     say_verdict(verdict.sentence)
-    console.print(f"wrote {page}", soft_wrap=True)
+    if as_json:
+        say_json({"page": str(page), **asdict(verdict)})
+    say_wrote(page)

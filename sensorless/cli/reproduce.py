@@ -6,7 +6,10 @@ from typing import Annotated
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from sensorless.cli.options import console, errors
+from sensorless.cli.options import (
+    errors,
+    say_wrote,
+)
 
 
 def reproduce_command(
@@ -34,5 +37,4 @@ def reproduce_command(
     with Progress(*columns, console=errors, transient=True) as bar:
         task = bar.add_task("reproduce", total=1.0)
         files = run(out, lambda done: bar.update(task, completed=done))
-    for path in files:
-        console.print(f"wrote {path}")
+    say_wrote(*files)

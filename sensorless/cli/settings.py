@@ -1,22 +1,25 @@
 """The command ``sensorless settings``."""
 
-import json
 import math
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import Any
 
-import typer
 from rich.markup import escape
 from rich.table import Table
 
-from sensorless.cli.options import MotorOption, console
+from sensorless.cli.options import (
+    JsonOption,
+    MotorOption,
+    console,
+    say_json,
+)
 from sensorless.design.words import text_of
 from sensorless.settings import Setting
 
 
 def settings_command(
     motor: MotorOption = "paper",
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+    as_json: JsonOption = False,
 ) -> None:
     """List every setting of the drive design that --set changes.
 
@@ -39,8 +42,7 @@ def settings_command(
     known = settings_of(DriveDesign).values()
     values = asdict(derive(Motor.load(motor), DriveDesign()))
     if as_json:
-        console.print_json(json.dumps([facts(s, values.get(s.name)) for s in known]), indent=1)
-        return
+        say_json([facts(s, values.get(s.name)) for s in known])
     table = Table(box=None)
     for heading in ("name", "default", "unit", "range", "meaning or choices"):
         table.add_column(heading, no_wrap=heading != "meaning or choices")

@@ -188,8 +188,7 @@ def simulate_command(
     run = trace(rule, case, machine, made.design, go_on=True)
     if as_json:
         say_json({"policy": rule.name, "outcome": outcome(run), "plateaus": plateaus(run)})
-    else:
-        console.print(summary_table(run, rule.name))
+    console.print(summary_table(run, rule.name))
     if out is not None:
         write_csv(run, out)
     if log is not None:

@@ -1,6 +1,7 @@
 """The command ``sensorless train``: every field of ``TrainConfig`` is an option."""
 
 import inspect
+import json
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -10,7 +11,16 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from sensorless.agents.train.config import TrainConfig
-from sensorless.cli.options import SetOption, console, describe, errors, minutely, say_verdict
+from sensorless.cli.options import (
+    JsonOption,
+    SetOption,
+    describe,
+    errors,
+    minutely,
+    say_json,
+    say_verdict,
+    say_wrote,
+)
 from sensorless.cli.suited import say_if_unsuited
 from sensorless.errors import UserError
 from sensorless.settings import settings_of
@@ -55,6 +65,7 @@ def _train(
         ),
     ] = None,
     settings: SetOption = None,
+    as_json: JsonOption = False,
     **fields: Any,
 ) -> None:
     """Train a schedule for k_s with PPO, a method of reinforcement learning.
@@ -77,6 +88,7 @@ def _train(
         sensorless tune linear --out linear.json
         sensorless train --name better --start linear.json --axes speed:16
     """
+    from sensorless.agents.loading import VERDICT
     from sensorless.design.words import asked_for
 
     if (name is None) == (resume is None):
@@ -86,6 +98,8 @@ def _train(
         )
     folder = resume if resume is not None else named_run(str(name))
     run_training(TrainConfig(**fields), asked_for(settings), folder, resume=resume is not None)
+    if as_json:
+        say_json(json.loads((folder / VERDICT).read_text(encoding="utf-8")))
 
 
 def named_run(name: str) -> Path:
@@ -154,7 +168,7 @@ def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume
             soft_wrap=True,
         )
         raise typer.Exit(130) from None
-    console.print(f"wrote {folder}", highlight=False, soft_wrap=True)
+    say_wrote(folder)
     say_verdict(judge(folder))
 
 

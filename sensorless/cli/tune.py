@@ -10,6 +10,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from sensorless.cli.options import (
     EngineOption,
+    JsonOption,
     MotorOption,
     RayAddressOption,
     SearchSeedOption,
@@ -18,6 +19,7 @@ from sensorless.cli.options import (
     describe,
     errors,
     minutely,
+    say_json,
     say_verdict,
 )
 from sensorless.cli.suited import say_if_unsuited
@@ -53,6 +55,7 @@ def tune_command(
     settings: SetOption = None,
     engine: EngineOption = "local",
     ray_address: RayAddressOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Tune the numbers of a hand-over rule with CMA-ES, an evolutionary search.
 
@@ -109,6 +112,8 @@ def tune_command(
         found = judged(found, machine, design, machines, seed)
         found.save(out)
         say_verdict(found.provenance["verdict"]["verdict"])
+        if as_json:
+            say_json({"rule": found.rule, "parameters": found.parameters, **found.provenance})
     else:
         errors.print(f"interrupted after {known['used_s']:g} s of {budget:g} s simulated")
         raise typer.Exit(130)

@@ -11,12 +11,16 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from rich.table import Table
 
 from sensorless.cli.options import (
+    JsonOption,
     MotorOption,
     SearchSeedOption,
     SetOption,
     console,
     errors,
+    minutely,
+    say_json,
     say_verdict,
+    say_wrote,
 )
 from sensorless.cli.suited import say_if_unsuited
 
@@ -63,6 +67,7 @@ def tune_gains_command(
             metavar="FILE.json", help="Write settings and record here. Default: only print."
         ),
     ] = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Tune the gains of the drive with CMA-ES, from those that follow from the motor.
 
@@ -106,10 +111,12 @@ def tune_gains_command(
     columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
     bar = Progress(*columns, console=errors, disable=not errors.is_terminal)
     task = bar.add_task("", total=1.0)
+    say = minutely()
 
     def report(done: float, best: float, start: float) -> None:
         text = f"best objective: {best:.4f}, start {start:.4f}"
         bar.update(task, completed=done, description=text)
+        say(f"{100.0 * done:.0f} %, {text}")
 
     with bar:
         found = search(
@@ -135,8 +142,10 @@ def tune_gains_command(
     _write(record, out)
     _show_judged(record["judged"].get("suites", {}))
     if out is not None:
-        console.print(f"wrote {out}", highlight=False, soft_wrap=True)
+        say_wrote(out)
     say_verdict(record["judged"]["verdict"])
+    if as_json:
+        say_json(record)
 
 
 def _write(record: dict[str, Any], out: Path | None) -> None:

@@ -2,8 +2,9 @@
 
 import base64
 import math
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -155,6 +156,18 @@ def rows(c: Check) -> list[tuple[str, str, str]]:
             found = f"lost {c.run.lost:.0%}, {deviation}, {found}"
         out.append((f"quick run, {c.run.size} of suite {SUITE}", found, ""))
     return out
+
+
+def facts(c: Check) -> dict[str, Any]:
+    """The result in JSON types."""
+    return {
+        "motor": c.examination.motor.name,
+        "suitable": c.examination.verdict.word,
+        "verdict": str(c.examination.verdict),
+        "quantities": {what: {"found": found, "suggested": hint} for what, found, hint in rows(c)},
+        "findings": [asdict(finding) for finding in c.examination.findings],
+        "run": None if c.run is None else asdict(c.run),
+    }
 
 
 def screen(c: Check) -> Table:
