@@ -9,7 +9,7 @@ import numpy as np
 from sensorless.core.api import Array
 from sensorless.plots.wave import Wave
 
-POINTS = 2400
+POINTS = 1800
 """Most points of a curve: the least and the largest value of each of half as many bins."""
 LEVELS = 4000
 """Steps from the least to the largest value of a curve; few, so that they pack well."""
