@@ -24,7 +24,15 @@ from sensorless.report import maps, tables
 from sensorless.report.cases import Case, cases
 from sensorless.report.learning import learning
 from sensorless.report.page import UPLOT, render
-from sensorless.report.verdict import LEAST, Verdict, best_rule, contrast, feasible, verdict
+from sensorless.report.verdict import (
+    LEAST,
+    Verdict,
+    balance,
+    best_rule,
+    contrast,
+    feasible,
+    verdict,
+)
 from sensorless.report.waves import packed
 
 PAGE = "index.html"
@@ -116,6 +124,7 @@ class Report:
             motor=f"{self.motor.name}, {self.motor.description}",
             verdict=said,
             contrasts=contrasts,
+            balance=balance(results[0], rivals),
             basis=self._basis(results),
             least=f"{LEAST:g}",
             sections=[self._section(r, shown, [own, *rivals]) for r in results],

@@ -137,12 +137,25 @@ def feasible(results: Results, policy: dict[str, float]) -> int:
 def best_rule(results: Results, words: Sequence[str]) -> str | None:
     """The tuned rule of the lowest objective; None if none was judged. ``words`` name policies."""
     tuned = set(shipped.tuned_names()) | {Path(w).stem for w in words if w.endswith(".json")}
-    found = {
-        name: LOST_WEIGHT * p["lost_rate"] + p["torque_dev_rms"] + p["torque_ripple_rms"]
-        for name, p in list(results.policies.items())[1:]
-        if name in tuned
-    }
-    return min(found, key=lambda name: found[name]) if found else None
+    found = [name for name in list(results.policies)[1:] if name in tuned]
+    return min(found, key=lambda name: _objective(results, name)) if found else None
+
+
+def _objective(results: Results, name: str) -> float:
+    p = results.policies[name]
+    objective: float = LOST_WEIGHT * p["lost_rate"] + p["torque_dev_rms"] + p["torque_ripple_rms"]
+    return objective
+
+
+def balance(results: Results, others: Sequence[str]) -> str:
+    """Objective of the first policy and of others, in words."""
+    first = next(iter(results.policies))
+    own, *rest = (f"{number(100.0 * _objective(results, n), 2)} %" for n in (first, *others))
+    beside = ", ".join(f"{n} {text}" for n, text in zip(others, rest, strict=True))
+    return (
+        f"On balance, by what training minimises ({LOST_WEIGHT:g} × lost + deviation + ripple, on "
+        f"{results.suite}): {own}; {beside}."
+    )
 
 
 def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bool) -> Verdict:

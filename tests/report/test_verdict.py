@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from sensorless.evaluation.results import Results
-from sensorless.report.verdict import MEASURES, best_rule, contrast, verdict
+from sensorless.report.verdict import MEASURES, balance, best_rule, contrast, verdict
 
 
 def entry(lost: int = 0, size: int = 100, *, bound: bool = False) -> dict[str, Any]:
@@ -83,3 +83,8 @@ def test_the_best_rule_is_a_tuned_one() -> None:
     r.policies["gated-tuned"]["torque_dev_rms"] = 0.02
     assert best_rule(r, list(r.policies)) == "gated-tuned"
     assert best_rule(results({"eq25": pair()}), ["eq25"]) is None
+
+
+def test_the_balance_is_the_objective() -> None:
+    r = results({"eq25": pair()}, lost=1)
+    assert balance(r, ["eq25"]).endswith("on stress-1): 14.00 %; eq25 4.00 %.")
