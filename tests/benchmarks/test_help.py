@@ -1,6 +1,6 @@
 """Every script explains itself, whatever is installed beside it."""
 
-import subprocess
+import runpy
 import sys
 from pathlib import Path
 
@@ -12,13 +12,15 @@ LIGHT = ("peer_gem", "peer_motulator", "bit_identity", "peers")
 
 
 @pytest.mark.parametrize("name", LIGHT)
-def test_help(name: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", f"benchmarks.{name}", "--help"],
-        cwd=ROOT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0 and not done.stderr
-    assert done.stdout.startswith("usage: ")
+def test_help(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", [name, "--help"])
+    with pytest.raises(SystemExit) as ended:
+        runpy.run_module(f"benchmarks.{name}", run_name="__main__")
+    said = capsys.readouterr()
+    assert not ended.value.code and not said.err
+    assert said.out.startswith("usage: ")
 
 
 @pytest.mark.parametrize("folder", ["benchmarks", "studies"])

@@ -50,11 +50,21 @@ def c(tmp_path_factory: pytest.TempPathFactory) -> Call:
     )
     lib = ctypes.CDLL(str(out))
 
+    places: dict[int, tuple[Any, ctypes.c_void_p]] = {}
+
+    def place(array: Any) -> ctypes.c_void_p:
+        """Address of an array, which many calls in a row name again."""
+        if id(array) not in places:
+            if len(places) > 1000:
+                places.clear()
+            places[id(array)] = array, ctypes.c_void_p(array.ctypes.data)
+        return places[id(array)][1]
+
     def number(value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            return place(value)
         if isinstance(value, ctypes.c_void_p):
             return value
-        if isinstance(value, np.ndarray):
-            return ctypes.c_void_p(value.ctypes.data)
         return ctypes.c_int(value) if isinstance(value, int) else ctypes.c_float(value)
 
     def call(name: str, *args: Any) -> None:

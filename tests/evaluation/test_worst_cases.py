@@ -33,7 +33,7 @@ def entry(name: str, seed: int, size: int, policy: str) -> dict[str, Any]:
 )
 def test_a_replay_ends_as_it_was_judged(name: str, seed: int, size: int, policy: str) -> None:
     listed = entry(name, seed, size, policy)["worst"]
-    for case in listed[:3]:
+    for case in listed[: 3 if name != "handoff" else 1]:  # of those that remember, the longest
         run = trace(
             make_policy(policy, MOTOR), scenario_from(case["scenario"], MOTOR), MOTOR, DESIGN
         )

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 Failed = subprocess.CompletedProcess
+LINKING = {"-r", "-nostdlib"}
+"""Words of a command that say nothing about objects."""
 
 
 def flags(makefile: Path, *names: str) -> list[str]:
@@ -30,7 +32,7 @@ class Objects:
         """Where the objects of a folder ``core`` are kept under a command, if they are."""
         program = Path(shutil.which(command[0]) or command[0]).resolve()
         levels = [word for word in command if word.startswith("-O")]
-        others = {word for word in command[1:] if not word.startswith(("-O", "-W"))}
+        others = {word for word in command[1:] if not word.startswith(("-O", "-W"))} - LINKING
         digest = hashlib.sha256(repr([program, levels[-1:], sorted(others)]).encode())
         for path in sorted(core.glob("*.[ch]")):
             digest.update(path.name.encode() + path.read_bytes())

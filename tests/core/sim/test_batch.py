@@ -33,7 +33,7 @@ SIZES = (1, 3, 4, 15, 16, 17, 100)
 MOST = max(SIZES)
 WEIGHTS = np.clip(1.3 * (0.618 * np.arange(MOST) % 1.0) - 0.15, 0.0, 1.0).astype(np.float32)
 """Both ends and between, however few the drives."""
-PERIODS = 3000
+PERIODS = 2000
 
 
 @cache
@@ -45,7 +45,7 @@ def drives(twin: bool, estimator: str, detail: bool = False) -> Array:
         draw(motor, np.arange(MOST, dtype=np.uint64)), twin=twin
     )
     assert (sims["plant"]["detail"] == detail).all()
-    sims["err_limit"][2::5] *= 0.1  # the flux observer loses few
+    sims["err_limit"][2::5] *= 0.06  # the flux observer loses few
     sims["k_end"][1::5] = 40 * np.arange(len(sims["k_end"][1::5]))
     return sims
 
