@@ -24,7 +24,7 @@ from sensorless.plots import figure
 from sensorless.table.ks_table import Axis, KsTable
 from tests.helpers.machines import MEASURED_MAP
 from tests.helpers.objects import Failed, Objects
-from tests.helpers.scenarios import lasting
+from tests.helpers.scenarios import briefly, lasting
 
 SHIPPED_FLAGS, FULL_DPI = selftest.FLAGS, figure.DPI
 
@@ -114,10 +114,10 @@ def core_objects(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Objects]:
 
 
 @pytest.fixture
-def brief(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Training validates, and distilling samples, on scenarios of 0.3 s."""
-    for module in ("distill", "validation"):
-        monkeypatch.setattr(f"sensorless.agents.{module}.suite", lasting(0.3))
+def brief() -> Iterator[None]:
+    """As ``briefly``."""
+    with briefly():
+        yield
 
 
 @pytest.fixture

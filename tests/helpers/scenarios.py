@@ -1,10 +1,34 @@
 """Scenarios of a suite, cut short where only their number and order count."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import pytest
 
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.suites import suite
 from sensorless.machine.motor import Motor
+from sensorless.pil.scenarios import pil_scenarios
+
+
+@contextmanager
+def briefly() -> Iterator[None]:
+    """Training validates, and distilling samples, on scenarios of 0.3 s."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in ("distill", "validation"):
+            patch.setattr(f"sensorless.agents.{module}.suite", lasting(0.3))
+        yield
+
+
+def on_the_target(seconds: float) -> Callable[..., tuple[tuple[str, ...], Scenarios]]:
+    """In place of ``pil_scenarios``: the same scenarios, each for so long [s]."""
+
+    def short(motor: Motor, seed: int, size: int) -> tuple[tuple[str, ...], Scenarios]:
+        names, scenarios = pil_scenarios(motor, seed, size)
+        scenarios.duration[:] = seconds
+        return names, scenarios
+
+    return short
 
 
 def lasting(seconds: float) -> Callable[..., Scenarios]:

@@ -10,12 +10,13 @@ from rich.console import Console
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
-from sensorless.pil import scenarios
+from sensorless.pil import pil as loop
 from sensorless.pil.pil import Report, passed, pil
 from sensorless.pil.report import table as report_table
 from sensorless.pil.report import write_report
 from sensorless.pil.scenarios import PLANS
 from sensorless.table.ks_table import Axis, KsTable
+from tests.helpers.scenarios import on_the_target
 
 
 def test_no_word_differs(report: Report) -> None:
@@ -75,7 +76,7 @@ def test_the_report_can_be_read(report: Report, tmp_path: Path) -> None:
 def test_three_axes_stay_within_130_instructions(
     motor: Motor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(scenarios, "DURATION", 0.5)
+    monkeypatch.setattr(loop, "pil_scenarios", on_the_target(0.5))
     axes = (
         Axis("speed", 0.0, 0.5, 5),
         Axis("torque_current", -1.5, 1.5, 4),

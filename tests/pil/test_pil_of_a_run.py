@@ -14,8 +14,9 @@ from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.export.export import table_of
 from sensorless.machine.motor import Motor
-from sensorless.pil import scenarios
+from sensorless.pil import pil as loop
 from sensorless.policies.registry import make_policy, table_named
+from tests.helpers.scenarios import on_the_target
 
 START = table_named("eq25", Motor.load("paper"))
 
@@ -28,7 +29,7 @@ def test_a_trained_table_runs_on_the_target(
     estimator: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With the estimator it was trained on: no ``--set`` here; the default one is in test_pil."""
-    monkeypatch.setattr(scenarios, "DURATION", 0.8)
+    monkeypatch.setattr(loop, "pil_scenarios", on_the_target(1.4))
     run, out = tmp_path / "run", tmp_path / "pil.json"
     train(replace(SMALL, lr_nodes=0.05), DriveDesign(estimator=estimator), run, START)
     answer = CliRunner().invoke(app, ["pil", str(run), "--out", str(out)])

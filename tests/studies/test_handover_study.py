@@ -9,6 +9,7 @@ from sensorless.baselines.logistic import RULE
 from sensorless.design.drive import DriveDesign
 from sensorless.evaluation.evaluate import Scores
 from sensorless.machine.motor import Motor
+from tests.helpers.scenarios import lasting
 from tests.helpers.script import script
 
 MOTOR = Motor.load("paper")
@@ -44,6 +45,7 @@ def test_the_search_stays_in_its_ranges_and_repeats(
     study: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(study, "SEARCHED", 4)
+    monkeypatch.setattr(study, "suite", lasting(2.5))
     found = [study.quietest(MOTOR, DriveDesign(), 1, 1) for _ in range(2)]
     assert found[0] == found[1]
     assert found[0] != RULE.defaults()

@@ -21,6 +21,9 @@ from sensorless.policies.registry import table_named
 from sensorless.policy import TablePolicy, gains_of
 from sensorless.table.ks_table import Axis, GainGrid, KsTable
 
+pytestmark = pytest.mark.usefixtures("brief")
+
+
 AXES = (Axis("speed", 0.0, 1.0, 6), Axis("torque_current", -1.5, 1.5, 4))
 WIDTH = SIGNAL_N + N_PRIVILEGED
 

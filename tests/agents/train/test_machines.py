@@ -31,6 +31,10 @@ from sensorless.export.export import export
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named
 from sensorless.table.ks_table import KsTable
+from tests.helpers.scenarios import briefly
+
+pytestmark = pytest.mark.usefixtures("brief")
+
 
 START = table_named("eq25", Motor.load("paper"))
 
@@ -44,7 +48,8 @@ NAMES = ("paper", "ipmsm_2200w", "pmsyrm_5600w")
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder: Path = tmp_path_factory.mktemp("runs") / "family"
-    train(SMALL, DriveDesign(), folder, START)
+    with briefly():
+        train(SMALL, DriveDesign(), folder, START)
     return folder
 
 

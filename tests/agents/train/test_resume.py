@@ -23,6 +23,10 @@ from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import table_named
 from sensorless.table.ks_table import KsTable
+from tests.helpers.scenarios import briefly
+
+pytestmark = pytest.mark.usefixtures("brief")
+
 
 START = table_named("eq25", Motor.load("paper"))
 
@@ -33,7 +37,8 @@ SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, val
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a short run."""
     folder = tmp_path_factory.mktemp("runs") / "first"
-    train(SMALL, DriveDesign(), folder, START)
+    with briefly():
+        train(SMALL, DriveDesign(), folder, START)
     return folder
 
 

@@ -21,6 +21,9 @@ from sensorless.evaluation.objective import Cost
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import table_named
 
+pytestmark = pytest.mark.usefixtures("brief")
+
+
 SMALL = TrainConfig(
     n_envs=16, n_steps=16, batch_size=128, n_epochs=1, steps=1024, warm_up=1, validate_size=16
 )
