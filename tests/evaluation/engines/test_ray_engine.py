@@ -157,7 +157,7 @@ def test_the_command_starts_a_cluster_of_its_own(cluster: Any, tmp_path: Path) -
         words = f"evaluate --policy eq25 --suite paper --size 6 --engine {engine} --out {engine}"
         done = start(*words.split(), cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-        assert done.stderr == "evaluated eq25\n"
+        assert done.stderr == f"evaluated eq25\nwrote {engine}\n"
     assert (tmp_path / "local").read_bytes() == (tmp_path / "ray").read_bytes()
 
 
