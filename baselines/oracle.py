@@ -77,7 +77,7 @@ def _build(name: str, v: Values, motor: Motor) -> Oracle:
 
 RULE = Rule(
     "oracle",
-    "bound: knows the true angle and takes the weight with the smallest error",
+    "knows the true angle and takes the weight with the smallest error: greedy, no bound",
     _build,
     (
         Parameter(

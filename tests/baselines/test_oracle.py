@@ -52,7 +52,7 @@ def test_it_is_marked_and_cannot_run_on_signals(signals: Callable[..., Signals])
     assert isinstance(policy, PrivilegedPolicy) and policy.privileged
     with pytest.raises(ValueError, match="true angle"):
         policy.act(signals(speed=0.1))
-    assert RULES["oracle"].doc.startswith("bound:")
+    assert RULES["oracle"].doc.startswith("knows the true angle")
 
 
 def test_no_other_rule_sees_the_truth() -> None:
