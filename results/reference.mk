@@ -1,6 +1,6 @@
 # Rebuilds the reference: `make reference` in the folder above. All work is done in build/reference,
 # where an interrupted run resumes; at the end the files of results/reference that are made here are
-# replaced. Delete a file of build/reference to have it made again.
+# replaced, and results/leaderboard.csv with its page. Delete a file of build/reference to have it made again.
 SENSORLESS ?= $(abspath .venv/bin/sensorless)
 PYTHON     ?= $(abspath .venv/bin/python)
 OUT        ?= build/reference
@@ -29,6 +29,7 @@ JUDGED := sliding_mode flux_observer eq25 $(TUNED) logistic-tuned logistic-flux-
 
 all: $(OUT)/report/index.html
 	$(PYTHON) studies/publish_reference.py $(OUT) $(SHIPPED) $(SUITES:%=--suite %)
+	$(PYTHON) studies/leaderboard.py
 
 $(OUT)/tuned/%-coupled-tuned.json:
 	@mkdir -p $(@D)

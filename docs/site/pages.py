@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from docs.site import notebooks
-from docs.site.tables import leaderboard, motors
+from docs.site.tables import motors
 
 API = {
     "environment": (
@@ -68,7 +68,6 @@ def _api(title: str, about: str, names: Sequence[str]) -> str:
 MADE: dict[str, Callable[[], str]] = {
     "environment.md": lambda: (HERE / "environment.md").read_text(encoding="utf-8"),
     "motors.md": motors,
-    "leaderboard.md": leaderboard,
     **{place: partial(notebooks.page, path) for place, path in notebooks.PAGES.items()},
     **{f"api/{name}.md": partial(_api, *about) for name, about in API.items()},
 }

@@ -32,18 +32,6 @@ def test_what_the_api_pages_name_exists(name: str) -> None:
         assert (folder / f"{last}.py").is_file()
 
 
-def test_the_leaderboard_is_ordered_by_the_recorded_objective() -> None:
-    rows = tables.recorded("stress-1")
-    names = tables.ranked()
-    assert {"reference", "eq25", "sliding_mode"} < set(names) and "sensored" not in names
-    costs = [tables.objective(rows[name]) for name in names]
-    assert costs == sorted(costs)
-    page = tables.leaderboard()
-    for place, name in enumerate(names, 1):
-        (line,) = re.findall(rf"^\| {place} \| `{name}` \|.*$", page, re.MULTILINE)
-        assert rows[name]["torque deviation [%]"].split()[0] in line
-
-
 def test_the_table_of_motors_has_every_shipped_one() -> None:
     page = tables.motors()
     for path in MOTORS.glob("*.toml"):

@@ -23,7 +23,7 @@ train)
     printf '1,1,0.1,0.1,0.1,0.9,1\\n2,2,0.1,0.1,0.1,0.%s,1\\n' "$((5 - $5))" >> progress.csv
     [ -z "$BREAK" ] || exit 130;;
 report) mkdir -p "$2/report"; echo page > "$2/report/index.html";;
-studies/publish_reference.py) ;;
+studies/*.py) ;;
 esac
 """
 
@@ -73,14 +73,16 @@ def test_all_of_it_once(folder: Path) -> None:
     assert trained == [f"train --name run --seed {seed} {length}" for seed in "123"]
     suites = "--suite stress-1 --suite handoff --suite stress"
     publish = f"studies/publish_reference.py {folder}/out {folder}/shipped {suites}"
-    assert calls.pop() == publish
+    board = "studies/leaderboard.py"
+    assert calls[-2:] == [publish, board]
+    del calls[-2:]
     assert calls[-1].startswith(f"report {folder}/out --size 2000")
     assert suites in calls[-1]
     tuned_rule = f"{folder}/out/tuned/gated-coupled-tuned.json"
     for policy in ("sliding_mode", "eq25", "logistic-tuned", tuned_rule, f"{folder}/out/seed-2"):
         assert f"--policy {policy} " in calls[-1]
     assert (folder / "out" / "table.json").read_text() == "3\n", "the best in validation"
-    assert make(folder) == (0, [publish]), "what is there is kept"
+    assert make(folder) == (0, [publish, board]), "what is there is kept"
 
 
 def test_an_interrupted_training_starts_again_and_the_rest_stays(folder: Path) -> None:
@@ -90,7 +92,7 @@ def test_an_interrupted_training_starts_again_and_the_rest_stays(folder: Path) -
     assert make(folder)[0] == 0
     (folder / "out" / "seed-2" / "table.json").unlink()
     status, calls = make(folder)
-    assert [call.split()[0] for call in calls[:-1]] == ["train", "report"]
+    assert [call.split()[0] for call in calls[:-2]] == ["train", "report"]
     assert "--seed 2 " in calls[0]
 
 

@@ -1,0 +1,219 @@
+"""Judge policies on the frozen suites: results/leaderboard.csv, and docs/leaderboard.md from it.
+
+    python studies/leaderboard.py
+    python studies/leaderboard.py --policy examples.own_rule:MoreUnderLoad
+
+Without --policy it judges every policy that ships, and drops all other rows. With --policy it
+judges these alone and leaves the other rows as they are. The machine is the paper's.
+"""
+
+import argparse
+import csv
+import io
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from scipy.stats import binomtest
+
+from sensorless.envs.scenarios.frozen import FROZEN, MOTOR, SEED, Frozen
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.evaluation.aggregate import summary
+from sensorless.evaluation.evaluate import score
+from sensorless.evaluation.objective import LOST_WEIGHT
+from sensorless.evaluation.results_tables import number
+from sensorless.files import write_atomic
+from sensorless.policies import shipped
+from sensorless.policies.bench import bench
+from sensorless.policy import design_for, knows_truth
+from sensorless.versions import versions
+
+ROOT = Path(__file__).parents[1]
+CSV, PAGE = ROOT / "results" / "leaderboard.csv", ROOT / "docs" / "leaderboard.md"
+HEADROOM = ROOT / "results" / "studies" / "clairvoyant.json"
+PLAIN = ("eq25", "sliding_mode", "flux_observer", "error_blend", "sensored")
+"""Rules as they are that belong there: Eq. 25 on each estimator, and the bound."""
+COLUMNS = (
+    ("torque_dev_rms", "torque deviation [%]", 100.0, 2),
+    ("torque_ripple_rms", "torque ripple [%]", 100.0, 2),
+    ("overshoot_excess_pct", "overshoot beyond the twin's [%]", 1.0, 2),
+    ("angle_err_rms_deg", "angle error [°]", 1.0, 2),
+    ("injection_share", "injection on [%]", 100.0, 1),
+    ("hops", "`k_s` hops in [%]", 100.0, 1),
+)
+"""Metric, heading, factor and decimals."""
+FIRST = FROZEN[0].suite
+TEXT = """# Leaderboard
+
+Every row is a policy on the same scenarios of the machine `paper`; none of them was used to tune,
+train or select. A policy brings its estimator, so compare within a table, and in pairs
+(`sensorless evaluate --details`): neighbours are often not different. *Lost* has its exact 95 %
+interval (Clopper and Pearson); other columns are means over the scenarios survived, ± half the 95 %
+bootstrap interval. The order is that of the objective of training and tuning, 10 lost rate + mean
+torque deviation + mean torque ripple. *Headroom*: how far a policy comes from Eq. 25 to
+[the best k_s(t) found](judge-a-schedule.md#how-far-k_s-alone-can-go) for each scenario, with the
+95 % interval. [Suites](suites.md) has the other terms.
+
+{tables}
+## Enter a policy of your own
+
+`--policy MODULE:NAME` takes a Python class or function of the motor; needed is `act(obs)`, from the
+signals that firmware knows to weights between 0 and 1 (`examples/own_rule.py`,
+`examples/own_policy.py`). The file of `sensorless tune` and the folder of `sensorless train` enter
+as well.
+
+    python studies/leaderboard.py --policy examples.own_rule:MoreUnderLoad
+
+judges it on all suites, in about a minute, and puts its rows into `results/leaderboard.csv` and on
+this page. The scenarios are frozen: suite, seed and size give them, and a digest over all their
+numbers holds them (`envs/scenarios/frozen.py`; a test compares). `make reference` judges everything
+that ships anew.
+"""
+
+Row = Mapping[str, str]
+
+
+def shipped_words() -> list[str]:
+    """Every policy that comes with the package and belongs there."""
+    return [*PLAIN, *shipped.docs({})]
+
+
+def judged(word: str, frozen: Frozen) -> Row:
+    """One policy on one suite."""
+    made = bench([word], MOTOR)
+    policy = made.policy(word)
+    s = score(policy, frozen.rows(made.motor), SimFactory(made.motor, made.design))
+    names = ("not_held", "k_s_hop", *(name for name, *_ in COLUMNS))
+    found = summary(s.lost, {name: s.metrics[name] for name in names}, SEED)
+    feasible = len(s.lost) - found["lost_by_cause"]["twin"]
+    lost = round(found["lost_rate"] * feasible)
+    exact = binomtest(lost, feasible).proportion_ci(0.95)
+    cost = LOST_WEIGHT * found["lost_rate"] + found["torque_dev_rms"] + found["torque_ripple_rms"]
+    row: dict[str, Any] = {
+        "suite": frozen.suite,
+        "digest": frozen.digest,
+        "policy": policy.name,
+        "estimator": "" if policy.sensored else design_for(policy, made.design).estimator,
+        "bound": int(knows_truth(policy)),
+        "core": versions()["core"][:12],
+        "feasible": feasible,
+        "lost": lost,
+        "lost_low": exact.low,
+        "lost_high": exact.high,
+        "not_held": round(found["not_held_rate"] * feasible),
+        "objective": cost,
+    }
+    for name in names[1:]:
+        row[name], (row[f"{name}_low"], row[f"{name}_high"]) = found[name], found[f"{name}_ci"]
+    return {key: f"{x:.6g}" if isinstance(x, float) else str(x) for key, x in row.items()}
+
+
+def read(path: Path) -> list[Row]:
+    """Rows of the file; none if there is none."""
+    if not path.is_file():
+        return []
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def headroom() -> dict[str, str]:
+    """Share of the headroom by policy [%], of those that ``studies/clairvoyant.py`` judged."""
+    if not HEADROOM.is_file():
+        return {}
+    entries = json.loads(HEADROOM.read_text(encoding="utf-8")).values()
+    found = {name: x for entry in entries for name, x in entry["policies"].items()}
+    out = {}
+    for name, x in found.items():
+        share, low, high = (number(100.0 * y, 0) for y in (x["share"], *x["share_ci"]))
+        out[name] = f"{share} ({low} … {high})"
+    return out
+
+
+def ordered(rows: Sequence[Row]) -> list[Row]:
+    """By suite, then by the objective on the first suite."""
+    suites = [frozen.suite for frozen in FROZEN]
+    first = {row["policy"]: float(row["objective"]) for row in rows if row["suite"] == FIRST}
+    return sorted(rows, key=lambda row: (suites.index(row["suite"]), first[row["policy"]]))
+
+
+def text_of(rows: Sequence[Row]) -> str:
+    """Content of the file."""
+    out = io.StringIO()
+    writer = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return out.getvalue()
+
+
+def page(rows: Sequence[Row]) -> str:
+    """Markdown with a table for each estimator, and one of what is lost on each suite."""
+    parts, first = [], [row for row in rows if row["suite"] == FIRST]
+    heads = (
+        "policy",
+        "objective [%]",
+        "lost",
+        "not held",
+        *(c[1] for c in COLUMNS),
+        "headroom [%]",
+    )
+    groups = {row["estimator"]: True for row in first if row["bound"] == "0"}
+    for estimator in (*groups, ""):
+        some = [row for row in first if row["estimator"] == estimator]
+        if some:
+            title = f"Estimator `{estimator}`" if estimator else "Position sensor: the bound"
+            about = f"`{FIRST}`, seed {SEED}, {FROZEN[0].size} scenarios:"
+            parts.append(f"## {title}\n\n{about}\n\n{_table(heads, some, _cells)}")
+    by_key = {(row["suite"], row["policy"]): row for row in rows}
+    heads = ("policy", "estimator", *(f"`{f.suite}`, of {f.size}" for f in FROZEN))
+    parts.append(
+        "## Lost by suite\n\nLost scenarios, and below the mean torque deviation of the others "
+        f"[%]:\n\n{_table(heads, first, lambda row: _suites(row, by_key))}"
+    )
+    return TEXT.format(tables="\n".join(parts))
+
+
+def _table(heads: Sequence[str], rows: Sequence[Row], cells: Callable[[Row], list[str]]) -> str:
+    lines = [heads, ["---"] * len(heads), *map(cells, rows)]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def _cells(row: Row) -> list[str]:
+    low, high = (f"{100.0 * float(row[key]):.2f}" for key in ("lost_low", "lost_high"))
+    out = [f"`{row['policy']}`", f"{100.0 * float(row['objective']):.2f}"]
+    out += [f"{row['lost']} of {row['feasible']} ({low}–{high} %)", row["not_held"]]
+    for name, _, factor, decimals in COLUMNS:
+        value, low_, high_ = (factor * float(row[name + end]) for end in ("", "_low", "_high"))
+        out.append(
+            f"{number(value, decimals)}&nbsp;±&nbsp;{number(0.5 * (high_ - low_), decimals)}"
+        )
+    return [*out, headroom().get(row["policy"], "–")]
+
+
+def _suites(row: Row, by_key: Mapping[tuple[str, str], Row]) -> list[str]:
+    out = [f"`{row['policy']}`", row["estimator"] or "–"]
+    for frozen in FROZEN:
+        found = by_key.get((frozen.suite, row["policy"]))
+        deviation = number(100.0 * float(found["torque_dev_rms"]), 2) if found else ""
+        out.append(f"{found['lost']}<br>{deviation}" if found else "–")
+    return out
+
+
+def main() -> None:
+    """Judge, and write file and page."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--policy", action="append", help="policy to judge; repeat for several")
+    words = parser.parse_args().policy
+    rows = {(row["suite"], row["policy"]): row for row in read(CSV)} if words else {}
+    for word in words or shipped_words():
+        for frozen in FROZEN:
+            row = judged(word, frozen)
+            rows[row["suite"], row["policy"]] = row
+        found = ordered(list(rows.values()))
+        write_atomic(CSV, text_of(found))
+        write_atomic(PAGE, page(found))
+        print(f"judged {word}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
