@@ -117,7 +117,7 @@ class Report:
             "report.html.j2",
             {
                 "maps": {key: m.packed() for key, m in {**drawn, **table}.items()},
-                "cases": {word: self._waves(case) for word, case in chosen.items()},
+                "cases": {w: self._waves(case, len(chosen)) for w, case in chosen.items()},
                 "curves": panels,
             },
             name=own,
@@ -192,13 +192,13 @@ class Report:
             "estimator."
         )
 
-    def _waves(self, case: Case) -> list[dict[str, Any]]:
+    def _waves(self, case: Case, count: int) -> list[dict[str, Any]]:
         scenario = scenario_from(case.scenario, self.motor)
         runs = {
             policy.name: trace(policy, scenario, self.motor, self.design, go_on=True)
             for policy in (self.policy, self.reference)
         }
-        return [packed(wave(f"{case.scenario} under {n}", run)) for n, run in runs.items()]
+        return [packed(wave(f"{case.scenario} under {n}", run), count) for n, run in runs.items()]
 
     def _table(self) -> list[maps.Map]:
         if not isinstance(self.policy, TablePolicy):

@@ -198,7 +198,7 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
             why = f"Nothing is better than {other}."
             return Verdict("no", f"Flash {other} instead.", why, lines)
     if not table:
-        why = "It is no table: sensorless distill makes one of a network."
+        why = "It is no table, and export writes tables; sensorless distill makes one of a network."
         return Verdict("with", "Not as it is.", why, lines)
     if any(word == WORSE for word, _ in lines):
         return Verdict("with", "Flash it, if you can live with what got worse.", "", lines)

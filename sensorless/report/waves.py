@@ -11,14 +11,16 @@ from sensorless.plots.wave import Wave
 
 POINTS = 1800
 """Most points of a curve: the least and the largest value of each of half as many bins."""
+ALL = 36_000
+"""Most points of a curve in all cases of a page, which bounds its size."""
 LEVELS = 4000
 """Steps from the least to the largest value of a curve; few, so that they pack well."""
 NONE = -32768
 
 
-def packed(wave: Wave) -> dict[str, Any]:
-    """All of it in JSON types."""
-    t, order = thinned(wave.t)
+def packed(wave: Wave, cases: int = 1) -> dict[str, Any]:
+    """All of it in JSON types, for a page that has so many cases."""
+    t, order = thinned(wave.t, min(POINTS, ALL // cases))
     raw, panes = [t.astype("<f4").tobytes()], []
     for pane in wave.panes:
         curves = []
@@ -36,12 +38,12 @@ def packed(wave: Wave) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def thinned(t: Array) -> tuple[Array, Any]:
-    """Times of at most about ``POINTS`` points, and what thins a curve (n,) to them."""
+def thinned(t: Array, points: int) -> tuple[Array, Any]:
+    """Times of at most about ``points`` points, and what thins a curve (n,) to them."""
     n = len(t)
-    if n <= POINTS:
+    if n <= points:
         return np.asarray(t, dtype=np.float64), lambda x: np.asarray(x, dtype=np.float64)
-    width = -(-2 * n // POINTS)
+    width = -(-2 * n // points)
     first = np.arange(0, n - 1, width)  # the last bin has two rows at least
     times = np.stack([t[first], t[np.minimum(first + width // 2, n - 1)]], axis=1)
 

@@ -26,6 +26,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.bench import Bench
 from sensorless.policies.registry import make_policies
 from sensorless.report.cases import CROSSED, OURS, cases
+from sensorless.report.page import PARTS, UPLOT
 from sensorless.report.report import Report
 from sensorless.report.tables import COLUMNS
 from sensorless.report.waves import LEVELS
@@ -119,6 +120,11 @@ def test_the_page_stands_alone(run: Path, page: Page) -> None:
     files = {path.name for path in (run / "report").iterdir()}
     assert files == {"index.html", "results-stress-1.json", "results-handoff.json"}
     assert (run / "report" / "index.html").stat().st_size < 3_000_000
+
+
+def test_the_plotting_library_is_the_one_that_is_named() -> None:
+    head = (PARTS / "uplot" / "uPlot.iife.min.js").read_text(encoding="utf-8")[:80]
+    assert f"(v{UPLOT})" in head
 
 
 def judged(run: Path) -> Results:
