@@ -5,13 +5,15 @@
     sensorless certify examples.own_policy:Model --size 20000
 
 NAME is a class or a function of the motor. What it gives must have ``act``; ``name``, ``settings``
-(of the drive, for example ``{"estimator": "smo"}``) and ``reset(n)`` are optional.
+(of the drive, for example ``{"estimator": "smo"}``) and ``reset(n)`` are optional, and so are
+``ranges`` and ``act_gains`` of a policy that sets gains besides.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 
+from sensorless.core.gains import DEFAULT, GAIN_N, GAIN_NAMES
 from sensorless.machine.motor import Motor
 
 FILE = "ppo.zip"
@@ -25,8 +27,17 @@ class Model:
 
     def __init__(self, motor: Motor) -> None:
         self._model = PPO.load(FILE, device="cpu")
+        alone = self._model.action_space.shape == (1,)
+        self.ranges = {} if alone else DEFAULT  # with all gains of Blend-v1
 
     def act(self, obs: NDArray[np.float32]) -> NDArray[np.float32]:
         """Weights (n,) of n drives at their signals (n, 12), every millisecond."""
         action, _ = self._model.predict(obs, deterministic=True)
         return np.asarray(0.5 * (action[:, 0] + 1.0), dtype=np.float32)
+
+    def act_gains(self, obs: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Values of the gains (n, GAIN_N), -1 to 1, of a model that sets them."""
+        action, _ = self._model.predict(obs, deterministic=True)
+        values = np.zeros((len(obs), GAIN_N), dtype=np.float32)
+        values[:, [GAIN_NAMES.index(name) for name in DEFAULT]] = action[:, 1:]
+        return values

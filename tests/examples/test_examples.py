@@ -8,9 +8,11 @@ from stable_baselines3 import PPO
 
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.core.api import SIGNAL_N
-from sensorless.envs.blend_vector_env import BlendVectorEnv
+from sensorless.core.gains import DEFAULT, GAIN_NAMES
+from sensorless.envs.blend_v1 import GainVectorEnv
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
+from sensorless.policy import GainPolicy, gains_of
 from tests.helpers.script import ROOT, script
 
 EXAMPLES = ROOT / "examples"
@@ -39,18 +41,23 @@ def test_an_example_runs(
     assert promised in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("gains", [(), tuple(DEFAULT)], ids=["k_s", "gains"])
 def test_a_model_of_stable_baselines3_is_a_policy(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    gains: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    env = SB3VecEnv(BlendVectorEnv(2, autoreset_mode="SameStep"))
+    env = SB3VecEnv(GainVectorEnv(2, autoreset_mode="SameStep", gains=gains))
     model = PPO("MlpPolicy", env, n_steps=2, batch_size=2, device="cpu")
     model.save(tmp_path / "ppo.zip")
     monkeypatch.syspath_prepend(str(ROOT))
     monkeypatch.chdir(tmp_path)
     policy = make_policy("examples.own_policy:Model", Motor.load("paper"))
     obs = np.linspace(-1.0, 1.0, 2 * SIGNAL_N, dtype=np.float32).reshape(2, SIGNAL_N)
-    action = model.predict(obs, deterministic=True)[0][:, 0]
-    assert policy.act(obs) == pytest.approx(0.5 + 0.5 * action)
+    action = model.predict(obs, deterministic=True)[0]
+    assert policy.act(obs) == pytest.approx(0.5 + 0.5 * action[:, 0])
+    assert tuple(gains_of(policy)) == gains
+    if isinstance(policy, GainPolicy) and gains:
+        columns = [GAIN_NAMES.index(name) for name in gains]
+        assert policy.act_gains(obs)[:, columns] == pytest.approx(action[:, 1:])
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
