@@ -38,15 +38,15 @@ KNOWN = tuple(name for name in SUITES if name not in ("starts", "machines"))
 MACHINES = ("paper", "ipmsm_2200w", "pmsyrm_5600w", "brusa_hsm1")
 
 
-class Truth:
-    """A policy whose drives are put on the truth when they take control after lost lock."""
+class Acting:
+    """A policy on drives with this action; with ``truth`` they take control again on the truth."""
 
     sensored = False
     privileged = True
 
-    def __init__(self, inner: Policy) -> None:
-        self.inner, self.name = inner, inner.name
-        self.settings: Mapping[str, Any] = inner.settings
+    def __init__(self, inner: Policy, action: str, truth: bool) -> None:
+        self.inner, self.name, self.truth = inner, inner.name, truth
+        self.settings: Mapping[str, Any] = {**inner.settings, "lost_lock": action}
         self._seeks: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
 
     def reset(self, n: int) -> None:
@@ -61,7 +61,7 @@ class Truth:
     def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
         """The policy's own; set drives that have just taken control on the truth."""
         seeks = sims["drive"]["x"]["start"]["phase"] != lib.START_DONE
-        for j in np.flatnonzero(self._seeks & ~seeks):
+        for j in np.flatnonzero(self._seeks & ~seeks & self.truth):
             x, y = sims["drive"]["x"][j], sims["drive"]["y"][j]
             for loop in (x["est"], x["hfi"]["pll"], x["emf"]["pll"]):
                 loop["theta"], loop["omega"] = y["theta_e"], sims["omega_scale"][j] * y["omega_m"]
@@ -81,10 +81,10 @@ def watched(
     for suite in suites:
         scenarios = SuiteRows(suite, motor, seed, size).draw()
         some = min(64, at_a_time(scenarios, motor))
-        runs += list(rollouts(policy, scenarios, factory, some, go_on=True))
-    lost = np.concatenate([r.lost for r in runs])
-    time = np.concatenate([r.periods for r in runs]) * motor.T_s
-    lock = {name: np.concatenate([r.lock[name] for r in runs]) for name in LOCK}
+        for r in rollouts(policy, scenarios, factory, some, go_on=True):
+            runs.append((r.lost, r.periods * motor.T_s, r.lock))
+    lost, time = (np.concatenate([run[j] for run in runs]) for j in (0, 1))
+    lock = {name: np.concatenate([run[2][name] for run in runs]) for name in LOCK}
     feasible = (lost & CAUSES["twin"]) == 0
     held = float(time[feasible & (lost == 0)].sum())
     row = {**lock_summary(lock, lost, time, CAUSES["twin"]), "held_s": round(held)}
@@ -103,11 +103,9 @@ def rows_of(motor: Motor, policy: Policy, design: DriveDesign, args: Any) -> lis
     """One row an action."""
     rows, arrays = [], {}
     for action in args.action:
-        drive = DriveDesign(
-            estimator=design.estimator, lost_lock="restart" if action == "truth" else action
-        )
-        who = Truth(policy) if action == "truth" else policy
-        row, arrays[action] = watched(motor, who, drive, list(args.suite), args.seed, args.size)
+        truth = action == "truth"
+        who = Acting(policy, "restart" if truth else action, truth)
+        row, arrays[action] = watched(motor, who, design, list(args.suite), args.seed, args.size)
         rows.append({"motor": motor.name, "policy": policy.name, "estimator": design.estimator,
                      "lost_lock": action} | row)  # fmt: skip
         if action == "truth" and "restart" in arrays:
