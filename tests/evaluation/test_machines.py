@@ -21,8 +21,8 @@ from sensorless.policies.bench import bench
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy
 
-DESIGN, SEED, N = DriveDesign(), 3, 3
-NAMES = ("eq25", "sliding_mode", "reference")
+DESIGN, SEED, N = DriveDesign(), 3, 2
+NAMES = ("reference", "sliding_mode")
 MOTORS = family(JUDGED + SEED, N)
 
 
@@ -54,8 +54,10 @@ def test_a_policy_stands_beside_the_first_on_the_same_machine(results: Results) 
     rows = {name: results.policies[name]["scenarios"] for name in NAMES}
     for i, ratio in enumerate(pair["torque_ripple_rms_ratios"]):
         part = range(SCENARIOS * i, SCENARIOS * (i + 1))
-        both = [j for j in part if not rows["eq25"]["lost"][j] | rows["sliding_mode"]["lost"][j]]
-        here, there = (np.array(rows[n]["torque_ripple_rms"])[both] for n in NAMES[1::-1])
+        both = [
+            j for j in part if not rows["reference"]["lost"][j] | rows["sliding_mode"]["lost"][j]
+        ]
+        here, there = (np.array(rows[n]["torque_ripple_rms"])[both] for n in NAMES[::-1])
         assert ratio == pytest.approx(here.mean() / there.mean())
     mean = np.exp(np.mean(np.log(pair["torque_ripple_rms_ratios"])))
     assert pair["torque_ripple_rms"] == pytest.approx(mean)
@@ -65,16 +67,18 @@ def test_a_policy_stands_beside_the_first_on_the_same_machine(results: Results) 
 
 
 def test_any_engine_gives_the_same_file(results: Results) -> None:
-    assert evaluate_machines(DESIGN, SEED, N, policies_on, engine=LOCAL).to_json() == (
-        results.to_json()
-    )
+    def one(motor: Motor) -> Mapping[str, Policy]:
+        return {"sliding_mode": policies_on(motor)["sliding_mode"]}
+
+    found = evaluate_machines(DESIGN, SEED, N, one, engine=LOCAL).policies["sliding_mode"]
+    assert repr(found) == repr(results.policies["sliding_mode"])
 
 
 def test_a_word_replays_a_scenario_on_its_machine(results: Results) -> None:
-    assert results.policies["eq25"]["worst"][0]["scenario"].startswith(f"machines:{SEED}:")
-    motor, word = on_machine(f"machines:{SEED}:33")
-    assert motor == MOTORS[2]
-    drawn = rows_on(motor, 2, SEED, N).draw()[1:2]
+    assert results.policies["reference"]["worst"][0]["scenario"].startswith(f"machines:{SEED}:")
+    motor, word = on_machine(f"machines:{SEED}:17")
+    assert motor == MOTORS[1]
+    drawn = rows_on(motor, 1, SEED, N).draw()[1:2]
     assert scenario_from(word, motor).tau.tolist() == drawn.tau.tolist()
     with pytest.raises(UserError, match="write machines:SEED:INDEX"):
         on_machine("machines:3")
