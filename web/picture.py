@@ -1,6 +1,6 @@
-"""Draws the playground as the documentation shows it.
+"""Draws a page as the documentation shows it: the playground, or the page that is named.
 
-Usage: python -m web.picture [FILE], docs/playground.png by default.
+Usage: python -m web.picture [FILE.png [PAGE.html]], docs/playground.png by default.
 """
 
 import sys
@@ -17,24 +17,27 @@ SECONDS = 6.0
 
 
 def main() -> None:
-    """Run the page's first scenario and save what it looks like."""
-    missing = [*missing_tools(), *missing_browser()]
+    """Save what the page looks like: of the playground, its first scenario."""
+    path = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "playground.png"
+    named = Path(sys.argv[2]) if len(sys.argv) > 2 else None
+    missing = [*([] if named else missing_tools()), *missing_browser()]
     if missing:
         sys.exit(f"error: picture: needs {', '.join(missing)}")
-    path = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "playground.png"
     with tempfile.TemporaryDirectory() as folder, chromium() as driver:
-        page = Path(folder, "playground.html")
-        build(page)
+        page = named or Path(folder, "playground.html")
+        if named is None:
+            build(page)
         size_to(driver, 1280, 800)
-        driver.get(page.as_uri())
+        driver.get(page.absolute().as_uri())
         prefer(driver, "light")
         time.sleep(1.0)
-        driver.execute_script(
-            "const { page } = playground; page.again(); page.pace.stop();"
-            "while (page.run.seconds < arguments[0]) page.run.advance();",
-            SECONDS,
-        )
-        time.sleep(1.0)
+        if named is None:
+            driver.execute_script(
+                "const { page } = playground; page.again(); page.pace.stop();"
+                "while (page.run.seconds < arguments[0]) page.run.advance();",
+                SECONDS,
+            )
+            time.sleep(1.0)
         driver.save_screenshot(str(path))
     print(f"wrote {path}")
 

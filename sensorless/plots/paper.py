@@ -120,13 +120,18 @@ def speed_runs(published: Trace, corrected: Trace, title: str, paper: Printed) -
         color=COLOURS["ref"],
         label="reference",
     )
-    for name, t, colour in (
-        ("as published", published, COLOURS["hfi"]),
-        ("corrected", corrected, COLOURS["smo"]),
+    for name, t, colour, width in (
+        (
+            "as published",
+            published,
+            COLOURS["hfi"],
+            3.0,
+        ),  # wide, so that the other hides it nowhere
+        ("corrected", corrected, COLOURS["smo"], 1.0),
     ):
-        speed.plot(t["t"], RAD_S_TO_RPM * t["omega_m"], color=colour, lw=1.2, label=name)
+        speed.plot(t["t"], RAD_S_TO_RPM * t["omega_m"], color=colour, lw=width, label=name)
         angle.plot(t["t"], np.rad2deg(t["theta_e_err"]), color=colour, lw=0.6, label=name)
-        weight.plot(t["t"], t["k_s"], color=colour, lw=1.0, label=name)
+        weight.plot(t["t"], t["k_s"], color=colour, lw=width, label=name)
     speed.set_ylabel("speed [r/min]")
     angle.set_ylabel("angle error [° el.]\ntruth − estimate")
     weight.set_ylabel("$k_s$\n1 = HFI, 0 = SMO")

@@ -16,13 +16,15 @@ SCRIPTS = ("uplot/uPlot.iife.min.js", "sort.js", "map.js", "plot.js")
 
 @cache
 def _environment() -> Environment:
-    return Environment(
+    made = Environment(
         loader=FileSystemLoader(PARTS),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    made.filters["unbroken"] = lambda text: str(text).replace(" %", "\u00a0%")
+    return made
 
 
 def render(template: str, data: dict[str, Any] | None = None, **values: Any) -> str:
