@@ -108,14 +108,14 @@ def test_a_ramp_of_the_current_is_no_residual(c: Call) -> None:
     assert abs(evaluate(c, rows)["residual"]) < 0.01 * MOTOR.L_q * slope
 
 
-def at_speed(share: float, load: float, **settings: Any) -> Array:
+def at_speed(share: float, load: float, motor: Motor = MOTOR, **settings: Any) -> Array:
     """One drive on the default estimator after 0.4 s at this speed and load."""
-    s = Scenarios.nominal(MOTOR, np.zeros(1, dtype=np.uint64), 10.0)
-    s.omega[:] = share * MOTOR.omega_rated / MOTOR.n_p
+    s = Scenarios.nominal(motor, np.zeros(1, dtype=np.uint64), 10.0)
+    s.omega[:] = share * motor.omega_rated / motor.n_p
     s.omega_0 = s.omega[:, 0].copy()
-    s.tau[:] = load * MOTOR.tau_rated
-    s.tau_rate[:] = MOTOR.tau_rated / 0.2
-    sims = SimFactory(MOTOR, DriveDesign(**settings)).build(s)
+    s.tau[:] = load * motor.tau_rated
+    s.tau_rate[:] = motor.tau_rated / 0.2
+    sims = SimFactory(motor, DriveDesign(**settings)).build(s)
     sims["go_on"] = 1
     run(sims, 0.4, share)
     return sims
@@ -152,12 +152,56 @@ def test_a_drive_turned_by_half_a_turn_tells_and_comes_back(share: float) -> Non
     assert err(sims) < np.deg2rad(20.0)
 
 
+def restart(sims: Array, share: float, most: float = 0.1) -> tuple[list[int], float]:
+    """Phases until the drive is in control again, and the largest current meanwhile [A]."""
+    x, phases, largest = sims["drive"]["x"], [], 0.0
+    sims["control"]["lock"]["action"] = lib.LOCK_RESTART
+    x["lock"]["bad"], x["lock"]["calm"] = sims["control"]["lock"]["n_act"], 0
+    sims["control"]["lock"]["i_off"] = -1.0
+    for _ in range(round(most / MOTOR.T_s)):
+        run(sims, MOTOR.T_s, share)
+        phase = int(x["start"]["phase"][0])
+        phases += [phase] if phases[-1:] != [phase] else []
+        if phase != lib.START_DONE:
+            sims["control"]["lock"]["i_off"] = 1e9
+            if phase != lib.START_QUIET:
+                y = sims["drive"]["y"]
+                largest = max(largest, float(np.hypot(y["i_d"], y["i_q"])[0]))
+        elif largest > 0.0:
+            break
+    return phases, largest
+
+
 @pytest.mark.parametrize(("share", "load"), [(0.0, 0.0), (0.05, 1.0), (0.5, -1.0), (1.0, 1.0)])
 def test_a_healthy_drive_is_silent(share: float, load: float) -> None:
     sims = at_speed(share, load, lost_lock="restart")
     run(sims, 0.3, share)
     lock = sims["drive"]["x"]["lock"][0]
     assert (lock["alarms"], lock["bad"], lock["reason"]) == (0, 0, 0)
+
+
+@pytest.mark.parametrize("share", [-1.3, -0.9, 0.9, 1.3])
+def test_a_shaft_is_caught_in_its_own_direction_at_any_speed(share: float) -> None:
+    """Its EMF turns by up to 280 degrees while it is watched."""
+    motor = Motor.load("brusa_hsm1")
+    sims = at_speed(share, 0.0, motor)
+    phases, largest = restart(sims, share)
+    assert lib.START_FLY in phases and phases[-1] == lib.START_DONE
+    assert err(sims) < np.deg2rad(20.0)
+    assert largest < 0.5 * motor.i_rated
+
+
+@pytest.mark.parametrize("share", [-0.15, 0.15])
+@pytest.mark.parametrize("half", [False, True])
+def test_the_emf_tells_the_pole_without_pulses(share: float, half: bool) -> None:
+    sims = at_speed(share, 0.0)
+    if half:
+        turn(sims, np.pi)
+    phases, _ = restart(sims, share)
+    assert lib.START_LOCK in phases and lib.START_POLE not in phases
+    run(sims, 5e-3, share)
+    assert err(sims) < np.deg2rad(15.0)
+    assert sims["drive"]["x"]["fault"][0] & lib.FAULT_POLE == 0
 
 
 def test_restarts_are_bounded_and_then_there_is_no_voltage() -> None:
