@@ -247,7 +247,7 @@ static void begins(void) {
         sum += fabs((double)w[k]);
     }
     double ready = fabs((double)x.control.i_int);
-    check("init: nothing else", near(sum, 5.0 * 1.0 + 7.0 * 50.0 + 2.0 * 0.25 + 1.0 + ready, 1e-5));
+    check("init: nothing else", near(sum, 5.0 * 1.0 + 8.0 * 50.0 + 2.0 * 0.25 + 1.0 + ready, 1e-5));
     check("init: no fault", x.fault == 0 && x.start.phase == START_DONE);
 }
 
