@@ -106,7 +106,7 @@ def learning(run: str) -> tuple[list[dict[str, Any]], str]:
     found = curves_of(folder, alone=made is not None) if folder.is_dir() else {}
     if not found:
         return [], ""
-    levels = shipped_levels(folder)
+    levels = {name: cost for name, cost in shipped_levels(folder).items() if name != run}
     times = np.unique(np.concatenate([c["seconds"] for c in found.values()]))
     panels = []
     for key, label in CURVES:

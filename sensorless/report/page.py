@@ -42,7 +42,7 @@ def render(template: str, data: dict[str, Any] | None = None, **values: Any) -> 
     style = "".join(_part(name) for name in ("uplot/uPlot.min.css", "style.css"))
     script = ""
     if data is not None:
-        text = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+        text = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
         code = "\n".join(_part(name) for name in SCRIPTS)
         script = f"<script>\nconst data = {text};\n{code}</script>\n"
     return (

@@ -38,7 +38,7 @@ function plot(place, { label, xLabel, x, curves, span, sync, bands = [], marks =
   const fit = (u, low, high) => {
     const { min, max } = u.scales.x;
     if (span && !(min > whole[0] || max < whole[1])) return span;
-    return low === null || low === high ? [(low ?? 0) - 1, (low ?? 0) + 1] : uPlot.rangeNum(low, high, 0.06, true);
+    return low === null || low === high ? [low ? low - 1 : -0.1, (low ?? 0) + 1] : uPlot.rangeNum(low, high, 0.06, true);
   };
   const u = new uPlot(
     {
