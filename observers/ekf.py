@@ -23,6 +23,7 @@ from sensorless.machine.motor import Motor
 
 TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 FLUX_STEP = 1e-6
+STEPS = FLUX_STEP * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
 
 
 @dataclass(frozen=True)
@@ -104,8 +105,7 @@ class MachineEkf:
         c, s = np.cos(x[3, 0]), np.sin(x[3, 0])
         rotate = np.array([[c, -s], [s, c]])
         psi = rotate.T @ x[:2, 0]
-        steps = FLUX_STEP * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-        i = flux_map_currents(self._map, self._bridge, psi + steps)
+        i = flux_map_currents(self._map, self._bridge, psi + STEPS)
         gamma = np.stack([i[1] - i[2], i[3] - i[4]], axis=-1) / (2.0 * FLUX_STEP)
         jacobian = np.zeros((2, 4))
         jacobian[:, :2] = rotate @ gamma @ rotate.T

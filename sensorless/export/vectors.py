@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +11,11 @@ from sensorless.core.api import (
     SIGNAL_N,
     SIGNAL_NAMES,
     TRACE_NAMES,
-    Array,
     ffi,
     lib,
     pointer,
     sim_set_gain,
     sim_signals,
-    sim_trace,
 )
 from sensorless.core.gains import due, gain_records, write_wanted
 from sensorless.design.drive import DriveDesign
@@ -98,28 +97,24 @@ def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: in
     obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
     n = int(sim["k_end"][0])
     out = np.zeros((n, 9), dtype=np.float32)
-    column = {name: j for j, name in enumerate(TRACE_NAMES)}
-    inputs = [column["i_a"], column["i_b"], column["u_dc"]]
-    control, x = sim["control"], sim["drive"]["x"]
-    est = x["est"][0]
-    start = (float(est["theta"]), float(est["omega"]), float(x["k_s"][0]))
+    i_a, i_b, u_dc = (TRACE_NAMES.index(name) for name in ("i_a", "i_b", "u_dc"))
+    drives, row = pointer(sim, "sim_t[]"), ffi.new("double[]", len(TRACE_NAMES))
+    s = drives[0]
+    x, u = s.drive.x, s.drive.u
+    start = (x.est.theta, x.est.omega, x.k_s)
     for j in range(n):
-        k_s_ref = schedule.step(control, x)
+        k_s_ref = schedule.step(s.control, x)
         if table.gains:
             if j % periods == 0:
                 sim_signals(sim, obs)
                 write_wanted(gains, table.evaluate_gains(obs))
             for g in due(j % periods, periods, len(table.gains)):
                 sim_set_gain(sim, gains, g)
-        row = sim_trace(sim, 1, k_s_ref)
-        if not len(row):  # the drive was lost: keep what it did until then
+        if not lib.sim_trace(drives, 1, k_s_ref, row):  # the drive was lost: keep what it did
             out = out[:j]
             break
-        x = sim["drive"]["x"]
-        out[j, :3] = row[0, inputs]
-        out[j, 3], out[j, 4] = sim["now"]["omega_ref"][0], k_s_ref
-        u, est = sim["drive"]["u"][0], x["est"][0]
-        out[j, 5:] = u["a"], u["b"], est["theta"], est["omega"]
+        given = row[i_a], row[i_b], row[u_dc], s.now.omega_ref, k_s_ref
+        out[j] = (*given, u.a, u.b, x.est.theta, x.est.omega)
     return DriveVectors(as_words(out), start)
 
 
@@ -137,18 +132,10 @@ class Schedule:
         if lib.ks_schedule_init(self._params, self._state) != lib.KS_OK:
             raise AssertionError("a valid KsTable passes the check")
 
-    def step(self, control: Array, x: Array) -> float:
-        """Weight wanted, from records of shape (1,) of a drive's parameters and state."""
-        params = np.ascontiguousarray(control["signal"])
-        signals = np.ascontiguousarray(x["signal"])
-        return float(
-            lib.ks_schedule_step(
-                self._params,
-                self._state,
-                pointer(params, "signal_params_t[]"),
-                pointer(signals, "signal_state_t[]"),
-            )
-        )
+    def step(self, control: Any, x: Any) -> float:
+        """Weight wanted, from a drive's parameters and state in C."""
+        params, signals = ffi.addressof(control, "signal"), ffi.addressof(x, "signal")
+        return float(lib.ks_schedule_step(self._params, self._state, params, signals))
 
 
 def _scenario(motor: Motor) -> Scenarios:
@@ -168,4 +155,4 @@ def as_words(x: NDArray[np.float32]) -> Words:
 
 def hex_words(words: Words) -> str:
     """Comma-separated 32-bit literals."""
-    return ", ".join(f"0x{int(w):08X}" for w in words)
+    return ", ".join(["0x%08X"] * len(words)) % tuple(words.tolist())

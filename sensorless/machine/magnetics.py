@@ -46,6 +46,10 @@ def currents(s: Saturation, psi: Floats) -> Floats:
     return flux_map_currents(flux_map_record(s), s.a_b > 0.0, psi)
 
 
+SIDES = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])[:, None]
+"""Steps to both sides of a flux linkage, axis by axis."""
+
+
 def inverse_inductance(s: Saturation, psi: Floats, step: float | None = None) -> Floats:
     """Jacobian d(i_d, i_q)/d(psi_d, psi_q) [1/H], shape (n, 2, 2), by central differences.
 
@@ -53,12 +57,9 @@ def inverse_inductance(s: Saturation, psi: Floats, step: float | None = None) ->
     """
     if step is None:
         step = 1e-6 * min(1.0, s.i_f / s.a_d0 if s.i_f > 0.0 else 1.0)
-    columns = []
-    for axis in range(2):
-        shift = np.zeros(2)
-        shift[axis] = step
-        columns.append((currents(s, psi + shift) - currents(s, psi - shift)) / (2.0 * step))
-    return np.stack(columns, axis=-1)
+    around = (psi + step * SIDES).reshape(-1, 2)
+    i = currents(s, around).reshape(2, 2, -1, 2)
+    return np.stack([(more - less) / (2.0 * step) for more, less in i], axis=-1)
 
 
 def flux(s: Saturation, i: Floats) -> Floats:
