@@ -2,9 +2,12 @@
 
     python studies/leaderboard.py
     python studies/leaderboard.py --policy examples.own_rule:MoreUnderLoad
+    python studies/leaderboard.py --pair reference logistic-coupled-tuned
 
 Without --policy it judges every policy that ships, and drops all other rows. With --policy it
-judges these alone and leaves the other rows as they are. The machine is the paper's.
+judges these alone and leaves the other rows as they are. The machine is the paper's. With --pair it
+runs nothing: it compares two policies scenario by scenario on the first suite, from
+results/leaderboard.npy, which has torque deviation and ripple in each.
 """
 
 import argparse
@@ -15,11 +18,13 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import binomtest
 
 from sensorless.envs.scenarios.frozen import FROZEN, MOTOR, SEED, Frozen
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.evaluation.aggregate import summary
+from sensorless.evaluation.aggregate import mean_interval, summary
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.objective import LOST_WEIGHT
 from sensorless.evaluation.results_tables import number
@@ -31,6 +36,9 @@ from sensorless.versions import versions
 
 ROOT = Path(__file__).parents[1]
 CSV, PAGE = ROOT / "results" / "leaderboard.csv", ROOT / "docs" / "leaderboard.md"
+EACH = ROOT / "results" / "leaderboard.npy"
+STEP, LOST = 1e-5, 65535
+"""Unit of ``EACH``, over rated torque; its largest number stands for a scenario not survived."""
 HEADROOM = ROOT / "results" / "studies" / "clairvoyant.json"
 PLAIN = ("eq25", "sliding_mode", "flux_observer", "error_blend", "sensored")
 """Rules as they are that belong there: Eq. 25 on each estimator, and the bound."""
@@ -47,8 +55,10 @@ FIRST = FROZEN[0].suite
 TEXT = """# Leaderboard
 
 Every row is a policy on the same scenarios of the machine `paper`; none of them was used to tune,
-train or select. A policy brings its estimator, so compare within a table, and in pairs
-(`sensorless evaluate --details`): neighbours are often not different. *Lost* has its exact 95 %
+train or select. A policy brings its estimator, so compare within a table, and in pairs: neighbours
+are often not different. `python studies/leaderboard.py --pair reference logistic-coupled-tuned`
+compares two on `stress-1`, scenario by scenario, without a run; `sensorless evaluate --details`
+does on any suite. *Lost* has its exact 95 %
 interval (Clopper and Pearson); other columns are means over the scenarios survived, ± half the 95 %
 bootstrap interval. The order is that of the objective of training and tuning, 10 lost rate + mean
 torque deviation + mean torque ripple. *Headroom*: how far a policy comes from Eq. 25 to
@@ -72,6 +82,7 @@ that ships anew.
 """
 
 Row = Mapping[str, str]
+Short = NDArray[np.uint16]
 
 
 def shipped_words() -> list[str]:
@@ -79,8 +90,8 @@ def shipped_words() -> list[str]:
     return [*PLAIN, *shipped.docs({})]
 
 
-def judged(word: str, frozen: Frozen) -> Row:
-    """One policy on one suite."""
+def judged(word: str, frozen: Frozen) -> tuple[Row, Short]:
+    """One policy on one suite: its row, and (n, 2) torque deviation and ripple by scenario."""
     made = bench([word], MOTOR)
     policy = made.policy(word)
     s = score(policy, frozen.rows(made.motor), SimFactory(made.motor, made.design))
@@ -106,7 +117,42 @@ def judged(word: str, frozen: Frozen) -> Row:
     }
     for name in names[1:]:
         row[name], (row[f"{name}_low"], row[f"{name}_high"]) = found[name], found[f"{name}_ci"]
-    return {key: f"{x:.6g}" if isinstance(x, float) else str(x) for key, x in row.items()}
+    both = np.stack([s.metrics[name] for name, *_ in COLUMNS[:2]], axis=-1)
+    kept = np.where((s.lost == 0)[:, None], np.rint(np.nan_to_num(both) / STEP), LOST)
+    each = kept.clip(0, LOST).astype("<u2")
+    return {k: f"{x:.6g}" if isinstance(x, float) else str(x) for k, x in row.items()}, each
+
+
+def pair(name: str, other: str, each: Mapping[str, Short]) -> str:
+    """Say how a policy differs from another one in the scenarios that both survive."""
+    here, there = each[name].astype(float), each[other].astype(float)
+    lost = [np.any(x == LOST, axis=1) for x in (here, there)]
+    kept = ~(lost[0] | lost[1])
+    lines = [f"{name} beside {other}, {FIRST}: lost {lost[0].sum()} and {lost[1].sum()}"]
+    for j, (_, heading, *_) in enumerate(COLUMNS[:2]):
+        apart, base = (here - there)[kept, j], np.mean(there[kept, j])
+        low, high = (100.0 * x / base for x in mean_interval(apart, SEED))
+        what = heading.removesuffix(" [%]")
+        lines.append(f"{what}: {100.0 * apart.mean() / base:+.2f} % ({low:+.2f} to {high:+.2f} %)")
+    return "\n".join(lines)
+
+
+def kept_each(path: Path) -> dict[str, Short]:
+    """Errors by scenario, by policy; none without a file."""
+    if not path.is_file():
+        return {}
+    found = np.load(path)
+    return {name: found[name] for name in found.dtype.names}
+
+
+def write_each(path: Path, each: Mapping[str, Short]) -> None:
+    """Write errors by scenario, as an array (n,) with a field for each policy."""
+    out = np.zeros(FROZEN[0].size, dtype=[(name, "<u2", (2,)) for name in sorted(each)])
+    for name, x in each.items():
+        out[name] = x
+    file = io.BytesIO()
+    np.save(file, out)
+    write_atomic(path, file.getvalue())
 
 
 def read(path: Path) -> list[Row]:
@@ -203,14 +249,27 @@ def main() -> None:
     """Judge, and write file and page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--policy", action="append", help="policy to judge; repeat for several")
-    words = parser.parse_args().policy
+    parser.add_argument("--pair", nargs=2, metavar=("POLICY", "OTHER"), help="compare these two")
+    args = parser.parse_args()
+    if args.pair:
+        name, other = args.pair
+        each = kept_each(EACH)
+        if not {name, other} <= set(each):
+            parser.error(f"pair: choose from {', '.join(each)}")
+        print(pair(name, other, each))
+        return
+    words = args.policy
     rows = {(row["suite"], row["policy"]): row for row in read(CSV)} if words else {}
+    each = kept_each(EACH) if words else {}
     for word in words or shipped_words():
         for frozen in FROZEN:
-            row = judged(word, frozen)
+            row, errors = judged(word, frozen)
             rows[row["suite"], row["policy"]] = row
+            if frozen.suite == FIRST:
+                each[row["policy"]] = errors
         found = ordered(list(rows.values()))
         write_atomic(CSV, text_of(found))
+        write_each(EACH, each)
         write_atomic(PAGE, page(found))
         print(f"judged {word}", flush=True)
 

@@ -1,5 +1,6 @@
 """The leaderboard: its file has policies on the frozen suites, its page is made from the file."""
 
+import numpy as np
 import pytest
 from scipy.stats import beta
 
@@ -28,9 +29,34 @@ def test_the_page_is_that_of_the_file() -> None:
     assert STUDY.text_of(STUDY.ordered(ROWS)) == STUDY.CSV.read_text(encoding="utf-8")
 
 
+def test_the_errors_by_scenario_are_those_of_the_file() -> None:
+    each = STUDY.kept_each(STUDY.EACH)
+    rows = [row for row in ROWS if row["suite"] == STUDY.FIRST]
+    assert set(each) == {row["policy"] for row in rows}
+    for row in rows:
+        x = each[row["policy"]].astype(float)
+        kept = x[:, 0] != STUDY.LOST
+        assert int(row["feasible"]) - int(row["lost"]) == kept.sum()
+        means = STUDY.STEP * x[kept].mean(axis=0)
+        wanted = [float(row[name]) for name in ("torque_dev_rms", "torque_ripple_rms")]
+        assert means == pytest.approx(wanted, abs=STUDY.STEP)
+
+
+def test_two_policies_are_compared_where_both_survive() -> None:
+    there = np.full((50, 2), [2000, 1000], dtype=np.uint16)
+    here = there - np.array([20, 0], dtype=np.uint16)
+    here[3], there[4] = STUDY.LOST, STUDY.LOST
+    text = STUDY.pair("mine", "theirs", {"mine": here, "theirs": there})
+    assert text.splitlines() == [
+        "mine beside theirs, stress-1: lost 1 and 1",
+        "torque deviation: -1.00 % (-1.00 to -1.00 %)",
+        "torque ripple: +0.00 % (+0.00 to +0.00 %)",
+    ]
+
+
 def test_a_row_is_what_evaluate_says() -> None:
     small = Frozen("low-inertia", 6, "")
-    row = STUDY.judged("sliding_mode", small)
+    row, each = STUDY.judged("sliding_mode", small)
     motor = Motor.load(MOTOR)
     policies = make_policies(["sliding_mode"], motor)
     said = evaluate(motor, DriveDesign(), small.suite, SEED, 6, policies).policies["sliding_mode"]
@@ -40,3 +66,7 @@ def test_a_row_is_what_evaluate_says() -> None:
     for name, *_ in STUDY.COLUMNS:
         assert float(row[name]) == pytest.approx(said[name], rel=1e-5, nan_ok=True), name
     assert (row["estimator"], row["bound"]) == ("smo", "0")
+    ripple = np.array(said["scenarios"]["torque_ripple_rms"])
+    survived = ~np.array(said["scenarios"]["lost"])
+    assert STUDY.STEP * each[survived, 1] == pytest.approx(ripple[survived], abs=STUDY.STEP)
+    assert (each[~survived] == STUDY.LOST).all()
