@@ -6,6 +6,8 @@ from sensorless.replay.replay import Replay
 
 ENOUGH = 0.2
 """Share of the samples in which an estimator must have had a signal, to be compared."""
+ADRIFT = 0.01
+"""Share of the samples without a signal that is worth a word."""
 CONSTANT = {
     "hfi": "cross-coupling that the drive does not compensate: sensorless identify cross-coupling",
     "smo": "a wrong resistance, inductance or dead time in the motor's file",
@@ -48,9 +50,8 @@ def judgement(found: Replay, after: float = 0.0) -> list[str]:
             f"{found.label(name)}: {row['rms_deg']:.2f}°, of it {constant:.2f}° constant and "
             f"{scatter:.2f}° scatter; likely {cause}"
         )
-    adrift = {n: r for n, r in found.summary(after).items() if r["share"] < 1.0}
-    if "blend" in adrift and math.isfinite(adrift["blend"]["without_rms_deg"]):
-        row = adrift["blend"]
+    row = found.summary(after)["blend"]
+    if 1.0 - row["share"] >= ADRIFT and math.isfinite(row["without_rms_deg"]):
         lines.append(
             f"dead reckoning: in {100.0 * (1.0 - row['share']):.0f} % of the samples the blend had "
             f"no signal, {row['without_rms_deg']:.1f}° RMS; more injection (a higher k_s at low "

@@ -154,7 +154,8 @@ def test_a_drive_turned_by_half_a_turn_tells_and_comes_back(share: float) -> Non
 
 def restart(sims: Array, share: float, most: float = 0.1) -> tuple[list[int], float]:
     """Phases until the drive is in control again, and the largest current meanwhile [A]."""
-    x, phases, largest = sims["drive"]["x"], [], 0.0
+    phases: list[int] = []
+    x, largest = sims["drive"]["x"], 0.0
     sims["control"]["lock"]["action"] = lib.LOCK_RESTART
     x["lock"]["bad"], x["lock"]["calm"] = sims["control"]["lock"]["n_act"], 0
     sims["control"]["lock"]["i_off"] = -1.0
