@@ -42,6 +42,7 @@ void check_control(void);
 void check_start(void);
 void check_table(void);
 void check_drive(void);
+void check_lock(void);
 uint32_t trajectory(void);
 
 #endif
