@@ -56,6 +56,25 @@ static void pole(void) {
     }
 }
 
+/* The last period of a pair of pulses, without current. */
+static void pulses(void) {
+    const drive_params_t *p = &PARAMS[4];
+    drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
+    for (int j = 0; j < 200; j++) {
+        drive_state_t x;
+        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+        drive_find_rotor(&x);
+        start_enter(&x.start, START_POLE);
+        x.start.n = 2 * (p->start.n_rest + 2 * p->start.n_pulse) - 1;
+        float theta = draw_f(-3, 3), sure = p->start.i_pole_sure * draw_f(1.01, 3);
+        x.hfi.pll.theta = theta, x.start.i_pole = j % 2 ? sure : -sure;
+        drive_step(p, &x, &in);
+        double south = x.start.i_pole * p->start.i_pole < 0.0f ? M_PI : 0.0;
+        check("pulses: pole", x.start.phase == START_SETTLE &&
+                                  fabs(wrapped((double)(x.hfi.pll.theta - theta) - south)) < 1e-4);
+    }
+}
+
 /* FLY ends sooner after lost lock. */
 static void fly(void) {
     const drive_params_t *p = &PARAMS[4];
@@ -99,6 +118,7 @@ static void mend(void) {
 void check_lock(void) {
     speed();
     pole();
+    pulses();
     fly();
     mend();
 }
