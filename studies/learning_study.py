@@ -10,8 +10,9 @@ What is in the work folder is not made again.
 
 import argparse
 import json
+import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,9 +30,12 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.evaluation.evaluate import Scores, score
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
-from sensorless.policies.registry import make_policy, rule_named, table_named
-from sensorless.policies.shipped import FOLDER
+from sensorless.policies.registry import make_policy, table_named
+from sensorless.policies.shipped import FOLDER, tuned_file
+from sensorless.policies.tuned import Tuned
 from sensorless.policy import Policy
+from sensorless.table.json_form import is_table
+from sensorless.table.ks_table import KsTable
 from sensorless.tuning.tune import tune
 from sensorless.tuning.with_gains import SCHEDULED, STATIC, tune_with_gains, weighted
 from sensorless.versions import versions
@@ -39,10 +43,16 @@ from sensorless.versions import versions
 NAMES = ("torque_dev_rms", "torque_ripple_rms", "overshoot_excess_pct", "injection_share")
 JUDGED = {"stress-1": (11, 12), "mismatch": (11,), "low-inertia": (11,), "hard": (11,)}
 """Suites, and the seeds of their scenarios."""
+RULE = "logistic-tuned"
+"""Rule that those with gains start from; tuned before, in 50,000 simulated seconds."""
 RESAMPLES = 1000
-SHARED = {"hard": 0.1, "outlier": 3.0, "margin": 0.05, "smoothness": 1.0}
-"""Settings of every training: more of the rare losses, none of which counts for all others, an
-exploration that reaches beyond the band of Eq. 25, and a coarse grid."""
+SHARED = {"margin": 0.05, "smoothness": 1.0}
+"""Settings of every training: exploration beyond the band of Eq. 25, and a coarse grid."""
+STAGES = (
+    (1 / 3, {"hard": 0.15, "outlier": 10.0, "lr_nodes": 0.04, "lr_end": 0.3}),
+    (2 / 3, {"hard": 0.1, "outlier": 4.0, "lr_nodes": 0.025}),
+)
+"""Shares of a training, and their settings: first what loses lock, then all else."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +64,9 @@ class Case:
     ripple_weight: float
     """In validation, of schedules and of rules with gains"""
     gains: Mapping[str, Sequence[float]] = field(default_factory=dict)
-    """Rules that set gains too, by name: speeds of ``tune_with_gains``"""
+    """Rules that set gains too, by name: speeds of ``tune_with_gains``; none: the rule alone"""
+    beside: Sequence[str] = ("eq25",)
+    """Other policies to judge"""
 
 
 CASES = {
@@ -67,10 +79,11 @@ CASES = {
             "gains": "observer,injection,l_q,amplitude:0.5:1.5",
             "axes": "speed:0:0.5333333:9,torque_current:-1:1:3,disagreement:-1:1:3,"
             "speed_error:-0.1:0.1:3",
-            "ripple_cost": 0.07,
+            "ripple_cost": 0.06,
         },
         4.0,
         {"static": STATIC, "scheduled": SCHEDULED},
+        ("eq25", RULE),
     ),
 }
 
@@ -79,14 +92,18 @@ def trained(
     name: str, case: Case, seed: int, factory: SimFactory, work: Path, steps: int
 ) -> Policy:
     """Schedule of one seed of PPO from Eq. 25."""
-    run = work / f"{name}-seed-{seed}"
-    if not (run / "done").is_file():
+    start, axes = "eq25", case.train["axes"]
+    for i, (share, stage) in enumerate(STAGES):
+        run = work / f"{name}-seed-{seed}-{i}"
         config = TrainConfig(
-            **{**SHARED, **case.train, "ripple_weight": case.ripple_weight},
-            seed=seed, steps=steps, eval_freq=1_000_000, validate_size=2048,
+            **{**SHARED, **case.train, **stage, "axes": axes}, start=start, seed=seed,
+            steps=round(share * steps), eval_freq=1_000_000, validate_size=2048,
+            ripple_weight=case.ripple_weight,
         )  # fmt: skip
-        train(config, factory.design, run, table_named("eq25", factory.motor))
-        write_atomic(run / "done", "")
+        if not (run / "done").is_file():
+            train(config, factory.design, run, table_named(start, factory.motor))
+            write_atomic(run / "done", "")
+        start, axes = str(run), "start"
     return load_run(run, factory.motor)
 
 
@@ -99,7 +116,7 @@ def tuned(
         tune("logistic", motor, factory.design, budget, seed).save(path)
     elif not path.is_file():
         ranges = TrainConfig(**case.train).gain_ranges
-        start = rule_named("logistic").defaults()
+        start = Tuned.load(tuned_file(RULE)).parameters
         given = factory, ranges, case.gains[kind], budget, seed, case.ripple_weight, start
         table, value = tune_with_gains(*given)
         origin = {**Machines.of(motor, 0, seed).origin(), **record(factory.design, motor)}
@@ -108,10 +125,11 @@ def tuned(
     return make_policy(str(path), motor) if kind == "rule" else load_table(path, motor)
 
 
-def best(policies: Mapping[int, Policy], factory: SimFactory, weight: float, size: int) -> int:
-    """Seed of the policy with the least objective in validation."""
-    found = {s: weighted(validate(p, factory, size), weight) for s, p in policies.items()}
-    return min(found, key=lambda s: found[s])
+def validated(
+    policies: Mapping[int, Policy], factory: SimFactory, weight: float, size: int
+) -> dict[int, float]:
+    """Objective of each policy in validation, by its seed."""
+    return {s: round(weighted(validate(p, factory, size), weight), 5) for s, p in policies.items()}
 
 
 def contrast(ours: Sequence[Scores], theirs: Scores, name: str) -> dict[str, float]:
@@ -168,37 +186,45 @@ def study(name: str, words: argparse.Namespace) -> dict[str, Any]:
     factory = SimFactory(Motor.load("paper"), DriveDesign(estimator=case.estimator))
     words.work.mkdir(parents=True, exist_ok=True)
     agents = {s: trained(name, case, s, factory, words.work, words.steps) for s in words.seeds}
-    policies: dict[str, Policy] = {"eq25": make_policy("eq25", factory.motor)}
-    picked = {f"ppo-{name}": best(agents, factory, case.ripple_weight, words.validate)}
-    for kind in ("rule", *case.gains):
+    policies = {word: make_policy(word, factory.motor) for word in case.beside}
+    values = {"ppo": validated(agents, factory, case.ripple_weight, words.validate)}
+    for kind in case.gains or ("rule",):
         rules = {
-            s: tuned(name, kind, case, s, factory, words.work, words.budget) for s in words.seeds
+            s: tuned(name, kind, case, s, factory, words.work, words.budget)
+            for s in words.rule_seeds
         }
-        weight = case.ripple_weight if kind != "rule" else 1.0
-        picked[kind] = best(rules, factory, weight, words.validate)
-        policies[kind] = rules[picked[kind]]
+        values[kind] = validated(rules, factory, case.ripple_weight, words.validate)
+        policies[kind] = rules[least(values[kind])]
     policies |= {f"ppo seed {s}": p for s, p in agents.items()}
     found = judge(policies, [f"ppo seed {s}" for s in agents], factory, words.size)
-    asked = {"steps": words.steps, "budget_s": words.budget, "size": words.size}
-    return {**asked, "estimator": case.estimator, "train": {**SHARED, **case.train},
-            "best seed": picked, "judged": found, "versions": versions()}  # fmt: skip
+    asked = {"command": " ".join(("python", *sys.argv)), "steps": words.steps,
+             "budget_s": words.budget, "size": words.size}  # fmt: skip
+    settings = {"train": {**SHARED, **case.train}, "stages": STAGES}
+    return {**asked, "estimator": case.estimator, **settings, "validated": values,
+            "judged": found, "versions": versions()}  # fmt: skip
+
+
+def least(values: Mapping[int, float]) -> int:
+    """Seed with the least objective."""
+    return min(values, key=lambda seed: values[seed])
 
 
 def publish(name: str, found: Mapping[str, Any], work: Path) -> None:
-    """Ship the best agent, the best tuned rule, and the better of the rules with gains."""
-    picked = dict(found["best seed"])
-    run = work / f"{name}-seed-{picked.pop(f'ppo-{name}')}"
-    source = {f"ppo-{name}": run / "table.json"}
-    stem = name.removesuffix("-ks").removesuffix("-gains")
-    kinds = [kind for kind in picked if kind != "rule"]
-    if kinds:
-        files = [work / f"{name}-{kind}-{picked[kind]}.json" for kind in kinds]
-        values = [json.loads(p.read_text(encoding="utf-8"))["provenance"]["judged"] for p in files]
-        source[f"tuned-{stem}-gains"] = files[int(np.argmin(values))]
-    else:
-        source[f"tuned-{stem}"] = work / f"{name}-rule-{picked['rule']}.json"
+    """Ship the best agent, and the best tuned rule."""
+    values = dict(found["validated"])
+    run = work / f"{name}-seed-{least(values.pop('ppo'))}-{len(STAGES) - 1}"
+    kind = min(values, key=lambda kind: min(values[kind].values()))
+    rule = work / f"{name}-{kind}-{least(values[kind])}.json"
+    source = {f"ppo-{name}": run / "table.json", f"tuned-{name.removesuffix('-ks')}": rule}
     for policy, path in source.items():
-        write_atomic(FOLDER / "learned" / f"{policy}.json", path.read_text(encoding="utf-8"))
+        to = FOLDER / "learned" / f"{policy}.json"
+        to.parent.mkdir(exist_ok=True)
+        if is_table(path):
+            table = KsTable.load(path)
+            table.save(to, {**table.provenance, "command": found["command"]})
+        else:
+            own = Tuned.load(path)
+            replace(own, provenance={**own.provenance, "command": found["command"]}).save(to)
 
 
 def main() -> None:
@@ -206,7 +232,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("case", choices=list(CASES))
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
-    parser.add_argument("--steps", type=int, default=4_000_000, help="decisions of a training")
+    parser.add_argument("--rule-seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
+    parser.add_argument("--steps", type=int, default=6_000_000, help="decisions of a training")
     parser.add_argument("--budget", type=float, default=20_000.0, help="simulated s of a tuning")
     parser.add_argument("--validate", type=int, default=8192, help="scenarios to pick the best on")
     parser.add_argument("--size", type=int, default=2000, help="scenarios of a suite to judge on")

@@ -7,6 +7,7 @@ import numpy as np
 from sensorless.agents.table.start import MARGIN, start_table
 from sensorless.core.gains import DEFAULT, Gain, ranks
 from sensorless.decision import TRAINING
+from sensorless.envs.reward import RewardWeights
 from sensorless.envs.scenarios.machine_family import MOST_MACHINES
 from sensorless.envs.window_reward import WindowWeights
 from sensorless.errors import UserError
@@ -180,6 +181,9 @@ class TrainConfig:
         1,
         "take this share of the scenarios from hard-train, the finds of a search for losses: of "
         "stress-1 alone, too few are lost to learn from",
+    )
+    injection_cost: float = number(
+        RewardWeights.injection, "1/ms", 0, 10, "charge this while injection is on"
     )
     eval_freq: int = number(
         500_000, "1", 1, 10**12, "validate after this many decisions, summed over all environments"

@@ -1,7 +1,7 @@
 """Environments to train in: scenarios of the suite ``stress-1`` with the role ``train``."""
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import asdict, fields
 
 import numpy as np
 
@@ -56,10 +56,11 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
     """
     share, more = divmod(config.n_envs // 2, len(motors))
     ranges = config.gain_ranges
-    lost, angle = config.lost_penalty, config.angle_cost
-    weights: RewardWeights | WindowWeights = RewardWeights(lost=lost, angle=angle)
+    weights = RewardWeights(
+        lost=config.lost_penalty, angle=config.angle_cost, injection=config.injection_cost
+    )
     if ranges:
-        weights = WindowWeights(lost=lost, angle=angle, torque_ripple=config.ripple_cost)
+        weights = WindowWeights(**{**asdict(weights), "torque_ripple": config.ripple_cost})
     envs = [
         BlendVectorEnv(
             2 * (share + (i < more)),

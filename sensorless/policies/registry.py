@@ -112,9 +112,13 @@ def make_policy(spec: str, motor: Motor, *, override: bool = False) -> Policy:
     path = file_of(spec)
     if path.is_dir():
         learned = load_run(path, motor, override=override)
-        learned.name = spec if spec in shipped.RUNS else learned.name
+        learned.name = spec if spec in {*shipped.RUNS, *shipped.ALIASES} else learned.name
         return learned
-    return load_table(path, motor, override=override) if is_table(path) else load_tuned(path, motor)
+    loaded = (
+        load_table(path, motor, override=override) if is_table(path) else load_tuned(path, motor)
+    )
+    loaded.name = spec if spec in shipped.ALIASES else loaded.name
+    return loaded
 
 
 def carried_by(spec: str) -> Carried | None:
@@ -147,6 +151,7 @@ def file_of(spec: str) -> Path:
     UserError
         There is no policy of this name.
     """
+    spec = shipped.ALIASES.get(spec, spec)
     word, colon, text = spec.partition(":")
     if word.endswith(shipped.SUFFIX) and shipped.tuned_file(word).is_file() and not colon:
         return shipped.tuned_file(word)

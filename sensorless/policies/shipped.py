@@ -9,6 +9,13 @@ FOLDER = Path(__file__).absolute().parents[1] / "reference"
 """``results/reference`` of the repository."""
 RUNS = {"reference": "", "reference-flux": "flux", "reference-smo": "sliding-mode"}
 """Learned schedules by name, and their folders within ``FOLDER``."""
+ALIASES = {
+    "ppo-coupled": "reference",
+    "ppo-smo-ks": "reference-smo",
+    "tuned-coupled": "logistic-coupled-tuned",
+    "tuned-smo": "logistic-tuned",
+}
+"""Second names, by what a policy is: who made it, on which drive."""
 LEARNED = "learned"
 """Folder of the policies of ``studies/learning_study.py`` within ``FOLDER``."""
 SUFFIX = "-tuned"
@@ -67,6 +74,7 @@ def docs(own: Mapping[str, str | None]) -> dict[str, str]:
         sets = "k_s and gains" if what == ["gains"] else "k_s"
         how = "PPO from Eq. 25" if kind == "ppo" else "CMA-ES on a rule"
         lines[name] = f"{sets} on the {on} drive by {how}, the best of five seeds"
+    lines |= {name: f"the same as {other}" for name, other in ALIASES.items()}
     for name, where in RUNS.items():
         if reference_run(name) is not None:
             lines[name] = f"the schedule of {Path('results/reference', where)}, learned by PPO"

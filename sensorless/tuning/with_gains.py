@@ -30,7 +30,7 @@ STATIC, SCHEDULED = (0.0,), (0.1, 0.25, 0.5, 0.8)
 """Speeds [rated] between which a gain is linear, constant outside."""
 SIGMA = 0.12
 """First step of the search, over the range of each number."""
-CANDIDATE, CHECK, JUDGED = 64, 6, 1024
+CANDIDATE, CHECK, JUDGED = 32, 6, 1024
 """Scenarios of a candidate, generations between two judgements, scenarios of a judgement."""
 
 Floats = NDArray[np.float64]

@@ -104,3 +104,26 @@ def test_what_is_shipped_runs_on_the_estimator_it_was_made_on(name: str, estimat
 def test_what_names_no_estimator_runs_on_the_sliding_mode_observer(folder: Path) -> None:
     assert make_policy("linear-tuned", PAPER).settings["estimator"] == "smo"
     assert make_policy("reference", PAPER).settings["estimator"] == "smo"
+
+
+def test_what_the_learning_study_ships_goes_by_its_name(folder: Path) -> None:
+    (folder / "learned").mkdir()
+    linear_table(0.1, 0.3).save(
+        folder / "learned/ppo-smo-gains.json", {"motor_digest": PAPER.digest}
+    )
+    Tuned("linear", {"lo": 0.1, "hi": 0.5}, {}).save(folder / "learned/tuned-smo-gains.json")
+    assert make_policy("ppo-smo-gains", PAPER).name == "ppo-smo-gains"
+    assert weight("ppo-smo-gains", 0.2) == pytest.approx(0.5)
+    assert weight("tuned-smo-gains", 0.3) == pytest.approx(0.5)
+    lines = known()
+    assert "gains on the smo drive by PPO" in lines["ppo-smo-gains"]
+    assert "CMA-ES on a rule" in lines["tuned-smo-gains"]
+    assert all(len(doc) < 90 for doc in lines.values())
+
+
+@pytest.mark.parametrize("name", sorted(shipped.ALIASES))
+def test_a_second_name_is_the_same_policy(name: str) -> None:
+    policy, other = make_policy(name, PAPER), make_policy(shipped.ALIASES[name], PAPER)
+    assert policy.name == name and policy.settings == other.settings
+    obs = np.random.default_rng(1).uniform(0.0, 0.5, (50, SIGNAL_N)).astype(np.float32)
+    assert np.array_equal(policy.act(obs), other.act(obs))
