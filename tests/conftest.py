@@ -63,10 +63,10 @@ def target() -> None:
 def exported(
     tmp_path_factory: pytest.TempPathFactory, table: KsTable, motor: Motor, design: DriveDesign
 ) -> Exported:
-    """An export of ``table``, with the flags of a user's."""
+    """An export of ``table``, with the flags of a user's; ``test_code`` looks at the objects."""
     folder = tmp_path_factory.mktemp("export") / "made" / "here"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(selftest, "FLAGS", SHIPPED_FLAGS)
+        patch.setattr(selftest, "FLAGS", (*SHIPPED_FLAGS, "-fno-pie", "-no-pie"))
         return export(table, motor, design, folder, policy="trial")
 
 

@@ -17,7 +17,9 @@ from sensorless.export.code import c_float
 from sensorless.export.core_files import core_files
 from sensorless.export.export import Exported
 from sensorless.machine.motor import Motor
+from tests.helpers.objects import Failed, Objects
 
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 
 
@@ -37,25 +39,14 @@ def test_target_files_use_no_library_and_no_8_bit_types(exported: Exported) -> N
 
 
 @GCC
-def test_objects_need_nothing_from_outside(exported: Exported, tmp_path: Path) -> None:
-    sources = [*(exported.folder / "core").glob("*.c"), *exported.folder.glob("*.c")]
-    subprocess.run(
-        [
-            "gcc",
-            "-std=c99",
-            "-O2",
-            "-ffp-contract=off",
-            "-fno-math-errno",
-            "-fno-trapping-math",
-            "-fno-pie",  # a table of pointers is constant, too, if nobody moves it
-            "-r",
-            "-nostdlib",
-            "-o",
-            str(tmp_path / "all.o"),
-            *map(str, sources),
-        ],
-        check=True,
-    )
+def test_objects_need_nothing_from_outside(
+    exported: Exported, tmp_path: Path, core_objects: Objects
+) -> None:
+    how = ["gcc", *FLAGS, "-fno-pie"]  # a table of pointers is constant, too, if nobody moves it
+    core = core_objects.of(exported.folder / "core", how)
+    assert not isinstance(core, Failed), core.stderr
+    words = [*how, "-r", "-nostdlib", "-o", str(tmp_path / "all.o")]
+    subprocess.run([*words, *map(str, [*core, *exported.folder.glob("*.c")])], check=True)
     symbols = subprocess.run(["nm", tmp_path / "all.o"], capture_output=True, text=True, check=True)
     undefined = set(re.findall(r" U (\w+)", symbols.stdout))
     assert not undefined

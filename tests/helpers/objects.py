@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 Failed = subprocess.CompletedProcess
-LINKING = {"-r", "-nostdlib"}
+LINKING = {"-r", "-nostdlib", "-no-pie"}
 """Words of a command that say nothing about objects."""
 
 
