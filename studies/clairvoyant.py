@@ -169,10 +169,10 @@ def share(ours: Floats, base: Floats, bound: Floats, seed: int = 0) -> dict[str,
 def policies_on(estimator: str) -> list[str]:
     """Shipped policies that run on this estimator."""
     design, words = DriveDesign(), []
-    for word in shipped.docs({}):
+    for word in shipped.docs({}).keys() - shipped.ALIASES.keys():
         if design_for(bench([word], MOTOR).policy(word), design).estimator == estimator:
             words.append(word)
-    return words
+    return sorted(words)
 
 
 def judged(

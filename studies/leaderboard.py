@@ -87,7 +87,7 @@ Short = NDArray[np.uint16]
 
 def shipped_words() -> list[str]:
     """Every policy that comes with the package and belongs there."""
-    return [*PLAIN, *shipped.docs({})]
+    return [*PLAIN, *(name for name in shipped.docs({}) if name not in shipped.ALIASES)]
 
 
 def judged(word: str, frozen: Frozen) -> tuple[Row, Short]:
@@ -224,9 +224,15 @@ def _table(heads: Sequence[str], rows: Sequence[Row], cells: Callable[[Row], lis
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
+def _label(row: Row) -> str:
+    """Name of a policy, with its second name."""
+    also = [name for name, what in shipped.ALIASES.items() if what == row["policy"]]
+    return " = ".join(f"`{name}`" for name in (row["policy"], *also))
+
+
 def _cells(row: Row) -> list[str]:
     low, high = (f"{100.0 * float(row[key]):.2f}" for key in ("lost_low", "lost_high"))
-    out = [f"`{row['policy']}`", f"{100.0 * float(row['objective']):.2f}"]
+    out = [_label(row), f"{100.0 * float(row['objective']):.2f}"]
     out += [f"{row['lost']} of {row['feasible']} ({low}–{high} %)", row["not_held"]]
     for name, _, factor, decimals in COLUMNS:
         value, low_, high_ = (factor * float(row[name + end]) for end in ("", "_low", "_high"))
@@ -237,7 +243,7 @@ def _cells(row: Row) -> list[str]:
 
 
 def _suites(row: Row, by_key: Mapping[tuple[str, str], Row]) -> list[str]:
-    out = [f"`{row['policy']}`", row["estimator"] or "–"]
+    out = [_label(row), row["estimator"] or "–"]
     for frozen in FROZEN:
         found = by_key.get((frozen.suite, row["policy"]))
         deviation = number(100.0 * float(found["torque_dev_rms"]), 2) if found else ""
