@@ -43,6 +43,7 @@ OVER = {
 """What is about zero, being left over beside the twin, and what its change is put over instead."""
 SHARES = {
     "overshoot_clean_above": 1.0,
+    "hops": 1.0,
     "not_held": 1.0,
     "not_held_rate": 1.0,
     "swing_pct": 100.0,

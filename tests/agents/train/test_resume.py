@@ -57,6 +57,10 @@ def rewrite(path: Path, member: str, data: bytes) -> None:
 
 
 def test_curve_goes_on_and_the_best_table_stays(finished: Path) -> None:
+    lines = (finished / PROGRESS).read_text().splitlines()
+    steps, _, *more = lines[-1].split(",")
+    lines[-1] = ",".join((steps, "100.0", *more))
+    (finished / PROGRESS).write_text("\n".join(lines) + "\n")
     before = rows(finished)
     text = (finished / TABLE).read_text()
     document: dict[str, Any] = json.loads(text)
@@ -68,7 +72,7 @@ def test_curve_goes_on_and_the_best_table_stays(finished: Path) -> None:
     after = rows(finished)
     assert after[: len(before)] == before and len(after) > len(before)
     assert int(after[-1]["steps"]) >= int(before[-1]["steps"]) + SMALL.steps
-    assert float(after[-1]["seconds"]) > float(before[-1]["seconds"])
+    assert float(after[-1]["seconds"]) >= 100.0
     assert (finished / TABLE).read_text() == kept
 
 
