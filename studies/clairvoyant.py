@@ -238,7 +238,7 @@ def main() -> None:
         groups |= {name: words for name, *words in args.seeds}
         entry = judged(estimator, groups, args.size, args.generations, record.get(estimator))
         record[estimator] = entry
-        write_atomic(RECORD, json.dumps(record, indent=1) + "\n")
+        write_atomic(RECORD, json.dumps(record) + "\n")
         print(f"{estimator}: the bound deviates by {100 * entry['deviation']:.2f} %, ripple "
               f"{100 * entry['ripple']:.2f} %")  # fmt: skip
         for name, x in sorted(entry["policies"].items(), key=lambda item: item[1]["share"]):

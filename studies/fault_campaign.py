@@ -175,7 +175,7 @@ def main() -> None:
         found = summary(end, plan, motor.T_s)
         record[name] = {"scenarios": int(held.sum()), "faults": found}
         console.print(show(found, f"{motor.name}, {name}"))
-    write_atomic(options.out, json.dumps(record, indent=1) + "\n")
+    write_atomic(options.out, json.dumps(record) + "\n")
     console.print(f"wrote {options.out}")
 
 

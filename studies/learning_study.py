@@ -49,8 +49,12 @@ RESAMPLES = 1000
 SHARED = {"margin": 0.05, "smoothness": 1.0}
 """Settings of every training: exploration beyond the band of Eq. 25, and a coarse grid."""
 STAGES = (
-    (1 / 3, {"hard": 0.15, "outlier": 10.0, "lr_nodes": 0.04, "lr_end": 0.3}),
-    (2 / 3, {"hard": 0.1, "outlier": 4.0, "lr_nodes": 0.025}),
+    (1 / 7, {"hard": 0.15, "outlier": 10.0, "lr_nodes": 0.04, "lr_end": 0.3}),
+    (2 / 7, {"hard": 0.1, "outlier": 4.0, "lr_nodes": 0.025}),
+    (
+        4 / 7,
+        {"hard": 0.15, "outlier": 10.0, "lr_nodes": 0.02, "ripple_cost": 0.09, "speed_cost": 0.03},
+    ),
 )
 """Shares of a training, and their settings: first what loses lock, then all else."""
 
@@ -233,7 +237,7 @@ def main() -> None:
     parser.add_argument("case", choices=list(CASES))
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
     parser.add_argument("--rule-seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
-    parser.add_argument("--steps", type=int, default=6_000_000, help="decisions of a training")
+    parser.add_argument("--steps", type=int, default=14_000_000, help="decisions of a training")
     parser.add_argument("--budget", type=float, default=20_000.0, help="simulated s of a tuning")
     parser.add_argument("--validate", type=int, default=8192, help="scenarios to pick the best on")
     parser.add_argument("--size", type=int, default=2000, help="scenarios of a suite to judge on")
@@ -243,7 +247,7 @@ def main() -> None:
     words = parser.parse_args()
     found = study(words.case, words)
     known = json.loads(words.out.read_text(encoding="utf-8")) if words.out.is_file() else {}
-    write_atomic(words.out, json.dumps({**known, words.case: found}, indent=1) + "\n")
+    write_atomic(words.out, json.dumps({**known, words.case: found}) + "\n")
     if words.publish:
         publish(words.case, found, words.work)
 

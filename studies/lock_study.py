@@ -160,7 +160,7 @@ def main() -> None:
     if args.out is not None:
         record = {"seed": args.seed, "size": args.size, "suites": list(args.suite)}
         record |= {"versions": versions(), "found": found}
-        text = json.dumps(record, indent=1, default=float).replace("NaN", "null")
+        text = json.dumps(record, default=float).replace("NaN", "null")
         write_atomic(args.out, text + "\n")
 
 

@@ -185,6 +185,9 @@ class TrainConfig:
     injection_cost: float = number(
         RewardWeights.injection, "1/ms", 0, 10, "charge this while injection is on"
     )
+    speed_cost: float = number(
+        RewardWeights.speed_deviation, "1/ms", 0, 10, "charge this for speed off the twin's"
+    )
     eval_freq: int = number(
         500_000, "1", 1, 10**12, "validate after this many decisions, summed over all environments"
     )

@@ -57,7 +57,10 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
     share, more = divmod(config.n_envs // 2, len(motors))
     ranges = config.gain_ranges
     weights = RewardWeights(
-        lost=config.lost_penalty, angle=config.angle_cost, injection=config.injection_cost
+        lost=config.lost_penalty,
+        angle=config.angle_cost,
+        injection=config.injection_cost,
+        speed_deviation=config.speed_cost,
     )
     if ranges:
         weights = WindowWeights(**{**asdict(weights), "torque_ripple": config.ripple_cost})
