@@ -109,7 +109,7 @@ CORE_INLINE void store_4x8(const block_t *block, sim_t *const *to, size_t u, int
 }
 
 /* Copies all of the drives from[LANES]. The last four units may overlap those before. */
-static void block_load(block_t *block, const sim_t *const *from) {
+static inline void block_load(block_t *block, const sim_t *const *from) {
     for (size_t u = 0; u < UNITS; u += 4) {
         for (int l = 0; l < LANES; l += 8) {
             load_4x8(block, from, u + 4 <= UNITS ? u : UNITS - 4, l);
@@ -118,7 +118,7 @@ static void block_load(block_t *block, const sim_t *const *from) {
 }
 
 /* Copies the state to the drives to[LANES]. */
-static void block_store(const block_t *block, sim_t *const *to) {
+static inline void block_store(const block_t *block, sim_t *const *to) {
     for (size_t u = UNIT_STATE; u < UNITS; u += 4) {
         for (int l = 0; l < LANES; l += 8) {
             store_4x8(block, to, u + 4 <= UNITS ? u : UNITS - 4, l);
