@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,12 +102,15 @@ def costs(
 
 
 def _groups(policies: Sequence[Policy], scenarios: Scenarios) -> Iterator[_Group]:
-    """All policies on all scenarios, in groups of about DRIVES drives."""
+    """All policies on all scenarios, in groups of about DRIVES drives that set the same gains."""
     for column in range(0, len(scenarios), DRIVES):
         part = scenarios[column : column + DRIVES]
         at_once = max(1, DRIVES // len(part))
-        for row in range(0, len(policies), at_once):
-            yield _Group(row, column, policies[row : row + at_once], part)
+        for _, alike in groupby(range(len(policies)), key=lambda j: gains_of(policies[j])):
+            rows = list(alike)
+            for row in rows[::at_once]:
+                end = min(row + at_once, rows[-1] + 1)
+                yield _Group(row, column, policies[row:end], part)
 
 
 def _run(factory: SimFactory, group: _Group) -> tuple[float, NDArray[np.bool_], Floats, Floats]:

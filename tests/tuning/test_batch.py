@@ -74,3 +74,14 @@ def test_policies_with_gains_keep_their_own() -> None:
         assert (together.sums[:, 3 * i : 3 * (i + 1)] == alone.sums).all()
     with pytest.raises(ValueError, match="different gains"):
         SideBySide([policies[0], make_policy("eq25", MOTOR)])
+
+
+def test_rules_beside_a_schedule_that_sets_gains_cost_what_they_cost_alone() -> None:
+    """As an export does, which compares its table with two thresholds."""
+    nodes = np.zeros((2,), dtype=np.float32)
+    table = KsTable((Axis("speed", 0.2, 0.3, 2),), 1.0 - nodes, gains=(GainGrid("l_q", nodes),))
+    with_gains = TablePolicy("gains", table)
+    policies = [with_gains, *(make_policy(s, MOTOR) for s in ("eq25", "hfi")), with_gains]
+    mixed, _ = costs(policies, SCENARIOS, FACTORY)
+    for policy, cost in zip(policies, mixed, strict=True):
+        assert costs([policy], SCENARIOS, FACTORY)[0] == [cost]
