@@ -12,6 +12,7 @@ import numpy as np
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
+from sensorless.errors import UserError
 from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.evaluation.rollout import rollout, with_twin_to_the_end
 from sensorless.machine.motor import Motor
@@ -25,7 +26,7 @@ SHOWN = ("torque_ripple_rms", "torque_dev_rms")
 
 
 def main() -> None:
-    """Run and print."""
+    """Read the words of the command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--motor", default="paper")
     parser.add_argument("--suite", default="stress-1")
@@ -33,6 +34,14 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=1000)
     parser.add_argument("--estimator", choices=ESTIMATORS, default=DriveDesign().estimator)
     args = parser.parse_args()
+    try:
+        table(args)
+    except UserError as error:
+        parser.error(str(error))
+
+
+def table(args: argparse.Namespace) -> None:
+    """Run and print a row for each of ``WITHOUT``."""
     motor = Motor.load(args.motor)
     factory = SimFactory(motor, DriveDesign(estimator=args.estimator))
     exact = {"gain": 1.0, "dead_time": motor.dead_time}

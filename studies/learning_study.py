@@ -37,7 +37,7 @@ from sensorless.policy import Policy
 from sensorless.table.json_form import is_table
 from sensorless.table.ks_table import KsTable
 from sensorless.tuning.tune import tune
-from sensorless.tuning.with_gains import SCHEDULED, STATIC, tune_with_gains, weighted
+from sensorless.tuning.with_gains import SCHEDULED, STATIC, tune_with_gains
 from sensorless.versions import versions
 
 NAMES = ("torque_dev_rms", "torque_ripple_rms", "overshoot_excess_pct", "injection_share")
@@ -133,7 +133,7 @@ def validated(
     policies: Mapping[int, Policy], factory: SimFactory, weight: float, size: int
 ) -> dict[int, float]:
     """Objective of each policy in validation, by its seed."""
-    return {s: round(weighted(validate(p, factory, size), weight), 5) for s, p in policies.items()}
+    return {s: round(validate(p, factory, size).weighted(weight), 5) for s, p in policies.items()}
 
 
 def contrast(ours: Sequence[Scores], theirs: Scores, name: str) -> dict[str, float]:

@@ -120,7 +120,7 @@ class Watch(BaseCallback):
 
     def _score(self, cost: Cost) -> float:
         """Objective with the run's own weight of ripple."""
-        return cost.objective + (self._config.ripple_weight - 1.0) * cost.torque_ripple
+        return cost.weighted(self._config.ripple_weight)
 
     def _log(self, found: Cost, better: bool) -> None:
         """Add a row to the learning curve: TensorBoard, and a file that a resumed run continues."""

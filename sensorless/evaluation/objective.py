@@ -23,4 +23,8 @@ class Cost:
     @property
     def objective(self) -> float:
         """Return the value of ``OBJECTIVE``."""
-        return LOST_WEIGHT * self.lost_rate + self.torque_dev + self.torque_ripple
+        return self.weighted(1.0)
+
+    def weighted(self, ripple: float) -> float:
+        """Return the objective with this weight of the ripple."""
+        return LOST_WEIGHT * self.lost_rate + self.torque_dev + ripple * self.torque_ripple

@@ -164,7 +164,8 @@ def file_of(spec: str) -> Path:
         return Path(text)
     if Path(spec).is_dir() or spec.endswith(".json"):
         return Path(spec)
-    names = ", ".join((*RULES, *shipped.tuned_names(), TUNED, RUN, PYTHON))
+    made = *shipped.RUNS, *shipped.ALIASES, *shipped.learned_names(), *shipped.tuned_names()
+    names = ", ".join((*RULES, *made, TUNED, RUN, PYTHON))
     rule_name = spec.removesuffix(shipped.SUFFIX)
     if rule_name in RULES:
         raise UserError(

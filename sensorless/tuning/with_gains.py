@@ -4,7 +4,6 @@ The strongest opponent of a schedule that learns gains: it may set the same ones
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,6 @@ from sensorless.core.gains import GAIN_NAMES, Gain
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
-from sensorless.evaluation.objective import LOST_WEIGHT, Cost
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, GainGrid, KsTable
 from sensorless.tuning.batch import costs
@@ -34,12 +32,6 @@ CANDIDATE, CHECK, JUDGED = 32, 6, 1024
 """Scenarios of a candidate, generations between two judgements, scenarios of a judgement."""
 
 Floats = NDArray[np.float64]
-
-
-def weighted(cost: Cost, ripple_weight: float) -> float:
-    """Objective with a weight of its own for ripple."""
-    lost, dev, ripple = astuple(cost)
-    return float(LOST_WEIGHT * lost + dev + ripple_weight * ripple)
 
 
 def table_of(x: Floats, ranges: Mapping[str, Gain], speeds: Sequence[float]) -> KsTable:
@@ -90,13 +82,13 @@ def tune_with_gains(
         drawn = suite("stress-1", motor, int(combine(seed, generation)[0]) >> 1, CANDIDATE, "tune")
         tried = [TablePolicy("tried", table_of(x, ranges, speeds)) for x in points]
         found, seconds = costs(tried, drawn, factory)
-        es.tell(points, [weighted(cost, ripple_weight) for cost in found])
+        es.tell(points, [cost.weighted(ripple_weight) for cost in found])
         used += seconds
         generation += 1
         if generation % CHECK == 0 or used >= budget:
             centre = table_of(np.array(es.result.xfavorite), ranges, speeds)
             (cost,), seconds = costs([TablePolicy("centre", centre)], judge, factory)
             used += seconds
-            if weighted(cost, ripple_weight) < least:
-                best, least = centre, weighted(cost, ripple_weight)
+            if cost.weighted(ripple_weight) < least:
+                best, least = centre, cost.weighted(ripple_weight)
     return best, least
