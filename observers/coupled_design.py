@@ -12,6 +12,7 @@ from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.motor import Motor
 from sensorless.observers.flux_design import standstill_rate
 from sensorless.observers.hfi_design import error_slope
+from sensorless.observers.match_design import design_match
 from sensorless.observers.smo_design import low_pass
 from sensorless.observers.tracking import (
     CHANGES,
@@ -142,4 +143,5 @@ def design_coupled(
         "inv_i_true": 1.0 / (ZERO_SHARE * motor.i_rated),
         "omega_floor": motor.rpm_to_electrical(floor_rpm),
         "omega_max": omega_max,
+        "match": design_match(motor, flux_bandwidth=at.flux),
     }

@@ -18,6 +18,7 @@
 #include "curve.h"
 #include "dead_time.h"
 #include "emf_estimate.h"
+#include "sensor_match.h"
 #include "trig.h"
 
 typedef struct {
@@ -47,15 +48,17 @@ typedef struct {
     float inv_i_true;  /* slope of the inverter's own dead-time voltage [1/A] */
     float omega_floor; /* below this speed the flux needs injection, electrical [rad/s] */
     float omega_max;   /* bound on the speed estimate, electrical [rad/s] */
+    match_params_t match; /* of the current sensors */
 } coupled_params_t;
 
 typedef struct {
-    ab_t psi;      /* estimated stator flux [Vs] */
-    ab_t i_1;      /* sample k-1 [A] */
-    float load;    /* acceleration by load and friction [rad/s^2] */
-    float drift;   /* turn of the flux that offsets constant voltage errors [rad/s] */
-    float eps_f;   /* low-passed error across the auxiliary flux [rad] */
-    float err_hfi; /* angle error by injection, truth minus estimate near lock [rad] */
+    ab_t psi;            /* estimated stator flux [Vs] */
+    ab_t i_1;            /* sample k-1 [A] */
+    float load;          /* acceleration by load and friction [rad/s^2] */
+    float drift;         /* turn of the flux that offsets constant voltage errors [rad/s] */
+    float eps_f;         /* low-passed error across the auxiliary flux [rad] */
+    float err_hfi;       /* angle error by injection, truth minus estimate near lock [rad] */
+    match_state_t match; /* errors of the current sensors, kept by a new start */
 } coupled_state_t;
 
 /* Weight at or below which injection does not lead the flux below omega_floor [1]. */
@@ -63,11 +66,12 @@ typedef struct {
 
 /* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] without
  * dead-time compensation [V]; L_q, L_qq: apparent and incremental inductance [H]; psi_0: d flux
- * from the curve psi_d [Vs]; k_s: weight of injection; err: its error signal. y: angle and speed,
- * advanced to k+1; r = rot_of(the angle of y at k). */
+ * from the curve psi_d [Vs]; k_s: weight of injection; err: its error signal; learn: 0, or
+ * what to learn of the sensors: odd the gain, even the offsets. y: angle and speed, advanced to
+ * k+1; r = rot_of(the angle of y at k). */
 CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
                                  rot_t r, ab_t i_ab, ab_t u_ab, float L_q, float L_qq, float psi_0,
-                                 float k_s, float err, float T_s) {
+                                 float k_s, float err, int learn, float T_s) {
     int led = abs_f(y->pll.omega) >= p->omega_floor || k_s > COUPLED_LED;
     int fresh = !led || !(y->valid > 0.0f);
     ab_t i_m = {0.5f * (i_ab.a + x->i_1.a), 0.5f * (i_ab.b + x->i_1.b)};
@@ -110,6 +114,13 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     y->e.b = r.c * y->pll.omega * aux.d;
     y->err = eps;
     y->valid = led ? 1.0f : 0.0f;
+    if (SHORTCUT(learn <= 0)) {
+        return;
+    }
+    match_gain(&p->match, &x->match, learn > 0 && (learn & 1) != 0, i_ab, r, aux, inv, p->L_d, L_qq,
+               along, y->pll.omega);
+    match_offset(&p->match, &x->match, learn > 0 && (learn & 1) == 0, r, aux, inv, eps,
+                 y->pll.omega);
 }
 
 #endif

@@ -46,6 +46,10 @@ static void coupled_clear(coupled_state_t *x) {
     x->drift = 0.0f;
     x->eps_f = 0.0f;
     x->err_hfi = 0.0f;
+    x->match.gain = 0.0f;
+    x->match.offset_a = 0.0f;
+    x->match.offset_b = 0.0f;
+    x->match.mean = 0.0f;
 }
 
 static void control_clear(control_state_t *x) {

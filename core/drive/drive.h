@@ -37,7 +37,7 @@ CORE_INLINE ab_t drive_checked(const drive_params_t *p, drive_state_t *x, ab_t u
 CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
                                    const drive_in_t *raw) {
     drive_in_t in = drive_guard(&p->guard, x, raw);
-    ab_t i_ab = phases_to_ab(in.i_a, in.i_b);
+    ab_t i_ab = match_correct(&x->coupled.match, in.i_a, in.i_b);
     drive_guard_current(&p->guard, x, i_ab);
     x->check = check_next(x->check);
     if (SCALAR_ONLY(x->start.phase != START_DONE)) {

@@ -6,14 +6,16 @@
 
 /* The coupled observer, after the injection was demodulated. r: direction of its angle; cross: from
  * the injection's axis to the angle [rad]. theta_hfi and theta_smo become the observer's angle plus
- * the error that injection or flux sees. */
+ * the error that injection or flux sees. Gain and offset of the sensors are learned in turn, in
+ * periods without a decision and without tests of the lock where there are two. */
 CORE_INLINE void drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_ab, rot_t r,
                               float cross, curve_pos_t pos) {
+    int learn = x->lock.wait > p->coupled.match.after ? x->lock.wait : 0;
     x->est.theta = x->emf.pll.theta;
     x->est.omega = x->emf.pll.omega;
     coupled_observe(&p->coupled, &x->coupled, &x->emf, r, i_ab, x->u_2, curve_at(&p->L_q, pos),
                     curve_incremental(&p->L_q, pos), curve_at(&p->coupled.psi_d, pos), x->k_s,
-                    x->hfi.err, p->T_s);
+                    x->hfi.err, learn, p->T_s);
     x->theta_hfi = wrap_pi(x->est.theta + x->coupled.err_hfi);
     x->theta_smo = wrap_pi(x->est.theta + x->emf.err);
     x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);

@@ -50,7 +50,7 @@ static void one(int j) {
     }
     coupled_state_t was = x;
     emf_estimate_t old = y;
-    coupled_observe(&p, &x, &y, rot_of(y.pll.theta), i, u, L_q, L_qq, psi_0, k_s, err, 2e-4f);
+    coupled_observe(&p, &x, &y, rot_of(y.pll.theta), i, u, L_q, L_qq, psi_0, k_s, err, 0, 2e-4f);
 
     int led = fabs((double)w) >= 30.0 || k_s > 0.01f;
     int fresh = !led || old.valid == 0.0f;

@@ -15,7 +15,7 @@ PERIODS = 6000
 
 TARGET = [c for c in ALL if c.machine == "target" and c.level != "-O2"]
 HOST = [c for c in ALL if c.machine == "host"]
-FAST = Configuration("host", "-O2 -ffast-math")
+FAST = Configuration("host", "-O1 -ffast-math")
 
 Found = dict[Configuration, Outcome]
 
