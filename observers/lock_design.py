@@ -25,11 +25,12 @@ SPEED_LAG = 0.15
 with the slowest of the estimators."""
 LEFT_DEAD_TIME, LEFT_RESISTANCE = 0.75, 0.5
 """Voltage that the model lacks: of the dead time's, and of the resistive one at rated current."""
-SPEED_SHARE = 4.0
-"""Largest acceleration of a shaft, over the rated one: rated torque with a rated load, on half the
-inertia."""
-SLIP = math.pi / 3.0 / (4.0 * TAU)
-"""Speed [rad/s] at which an estimate slips by 60 degrees in four time constants of the low-pass."""
+SPEED_SHARE = 3.0
+"""Largest acceleration of a shaft, over the rated one: one and a half times rated torque, of drive
+and load together, on half the inertia."""
+SLIP = math.pi / 3.0 / 16e-3
+"""Speed [rad/s] at which an estimate slips by 60 degrees in 16 ms; those of drives that hold swing
+by 40 degrees in 8 ms and back."""
 CURRENT_SHARE = 0.1
 """Distance of the torque current from its reference, over rated current, beyond what the slope of
 the reference makes."""
@@ -41,6 +42,11 @@ RESTARTS = 5
 SETTLED = 3.0
 """Time constants of the current loop, and of the tests' low-pass, after which the current follows
 its reference when a drive has taken control."""
+
+
+def evaluation_periods(motor: Motor) -> int:
+    """PWM periods from one evaluation to the next."""
+    return max(2, round(EVERY / motor.T_s))
 
 
 def design_lock(
@@ -58,7 +64,7 @@ def design_lock(
         Natural frequency of the speed loop, whose reference may move by 4 pi speed_hz i_rated a
         second, and bandwidth of the current loop [Hz].
     """
-    n = max(2, round(EVERY / motor.T_s))
+    n = evaluation_periods(motor)
     step = n * motor.T_s
     emf = motor.omega_rated * motor.psi_f
     unknown = LEFT_DEAD_TIME * dead_time_voltage(motor)

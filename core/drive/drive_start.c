@@ -111,10 +111,12 @@ CORE_COLD static void watch_emf(const drive_params_t *p, drive_state_t *x) {
 }
 
 /* The axis is known except for its sense. The initial speed is that at which the EMF turns; at rest
- * that is noise, so the EMF's magnitude bounds it. */
+ * that is noise, so the EMF's magnitude bounds it. A drive that had to act was far from its rotor: the
+ * pole that it took for south is the likelier one. */
 CORE_COLD static void enter_lock(const drive_params_t *p, drive_state_t *x) {
     float bound = norm_ab(x->start.e_f) / p->control.psi_f;
-    x->hfi.pll.theta = start_axis(&x->start, x->est.theta);
+    float before = x->est.theta + (x->start.again != 0 ? PI_F : 0.0f);
+    x->hfi.pll.theta = start_axis(&x->start, before);
     x->hfi.pll.omega = bound_f(x->start.omega, bound);
     x->k_s = 1.0f;
     start_enter(&x->start, START_LOCK);
@@ -228,6 +230,22 @@ CORE_COLD static void take_over(const drive_params_t *p, drive_state_t *x, ab_t 
     release(p, x, next, i_ab, omega_ref);
 }
 
+/* The axis is known. After lost lock the shaft's EMF may tell the pole. Where pulses cannot, LOCK goes
+ * on for as long as they would take: a load may make the shaft fast enough; then the guess decides. */
+CORE_COLD static void leave_lock(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
+                                 float omega_ref) {
+    const start_params_t *q = &p->start;
+    int32_t pulses = q->n_tries * 2 * (q->n_rest + 2 * q->n_pulse);
+    int again = x->start.again != 0;
+    int known = again && know_pole(p, x);
+    if (!known && (!again || abs_f(q->i_pole) >= q->i_pole_sure)) {
+        enter_pole(p, x);
+    } else if (known || x->start.n >= 2 * q->n_lock + pulses) {
+        x->fault |= known ? 0 : FAULT_POLE;
+        take_over(p, x, i_ab, omega_ref);
+    }
+}
+
 /* Enters the next phase when the present one has had its periods. */
 CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
                                 float omega_ref) {
@@ -243,14 +261,11 @@ CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t 
     } else if (s->phase == START_SCAN && s->n >= 2 * q->n_scan + 2) {
         enter_lock(p, x);
     } else if (s->phase == START_LOCK && s->n >= q->n_lock) {
-        if (s->again != 0 && know_pole(p, x)) {
-            take_over(p, x, i_ab, omega_ref);
-        } else {
-            enter_pole(p, x);
-        }
+        leave_lock(p, x, i_ab, omega_ref);
     } else if (s->phase == START_POLE && s->n >= 2 * (q->n_rest + 2 * q->n_pulse)) {
         judge_pole(p, x);
     } else if (s->phase == START_SETTLE && s->n >= q->n_lock) {
+        (void)(s->again != 0 && know_pole(p, x)); /* a load may have moved the shaft meanwhile */
         take_over(p, x, i_ab, omega_ref);
     }
 }

@@ -72,10 +72,11 @@ def test_half_a_turn_is_told_within_ten_milliseconds(c: Call) -> None:
 
 
 def test_a_speed_that_no_shaft_reaches_is_told_and_the_steepest_ramp_is_not(c: Call) -> None:
-    """Twice rated torque on half the inertia for ever, and an estimate that slips besides."""
-    steepest = 4.0 * MOTOR.n_p * MOTOR.tau_rated / MOTOR.J
+    """One and a half times rated torque on half the inertia; besides, 60 degrees in 16 ms."""
+    steepest = 3.0 * MOTOR.n_p * MOTOR.tau_rated / MOTOR.J
     every = float(1.0 / PARAMS["inv_t"])
-    for slope, told in ((steepest, False), (-steepest, False), (3.0 * steepest, True)):
+    slips = steepest + np.pi / 3.0 / 16e-3 / 6e-3
+    for slope, told in ((steepest, False), (-steepest, False), (1.1 * slips, True)):
         t = every * np.arange(60)
         rows = np.array([without_current(x / MOTOR.omega_rated, 0.0) for x in slope * t])
         assert evaluate(c, rows)["reason"] == (lib.LOCK_SPEED if told else 0)
@@ -203,6 +204,18 @@ def test_the_emf_tells_the_pole_without_pulses(share: float, half: bool) -> None
     run(sims, 5e-3, share)
     assert err(sims) < np.deg2rad(15.0)
     assert sims["drive"]["x"]["fault"][0] & lib.FAULT_POLE == 0
+
+
+@pytest.mark.parametrize("half", [False, True])
+def test_a_machine_whose_pulses_tell_nothing_takes_the_other_pole(half: bool) -> None:
+    """At rest, where no EMF tells it either: a drive that had to act was far from its rotor."""
+    sims = at_speed(0.0, 0.0, Motor.load("brusa_hsm1"))
+    if half:
+        turn(sims, np.pi)
+    phases, _ = restart(sims, 0.0)
+    assert lib.START_LOCK in phases and lib.START_POLE not in phases
+    assert (err(sims) < np.deg2rad(20.0)) == half
+    assert sims["drive"]["x"]["fault"][0] & lib.FAULT_POLE
 
 
 def test_restarts_are_bounded_and_then_there_is_no_voltage() -> None:
