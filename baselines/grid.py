@@ -12,6 +12,7 @@ from sensorless.baselines.rule import Parameter, Rule, Values
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, KsTable
+from sensorless.table.standstill import even_at_standstill
 
 AXES = (
     Axis("speed", 0.0, 0.75, 6),
@@ -26,8 +27,8 @@ def _name(index: tuple[int, ...]) -> str:
 
 
 def _build(name: str, v: Values, motor: Motor) -> TablePolicy:
-    nodes = [v[_name(index)] for index in np.ndindex(SHAPE)]
-    return TablePolicy(name, KsTable(AXES, np.array(nodes, dtype=np.float32).reshape(SHAPE)))
+    nodes = np.array([v[_name(index)] for index in np.ndindex(SHAPE)], dtype=np.float32)
+    return TablePolicy(name, KsTable(AXES, even_at_standstill(nodes.reshape(SHAPE), AXES)))
 
 
 def _node(index: tuple[int, ...]) -> Parameter:

@@ -16,6 +16,7 @@ from sensorless.baselines.rule import Parameter, Rule, Values, speed
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, KsTable
+from sensorless.table.standstill import even_at_standstill
 
 AXES = (
     Axis("speed", 0.0, 1.2, 25),
@@ -36,7 +37,8 @@ def logistic_table(v: Values, axes: tuple[Axis, ...] = AXES) -> KsTable:
     )
     z = 4.0 * (centre - s) / (v["width"] * (1.0 + v["spread"] * np.abs(i)))
     k_s: NDArray[np.float64] = 1.04 / (1.0 + np.exp(-np.clip(z, -50.0, 50.0))) - 0.02
-    return KsTable(axes, np.clip(k_s, 0.0, 1.0).astype(np.float32))
+    values = np.clip(k_s, 0.0, 1.0).astype(np.float32)
+    return KsTable(axes, even_at_standstill(values, axes))
 
 
 def _build(name: str, v: Values, motor: Motor) -> TablePolicy:

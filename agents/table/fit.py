@@ -8,6 +8,7 @@ from scipy.optimize import minimize
 
 from sensorless.agents.table.module import TableModule
 from sensorless.table.ks_table import Axis, KsTable
+from sensorless.table.standstill import even_at_standstill
 
 Floats = NDArray[np.float64]
 
@@ -50,7 +51,10 @@ class TableFit:
         self._n += len(obs)
 
     def solve(self, slew_per_s: float) -> KsTable:
-        """Return the best table for the samples so far, snapped to 0 and 1 (``SNAP``)."""
+        """Return the best table for the samples so far, snapped to 0 and 1 (``SNAP``).
+
+        At standstill it is even.
+        """
         count = max(self._n, 1)
         a, b = self._square / count + self._rough, self._right / count
 
@@ -65,7 +69,8 @@ class TableFit:
         )  # fmt: skip
         v = np.where(found.x < SNAP, 0.0, np.where(found.x > 1.0 - SNAP, 1.0, found.x))
         values = v.astype(np.float32).reshape(self._table.values.shape)
-        return KsTable(self._table.axes, values, slew_per_s=slew_per_s)
+        axes = self._table.axes
+        return KsTable(axes, even_at_standstill(values, axes), slew_per_s=slew_per_s)
 
 
 def roughness(shape: tuple[int, ...]) -> Floats:

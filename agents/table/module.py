@@ -9,6 +9,7 @@ from torch import Tensor, nn
 from sensorless.agents.table.start import MARGIN
 from sensorless.core.api import SIGNAL_NAMES
 from sensorless.table.ks_table import KsTable
+from sensorless.table.standstill import turned_round
 
 
 class TableModule(nn.Module):
@@ -44,6 +45,7 @@ class TableModule(nn.Module):
         self._columns = [SIGNAL_NAMES.index(axis.signal) for axis in axes]
         self._speed = SIGNAL_NAMES.index("speed")
         self._strides = [int(np.prod(self.shape[a + 1 :])) for a in range(len(axes))]
+        self._turned = torch.from_numpy(turned_round(axes))
         k_s = torch.tensor(table.values.reshape(-1))
         beyond = margin * ((k_s >= 1.0).float() - (k_s <= 0.0).float())
         self.values = nn.Parameter(k_s + beyond)
@@ -131,18 +133,21 @@ class TableModule(nn.Module):
 
     @torch.no_grad()
     def project(self, *, monotone: bool = False) -> None:
-        """Move node values back into their range.
+        """Move node values back into their range, and make them even at standstill.
 
         Parameters
         ----------
         monotone : bool
-            Also keep them from rising with speed: take the mean of the running minimum from below
-            and the running maximum from above, which leaves a falling line unchanged.
+            Also keep them from rising with speed, even at standstill: take the mean of the running
+            minimum from below and the running maximum from above, which leaves a falling line
+            unchanged.
         """
         self.values.clamp_(-self._margin, 1.0 + self._margin)
         if self.gains is not None:
             for values, (low, high) in zip(self.gains, self._bounds, strict=True):
                 values.clamp_(low, high)
+        for values in (self.values, *(() if self.gains is None else self.gains)):
+            values.copy_(0.5 * (values + values[self._turned]))
         if not monotone or self._speed not in self._columns:
             return
         axis = self._columns.index(self._speed)

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from sensorless.agents.table.module import TableModule
 from sensorless.agents.table.start import MARGIN
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
-from sensorless.table.ks_table import Axis, KsTable
+from sensorless.table.ks_table import Axis, GainGrid, KsTable
+from sensorless.table.standstill import even_at_standstill
 
 AXES = (
     Axis("speed", 0.0, 1.0, 16),
@@ -77,6 +78,17 @@ def test_projection_keeps_nodes_and_gradient_usable() -> None:
         module(torch.zeros(1, SIGNAL_N)).sum().backward()
         gradient = module.values.grad
         assert gradient is not None and gradient.sum() > 0.9, "no dead gradient at the bounds"
+
+
+def test_projection_makes_nodes_even_at_standstill() -> None:
+    axes = (*AXES[:2], Axis("disagreement", -1.0, 1.0, 3))
+    nodes = RNG.random([a.n for a in axes], dtype=np.float32)
+    module = TableModule(KsTable(axes, nodes, gains=(GainGrid("observer", nodes),)))
+    module.project()
+    made = module.table()
+    for grid in (made.values, made.gains[0].values):
+        np.testing.assert_array_equal(grid, even_at_standstill(nodes, axes))
+    assert (made.values[0] != nodes[0]).any()
 
 
 def test_a_little_jitter_does_not_turn_the_injection_on() -> None:

@@ -10,13 +10,14 @@ from sensorless.agents.table.policy import TableActorCritic
 from sensorless.core.api import SIGNAL_N
 from sensorless.envs.privileged import N_PRIVILEGED
 from sensorless.table.ks_table import Axis, KsTable
+from sensorless.table.standstill import even_at_standstill
 
 WIDTH = SIGNAL_N + N_PRIVILEGED
 AXES = (Axis("speed", 0.0, 1.0, 6), Axis("torque_current", -1.5, 1.5, 4))
 
 
 def policy(noise: float = 0.1, smoothness: float = 1.0) -> TableActorCritic:
-    values = np.linspace(0.0, 1.0, 24, dtype=np.float32).reshape(6, 4)
+    values = even_at_standstill(np.linspace(0.0, 1.0, 24, dtype=np.float32).reshape(6, 4), AXES)
     return TableActorCritic(
         gymnasium.spaces.Box(-10.0, 10.0, (WIDTH,)),
         gymnasium.spaces.Box(-1.0, 1.0, (1,)),
@@ -115,7 +116,7 @@ def test_a_monotone_table_falls_with_speed_whatever_the_gradient() -> None:
     for monotone in (True, False):
         net = policy(smoothness=0.0)
         net.monotone = monotone
-        net.actor.values.data = 1.0 - net.actor.values.data  # falling along both axes
+        net.actor.values.data = 1.0 - net.actor.values.data  # falling with speed
         start = net.actor.values.detach().clone()
         net.actor.project(monotone=monotone)
         torch.testing.assert_close(net.actor.values.detach(), start, rtol=0.0, atol=0.0)
