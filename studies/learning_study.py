@@ -1,4 +1,4 @@
-"""Five seeds of PPO from Eq. 25 against tuned rules that may set the same numbers.
+"""Five seeds of PPO against tuned rules that may set the same numbers.
 
     python studies/learning_study.py smo-gains
     python studies/learning_study.py smo-gains --seeds 1 --budget 4000 --steps 500000 --size 100
@@ -12,7 +12,7 @@ import argparse
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -34,9 +34,7 @@ from sensorless.policies.registry import make_policy, table_named
 from sensorless.policies.shipped import FOLDER, tuned_file
 from sensorless.policies.tuned import Tuned
 from sensorless.policy import Policy
-from sensorless.table.json_form import is_table
 from sensorless.table.ks_table import KsTable
-from sensorless.tuning.tune import tune
 from sensorless.tuning.with_gains import SCHEDULED, STATIC, tune_with_gains
 from sensorless.versions import versions
 
@@ -46,17 +44,10 @@ JUDGED = {"stress-1": (11, 12), "mismatch": (11,), "low-inertia": (11,), "hard":
 RULE = "logistic-tuned"
 """Rule that those with gains start from; tuned before, in 50,000 simulated seconds."""
 RESAMPLES = 1000
-SHARED = {"margin": 0.05, "smoothness": 1.0}
+SHARED = {"margin": 0.05, "smoothness": 1.0, "eval_freq": 1_000_000, "validate_size": 2048}
 """Settings of every training: exploration beyond the band of Eq. 25, and a coarse grid."""
-STAGES = (
-    (1 / 7, {"hard": 0.15, "outlier": 10.0, "lr_nodes": 0.04, "lr_end": 0.3}),
-    (2 / 7, {"hard": 0.1, "outlier": 4.0, "lr_nodes": 0.025}),
-    (
-        4 / 7,
-        {"hard": 0.15, "outlier": 10.0, "lr_nodes": 0.02, "ripple_cost": 0.09, "speed_cost": 0.03},
-    ),
-)
-"""Shares of a training, and their settings: first what loses lock, then all else."""
+Stage = tuple[float, Mapping[str, Any]]
+"""Share of a training, and its settings."""
 
 
 @dataclass(frozen=True)
@@ -67,15 +58,31 @@ class Case:
     train: Mapping[str, Any]
     ripple_weight: float
     """In validation, of schedules and of rules with gains"""
-    gains: Mapping[str, Sequence[float]] = field(default_factory=dict)
-    """Rules that set gains too, by name: speeds of ``tune_with_gains``; none: the rule alone"""
-    beside: Sequence[str] = ("eq25",)
+    stages: Sequence[Stage]
+    """First what loses lock, then all else"""
+    steps: int
+    """Decisions of a training"""
+    beside: Sequence[str]
     """Other policies to judge"""
+    gains: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    """Rules that set gains too, to be tuned, by name: speeds of ``tune_with_gains``"""
+    start: str = "eq25"
+    """Schedule that training starts from"""
 
 
 CASES = {
     "smo-ks": Case(
-        "smo", {"axes": "speed:0:0.8:13,torque_current:-1.5:1.5:5,disagreement:-1.5:1.5:5"}, 1.0
+        "smo",
+        {"axes": "start", "outlier": 10.0, "eval_freq": 250_000, "clip_range": 0.4, "n_epochs": 5},
+        1.0,
+        (
+            (0.5, {"hard": 0.03, "lr_nodes": 0.02, "noise": 0.12, "smoothness": 0.7}),
+            (0.5, {"hard": 0.03, "lr_nodes": 0.02, "lr_end": 0.2, "noise": 0.06,
+                   "smoothness": 0.5}),
+        ),
+        2_000_000,
+        ("eq25", RULE),
+        start=RULE,
     ),
     "smo-gains": Case(
         "smo",
@@ -86,23 +93,44 @@ CASES = {
             "ripple_cost": 0.06,
         },
         4.0,
-        {"static": STATIC, "scheduled": SCHEDULED},
+        (
+            (1 / 7, {"hard": 0.15, "outlier": 10.0, "lr_nodes": 0.04, "lr_end": 0.3}),
+            (2 / 7, {"hard": 0.1, "outlier": 4.0, "lr_nodes": 0.025}),
+            (4 / 7, {"hard": 0.15, "outlier": 10.0, "lr_nodes": 0.02, "ripple_cost": 0.09,
+                     "speed_cost": 0.03}),
+        ),
+        14_000_000,
         ("eq25", RULE),
+        {"static": STATIC, "scheduled": SCHEDULED},
     ),
-}
+    "coupled": Case(
+        "coupled",
+        {"axes": "speed:0:0.5333333:17,torque_current:-1:1:3", "noise": 0.2, "clip_range": 0.4,
+         "n_epochs": 5, "smoothness": 1.5, "injection_cost": 0.003, "n_envs": 96,
+         "warm_up": 1, "average": 8, "eval_freq": 10**9, "last": True,
+         "validate_size": 512},
+        1.0,
+        (
+            (12 / 17, {"lr_nodes": 0.06, "lr_end": 0.2}),
+            (5 / 17, {"lr_nodes": 0.06, "lr_end": 0.2, "noise": 0.06, "smoothness": 0.5}),
+        ),
+        1_700_000,
+        ("eq25", "logistic-coupled-tuned", "hysteresis-coupled-tuned"),
+    ),
+}  # fmt: skip
+"""``coupled`` is asked for less injection, which no objective counts, so its last table counts."""
 
 
 def trained(
     name: str, case: Case, seed: int, factory: SimFactory, work: Path, steps: int
 ) -> Policy:
-    """Schedule of one seed of PPO from Eq. 25."""
-    start, axes = "eq25", case.train["axes"]
-    for i, (share, stage) in enumerate(STAGES):
+    """Schedule of one seed of PPO from the start of its case."""
+    start, axes = case.start, case.train["axes"]
+    for i, (share, stage) in enumerate(case.stages):
         run = work / f"{name}-seed-{seed}-{i}"
         config = TrainConfig(
             **{**SHARED, **case.train, **stage, "axes": axes}, start=start, seed=seed,
-            steps=round(share * steps), eval_freq=1_000_000, validate_size=2048,
-            ripple_weight=case.ripple_weight,
+            steps=round(share * steps), ripple_weight=case.ripple_weight,
         )  # fmt: skip
         if not (run / "done").is_file():
             train(config, factory.design, run, table_named(start, factory.motor))
@@ -114,11 +142,9 @@ def trained(
 def tuned(
     name: str, kind: str, case: Case, seed: int, factory: SimFactory, work: Path, budget: float
 ) -> Policy:
-    """Rule of one seed of CMA-ES: ``kind`` is rule, or one of the gains of the case."""
+    """Rule of one seed of CMA-ES with one kind of the gains of the case."""
     motor, path = factory.motor, work / f"{name}-{kind}-{seed}.json"
-    if not path.is_file() and kind == "rule":
-        tune("logistic", motor, factory.design, budget, seed).save(path)
-    elif not path.is_file():
+    if not path.is_file():
         ranges = TrainConfig(**case.train).gain_ranges
         start = Tuned.load(tuned_file(RULE)).parameters
         given = factory, ranges, case.gains[kind], budget, seed, case.ripple_weight, start
@@ -126,7 +152,7 @@ def tuned(
         origin = {**Machines.of(motor, 0, seed).origin(), **record(factory.design, motor)}
         facts = {"rule": "logistic", "gains over speed": list(case.gains[kind]), "seed": seed}
         table.save(path, {**origin, **facts, "budget_s": budget, "judged": value})
-    return make_policy(str(path), motor) if kind == "rule" else load_table(path, motor)
+    return load_table(path, motor)
 
 
 def validated(
@@ -164,12 +190,16 @@ def row(s: Scores) -> dict[str, float]:
 
 
 def judge(
-    policies: Mapping[str, Policy], agents: Sequence[str], factory: SimFactory, size: int
+    policies: Mapping[str, Policy],
+    agents: Sequence[str],
+    factory: SimFactory,
+    suites: Sequence[str],
+    size: int,
 ) -> dict[str, Any]:
     """Every policy on every suite, and the agents against each of the others."""
     out: dict[str, Any] = {}
-    for suite, seeds in JUDGED.items():
-        for seed in seeds:
+    for suite in suites:
+        for seed in JUDGED[suite]:
             rows = SuiteRows(suite, factory.motor, seed, size)
             found = {name: score(p, rows, factory) for name, p in policies.items()}
             ours = [found[name] for name in agents]
@@ -189,10 +219,11 @@ def study(name: str, words: argparse.Namespace) -> dict[str, Any]:
     case = CASES[name]
     factory = SimFactory(Motor.load("paper"), DriveDesign(estimator=case.estimator))
     words.work.mkdir(parents=True, exist_ok=True)
-    agents = {s: trained(name, case, s, factory, words.work, words.steps) for s in words.seeds}
+    steps = words.steps or case.steps
+    agents = {s: trained(name, case, s, factory, words.work, steps) for s in words.seeds}
     policies = {word: make_policy(word, factory.motor) for word in case.beside}
     values = {"ppo": validated(agents, factory, case.ripple_weight, words.validate)}
-    for kind in case.gains or ("rule",):
+    for kind in case.gains:
         rules = {
             s: tuned(name, kind, case, s, factory, words.work, words.budget)
             for s in words.rule_seeds
@@ -200,10 +231,11 @@ def study(name: str, words: argparse.Namespace) -> dict[str, Any]:
         values[kind] = validated(rules, factory, case.ripple_weight, words.validate)
         policies[kind] = rules[least(values[kind])]
     policies |= {f"ppo seed {s}": p for s, p in agents.items()}
-    found = judge(policies, [f"ppo seed {s}" for s in agents], factory, words.size)
-    asked = {"command": " ".join(("python", *sys.argv)), "steps": words.steps,
+    names = [f"ppo seed {s}" for s in agents]
+    found = judge(policies, names, factory, words.suites, words.size)
+    asked = {"command": " ".join(("python", *sys.argv)), "steps": steps,
              "budget_s": words.budget, "size": words.size}  # fmt: skip
-    settings = {"train": {**SHARED, **case.train}, "stages": STAGES}
+    settings = {"train": {**SHARED, **case.train}, "stages": case.stages}
     return {**asked, "estimator": case.estimator, **settings, "validated": values,
             "judged": found, "versions": versions()}  # fmt: skip
 
@@ -214,21 +246,18 @@ def least(values: Mapping[int, float]) -> int:
 
 
 def publish(name: str, found: Mapping[str, Any], work: Path) -> None:
-    """Ship the best agent, and the best tuned rule."""
+    """Ship the best agent, and the best rule with gains."""
     values = dict(found["validated"])
-    run = work / f"{name}-seed-{least(values.pop('ppo'))}-{len(STAGES) - 1}"
-    kind = min(values, key=lambda kind: min(values[kind].values()))
-    rule = work / f"{name}-{kind}-{least(values[kind])}.json"
-    source = {f"ppo-{name}": run / "table.json", f"tuned-{name.removesuffix('-ks')}": rule}
+    last = len(CASES[name].stages) - 1
+    source = {f"ppo-{name}": work / f"{name}-seed-{least(values.pop('ppo'))}-{last}/table.json"}
+    if values:
+        kind = min(values, key=lambda kind: min(values[kind].values()))
+        source[f"tuned-{name}"] = work / f"{name}-{kind}-{least(values[kind])}.json"
     for policy, path in source.items():
         to = FOLDER / "learned" / f"{policy}.json"
         to.parent.mkdir(exist_ok=True)
-        if is_table(path):
-            table = KsTable.load(path)
-            table.save(to, {**table.provenance, "command": found["command"]})
-        else:
-            own = Tuned.load(path)
-            replace(own, provenance={**own.provenance, "command": found["command"]}).save(to)
+        table = KsTable.load(path)
+        table.save(to, {**table.provenance, "command": found["command"]})
 
 
 def main() -> None:
@@ -237,10 +266,11 @@ def main() -> None:
     parser.add_argument("case", choices=list(CASES))
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
     parser.add_argument("--rule-seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
-    parser.add_argument("--steps", type=int, default=14_000_000, help="decisions of a training")
+    parser.add_argument("--steps", type=int, default=0, help="decisions of a training; 0: its own")
     parser.add_argument("--budget", type=float, default=20_000.0, help="simulated s of a tuning")
     parser.add_argument("--validate", type=int, default=8192, help="scenarios to pick the best on")
     parser.add_argument("--size", type=int, default=2000, help="scenarios of a suite to judge on")
+    parser.add_argument("--suites", nargs="+", choices=list(JUDGED), default=list(JUDGED))
     parser.add_argument("--work", type=Path, default=Path("build/learning"))
     parser.add_argument("--out", type=Path, default=Path("results/studies/learning.json"))
     parser.add_argument("--publish", action="store_true", help="ship the best by their names")

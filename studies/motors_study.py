@@ -1,13 +1,17 @@
 """Compare a schedule that learned on random machines with tuned linear rules on real ones.
 
     python studies/motors_study.py
+    python studies/motors_study.py --estimator coupled --policy reference logistic-coupled-tuned \
+        --against best eq25 --motor brusa_hsm1 ebike_hub formula_wheel ipmsm_2200w pmsrm_15kw \
+        pmsyrm_5600w --size 400 --out results/studies/zero_shot.json
 
 Every policy runs the suite `motors` on every shipped machine, none of which the family holds; the
 ones under --policy are compared with the ones under --against in pairs. No worse: the Wilson
 interval of its lost rate does not lie above the other's, and torque deviation over the scenarios
 that both survived is at most 2 % above the other's, with the whole bootstrap interval. The file is
 written after every machine: rerun the command to resume. The schedules made on the family are kept
-beside it, each with its command.
+beside it, each with its command. The word best stands for the rule tuned for the machine itself, or
+Eq. 25 where that is better (``sensorless motors``).
 """
 
 import argparse
@@ -23,6 +27,7 @@ from sensorless.evaluation.aggregate import paired, summary
 from sensorless.evaluation.evaluate import Scores, score
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
+from sensorless.policies.best import best
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy, TablePolicy
 from sensorless.versions import versions
@@ -34,6 +39,7 @@ METRICS = ("torque_dev_rms", "torque_ripple_rms", "overshoot_pct")
 FAMILY = "results/studies/motors"
 POLICIES = (f"{FAMILY}/ppo", "eq25", "logistic-flux-tuned")
 AGAINST = (f"{FAMILY}/linear-family.json", "linear-tuned", "flux_observer")
+BEST = "best"
 MACHINES = ("ipmsm_2200w", "paper", "pmsyrm_5600w")
 
 
@@ -61,16 +67,20 @@ def compared(found: Scores, other: Scores, seed: int) -> dict[str, Any]:
     }
 
 
+def named(word: str, motor: Motor) -> Policy:
+    """Policy by name, or the best of the machine."""
+    own = best(motor) if word == BEST else None
+    return make_policy(word if own is None else own.policy, motor)
+
+
 def study(
-    name: str, policies: Sequence[str], against: Sequence[str], seed: int, size: int
+    name: str, policies: Sequence[str], against: Sequence[str], words: argparse.Namespace
 ) -> dict[str, Any]:
     """One machine under all policies."""
-    motor = Motor.load(name)
-    factory, rows = (
-        SimFactory(motor, DriveDesign(estimator="smo")),
-        SuiteRows(SUITE, motor, seed, size),
-    )
-    scores = {w: score(make_policy(w, motor), rows, factory) for w in (*against, *policies)}
+    motor, seed = Motor.load(name), words.seed
+    factory = SimFactory(motor, DriveDesign(estimator=words.estimator))
+    rows = SuiteRows(SUITE, motor, seed, words.size)
+    scores = {w: score(named(w, motor), rows, factory) for w in (*against, *policies)}
     return {
         "policies": {
             word: summary(s.lost, {m: s.metrics[m] for m in METRICS}, seed)
@@ -118,6 +128,7 @@ def main() -> None:
     parser.add_argument("--policy", nargs="+", default=list(POLICIES))
     parser.add_argument("--against", nargs="+", default=list(AGAINST))
     parser.add_argument("--motor", nargs="+", default=list(MACHINES))
+    parser.add_argument("--estimator", default="smo", help="of policies that bring none")
     parser.add_argument("--seed", type=int, default=11, help="of the scenarios to judge on")
     parser.add_argument("--size", type=int, default=1000, help="scenarios a machine")
     parser.add_argument("--out", type=Path, default=Path("results/studies/motors.json"))
@@ -126,9 +137,10 @@ def main() -> None:
     words = (*args.against, *args.policy)
     asked = {
         "suite": SUITE,
+        "estimator": args.estimator,
         "seed": args.seed,
         "size": args.size,
-        "policies": {w: identity(make_policy(w, Motor.load(args.motor[0]))) for w in words},
+        "policies": {w: identity(named(w, Motor.load(args.motor[0]))) for w in words},
         "against": args.against,
         "versions": versions(),
     }
@@ -140,7 +152,7 @@ def main() -> None:
     for name in args.motor:
         digest = Motor.load(name).digest
         if record["machines"].get(name, {}).get("digest") != digest:
-            found = study(name, args.policy, args.against, args.seed, args.size)
+            found = study(name, args.policy, args.against, args)
             record["machines"][name] = {"digest": digest, **found}
             write_atomic(args.out, json.dumps(record) + "\n")
         say(name, record["machines"][name])

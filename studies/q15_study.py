@@ -44,13 +44,14 @@ OVER = {
 SHARES = {
     "overshoot_clean_above": 1.0,
     "hops": 1.0,
+    "k_s_hop": 1.0,
     "not_held": 1.0,
     "not_held_rate": 1.0,
     "swing_pct": 100.0,
     "away_s": 1.0,
 }
 """What is near zero, made by few scenarios that pass a threshold, and what its change is put over:
-1 for shares of scenarios, 100 for percent of rated speed, 1 for seconds off it."""
+1 for shares of scenarios and weights, 100 for percent of rated speed, 1 for seconds off it."""
 
 
 class Q15Policy(TablePolicy):

@@ -142,6 +142,11 @@ class TrainConfig:
     ripple_weight: float = number(
         1.0, "1", 0, 1e3, "weigh ripple so much in the objective by which the best table is kept"
     )
+    last: bool = switch(
+        False,
+        "keep the table validated last, not the best: where training asks for what the objective "
+        "does not count, such as less injection",
+    )
     outlier: float = number(
         0.0,
         "1",

@@ -34,8 +34,8 @@ class Watch(BaseCallback):
     """Ends the training in time, validates, and writes checkpoint and best schedule.
 
     It validates the mean of the actor over the last ``config.average`` updates and keeps the best
-    such mean: the optimiser takes steps even where the gradient is nothing but noise, and the mean
-    removes most of that.
+    such mean, or the last one if the run asks for that: the optimiser takes steps even where the
+    gradient is nothing but noise, and the mean removes most of that.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Watch(BaseCallback):
         schedule = policy.schedule(policy.vector() if self._mean is None else self._mean)
         found = validate_all(schedule, self._factories, self._config.validate_size)
         better = self.best is None or self._score(found) < self._score(self.best)
-        if better:
+        if better or self._config.last:
             self.best = found
             facts = {"steps": self.model.num_timesteps, "validation": dataclasses.asdict(found)}
             save_schedule(self._folder, schedule, self._facts, **facts)

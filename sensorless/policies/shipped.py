@@ -11,13 +11,14 @@ RUNS = {"reference": "", "reference-flux": "flux", "reference-smo": "sliding-mod
 """Learned schedules by name, and their folders within ``FOLDER``."""
 ALIASES = {
     "ppo-coupled": "reference",
-    "ppo-smo-ks": "reference-smo",
     "tuned-coupled": "logistic-coupled-tuned",
     "tuned-smo": "logistic-tuned",
 }
 """Second names, by what a policy is: who made it, on which drive."""
 LEARNED = "learned"
 """Folder of the policies of ``studies/learning_study.py`` within ``FOLDER``."""
+SETS = {"ks": ("k_s", "logistic-tuned"), "gains": ("k_s and gains", "Eq. 25")}
+"""What one of them sets, and what PPO began with, by the last part of its name."""
 SUFFIX = "-tuned"
 
 
@@ -71,8 +72,8 @@ def docs(own: Mapping[str, str | None]) -> dict[str, str]:
         )
     for name in learned_names():
         kind, on, *what = name.split("-")
-        sets = "k_s and gains" if what == ["gains"] else "k_s"
-        how = "PPO from Eq. 25" if kind == "ppo" else "CMA-ES on a rule"
+        sets, start = SETS[what[0]]
+        how = f"PPO from {start}" if kind == "ppo" else "CMA-ES on a rule"
         lines[name] = f"{sets} on the {on} drive by {how}, the best of five seeds"
     lines |= {name: f"the same as {other}" for name, other in ALIASES.items()}
     for name, where in RUNS.items():

@@ -66,6 +66,19 @@ def test_a_run_can_be_used_and_gone_on_with(tmp_path: Path) -> None:
     assert again[-1] >= seen[-1] + SMALL.steps
 
 
+@pytest.mark.parametrize("last", [False, True])
+def test_it_keeps_the_best_table_or_the_last(last: bool, tmp_path: Path) -> None:
+    """The objective does not see what this training asks for, so it gets worse."""
+    start = "linear:100,900"
+    costly = replace(SMALL, start=start, lr_nodes=1.0, injection_cost=10.0, last=last)
+    train(costly, DriveDesign(), tmp_path / "run", table_named(start, MOTOR))
+    rows = (tmp_path / "run/progress.csv").read_text().splitlines()[1:]
+    first, *_, end = ([float(x) for x in row.split(",")] for row in rows)
+    assert end[-2] > first[-2], "the objective"
+    kept = json.loads((tmp_path / "run/table.json").read_text())["provenance"]["steps"]
+    assert kept == (end if last else first)[0]
+
+
 def test_training_moves_the_table(tmp_path: Path) -> None:
     last: list[Cost] = []
 
