@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from sensorless.errors import UserError
-from sensorless.identify.machine.axis import Probe, fit_axis, probe_commands
+from sensorless.identify.machine import pulses
+from sensorless.identify.machine.axis import Aligned, Axis, Probe, fit_axis, probe_commands
 from sensorless.identify.machine.curves import fit_curves
 from sensorless.identify.machine.electric import Inverter, Sensors, Stator
 from sensorless.identify.machine.hold import fit_resistance
@@ -14,6 +15,7 @@ from sensorless.identify.machine.model import fit_model
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.pulses import Samples
 from sensorless.identify.machine.result import at_rest
+from sensorless.identify.machine.source import Recorded
 from sensorless.identify.machine.spin import magnet
 from sensorless.machine.magnetics import currents, flux
 from sensorless.machine.motor import Motor
@@ -126,3 +128,16 @@ def test_inertia_comes_apart_from_friction() -> None:
     psi = 0.5 - 1j * tau / (1.5 * PLATE.n_p * 2.0)
     found = fit_mechanics(i, psi, omega, segment, PLATE, T_s)
     assert (found.J, found.B, found.tau_0) == pytest.approx((J, B, tau_0), rel=0.01)
+
+
+def test_a_rotor_that_is_not_there_is_turned_more_slowly(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = iter([0.9, 0.4, 0.5, 0.5])
+    monkeypatch.setattr(pulses, "fit_axis", lambda part, stator: Axis(next(found), 100.0, 50.0))
+    rows = np.zeros((1, len(NUMBERS)))
+    source = Recorded([Part(stage, rows) for _ in range(4) for stage in ("align", "axis")])
+    aligned = Aligned(Probe(10.0, 1), 2.0, 1.0, Axis(0.0, 100.0, 50.0))
+    stator = Stator(Sensors(), Inverter(), 1.0, PLATE.T_s)
+    slower = [1.0, 3.0, 9.0]
+    turned = [pulses.placed(source, stator, PLATE, aligned, 0.52, slower) for _ in range(2)]
+    assert [axis.theta for axis in turned] == [0.5, 0.5]
+    assert slower == [9.0] and len(source.parts) == 8

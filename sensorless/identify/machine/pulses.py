@@ -8,11 +8,11 @@ there at the end; what is left over is spread evenly in time.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 
 from sensorless.identify.machine.axis import (
+    OFF_AXIS,
     Aligned,
     Axis,
     align_commands,
@@ -35,6 +35,8 @@ REACH = 1.05
 """Current at which the voltage reverses, over rated current."""
 PLACES = (0.0, np.pi / 6.0)
 """Places of the rotor [rad]: saliency that turns six times as fast has opposite signs there."""
+SLOWER = (1.0, 3.0, 9.0)
+"""Factors on the times of an alignment that are tried until the rotor gets there."""
 LEFT, OUTLIER = 0.05, 3.0
 """Most flux left over at the end of a pulse over its largest, or over the groups' median."""
 LOBES = (0.5**0.5, 1.0, 0.5**0.5, 1e-3)
@@ -82,13 +84,36 @@ def measure_pulses(
 ) -> list[Group]:
     """Align, find the axis, pulse, at each place for each group of directions."""
     out = []
-    for at, group in product(PLACES, GROUPS):
-        pull = align_commands(stator, plate, aligned.current, aligned.stretch, at=at)
-        source.run("align", pull)
-        axis = fit_axis(source.run("axis", probe_commands(aligned.probe, plate.T_s)), stator)
-        part = source.run("pulse", list(_commands(group, axis, stator, plate)))
-        out.append(_integrated(part, axis, stator))
+    for at in PLACES:
+        slower = list(SLOWER)
+        for group in GROUPS:
+            axis = placed(source, stator, plate, aligned, at, slower)
+            part = source.run("pulse", list(_commands(group, axis, stator, plate)))
+            out.append(_integrated(part, axis, stator))
     return out
+
+
+def placed(
+    source: Source,
+    stator: Stator,
+    plate: Nameplate,
+    aligned: Aligned,
+    at: float,
+    slower: list[float],
+) -> Axis:
+    """Turn the rotor to ``at`` and find its axis; more slowly, if it does not get there.
+
+    Where a leg carries no current, dead time blocks the current that damps the rotor's swing, so
+    the turn itself must not excite one. What failed is taken off ``slower``, except for the last.
+    """
+    while True:
+        stretch = slower[0] * aligned.stretch
+        source.run("align", align_commands(stator, plate, aligned.current, stretch, at=at))
+        axis = fit_axis(source.run("axis", probe_commands(aligned.probe, plate.T_s)), stator)
+        off = 0.5 * abs(np.angle(np.exp(2j * (axis.theta - at))))
+        if off <= OFF_AXIS or len(slower) == 1:
+            return axis
+        del slower[0]
 
 
 def _commands(
