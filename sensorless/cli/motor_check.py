@@ -47,11 +47,8 @@ def check_command(
     from sensorless.design.words import design_from
     from sensorless.files import check_writable
     from sensorless.machine.motor import Motor
-    from sensorless.plots.figure import require_matplotlib
 
     check_writable(out)
-    if out is not None:
-        require_matplotlib()
     show_check(
         Motor.load(file),
         design_from(settings),

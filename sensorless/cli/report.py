@@ -46,7 +46,12 @@ def report_command(
     ] = None,
     seed: SeedOption = 7,
     size: Annotated[
-        int, typer.Option(metavar="N", min=2, help="Draw this many scenarios per suite.")
+        int,
+        typer.Option(
+            metavar="N",
+            min=2,
+            help="Draw this many scenarios per suite; machines has 16 on each of its machines.",
+        ),
     ] = 400,
     grid: Annotated[
         int,

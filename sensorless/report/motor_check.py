@@ -1,6 +1,5 @@
 """Check of a machine: examined on paper, then simulated briefly; as a table or as a page."""
 
-import base64
 import math
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -14,10 +13,9 @@ from sensorless.design.drive import DriveDesign
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
-from sensorless.plots.figure import png
-from sensorless.plots.suitability import reach, signal
 from sensorless.policies.registry import make_policy
-from sensorless.report.page import render
+from sensorless.report.machine_curves import reach, signal
+from sensorless.report.page import UPLOT, render
 from sensorless.suitability.examine import Examination, examine
 from sensorless.suitability.finding import LIMIT, NO, Finding
 
@@ -50,21 +48,6 @@ class Check:
 
     examination: Examination
     run: QuickRun | None
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A picture of the page."""
-
-    file: str
-    title: str
-    caption: str
-    png: bytes
-
-    @property
-    def uri(self) -> str:
-        """Return the picture as a data URI."""
-        return "data:image/png;base64," + base64.b64encode(self.png).decode("ascii")
 
 
 def check(motor: Motor, design: DriveDesign, size: int = SIZE) -> Check:
@@ -186,19 +169,16 @@ def screen(c: Check) -> Table:
 
 
 def write_page(c: Check, path: Path, command: str) -> None:
-    """Write the result as one HTML page without other files; needs the extra ``plot``."""
+    """Write the result as one HTML page without other files."""
     e = c.examination
-    figures = []
-    if e.point is not None:
-        caption = "Largest torque within current and voltage, resistance included."
-        figures.append(Figure("reach", "Torque over speed", caption, png(reach(e.motor))))
-    if e.seen is not None:
-        caption = "Over the current along maximum torque per ampere; dashed: rated current."
-        picture = png(signal(e.motor, e.seen))
-        figures.append(Figure("signal", "What injection sees", caption, picture))
+    panels = [] if e.point is None else [reach(e.motor)]
+    first = len(panels)  # of what injection sees
+    panels += [] if e.seen is None else signal(e.motor, e.seen)
     page = render(
         "motor.html.j2",
+        {"maps": {}, "cases": {}, "curves": panels},
         motor=e.motor, verdict=str(e.verdict), word=e.verdict.word, rows=rows(c),
-        findings=e.findings, figures=figures, command=command,
+        findings=e.findings, reach=range(first), seen=range(first, len(panels)),
+        labels=[panel["label"] for panel in panels], command=command, uplot=UPLOT,
     )  # fmt: skip
     write_atomic(path, page)

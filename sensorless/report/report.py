@@ -9,8 +9,7 @@ from typing import Any
 
 from sensorless.agents.loading import VERDICT
 from sensorless.baselines.linear import EQ25_BAND, linear_table
-from sensorless.envs.scenarios.words import scenario_from
-from sensorless.evaluation.evaluate import PolicyProgress, evaluate
+from sensorless.evaluation.evaluate import PolicyProgress
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
 from sensorless.files import ensure_writable, write_atomic
@@ -22,6 +21,7 @@ from sensorless.policies.bench import Bench
 from sensorless.policy import TablePolicy, design_for
 from sensorless.report import maps, tables
 from sensorless.report.cases import Case, cases
+from sensorless.report.judged import case_of, judged
 from sensorless.report.learning import learning
 from sensorless.report.page import UPLOT, render
 from sensorless.report.verdict import (
@@ -168,24 +168,24 @@ class Report:
             if self.progress is not None:
                 self.progress(f"{suite}: {name}", done)
 
-        chosen = self.bench.policies(policies)
-        return evaluate(self.motor, self.design, suite, seed, size, chosen, progress=report)
+        return judged(self.bench, suite, seed, size, policies, report)
 
     def _section(
         self, results: Results, shown: Sequence[str], sides: Sequence[str]
     ) -> dict[str, Any]:
         return {
             "suite": results.suite,
-            "setting": f"seed {results.seed}, {results.size} scenarios",
+            "setting": f"seed {results.seed}, {results.count} scenarios",
             "rows": tables.result_rows(results, shown),
             "pairs": tables.pair_rows(results, shown),
             "places": tables.place_rows(results, sides),
+            "machines": tables.machine_rows(results, sides),
         }
 
     def _basis(self, results: Sequence[Results]) -> str:
         first = results[0].policies[self.policy.name]
         return (
-            f"Simulated on {' and '.join(f'{r.size} scenarios of {r.suite}' for r in results)}. "
+            f"Simulated on {' and '.join(map(_drawn, results))}. "
             f"{feasible(results[0], first)} scenarios of {results[0].suite} bound its lost rate to "
             f"{100.0 * first['lost_ci'][1]:.1f} % at most (95 %); sensorless certify bounds it "
             "closer. Eq. 25 is the linear rule of the source paper, here on the drive’s default "
@@ -193,10 +193,10 @@ class Report:
         )
 
     def _waves(self, case: Case, count: int) -> list[dict[str, Any]]:
-        scenario = scenario_from(case.scenario, self.motor)
+        bench, scenario = case_of(self.bench, case.scenario)
         runs = {
-            policy.name: trace(policy, scenario, self.motor, self.design, go_on=True)
-            for policy in (self.policy, self.reference)
+            policy.name: trace(policy, scenario, bench.motor, bench.design, go_on=True)
+            for policy in bench.policies((self.run, self.plain)).values()
         }
         return [packed(wave(f"{case.scenario} under {n}", run), count) for n, run in runs.items()]
 
@@ -252,3 +252,8 @@ class Report:
 
     def _command(self, *words: str) -> str:
         return shlex.join(["sensorless", *words, *self.options])
+
+
+def _drawn(results: Results) -> str:
+    text = f"{results.count} scenarios of {results.suite}"
+    return text if results.count == results.size else f"{text} ({results.size} random ones)"

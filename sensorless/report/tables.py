@@ -123,6 +123,26 @@ def place_rows(results: Results, names: Sequence[str]) -> list[Row]:
     return rows
 
 
+def machine_rows(results: Results, names: Sequence[str]) -> list[Row]:
+    """One row a machine: what each policy lost and how far it deviates; none of one machine."""
+    if "by_machine" not in results.policies[names[0]]:
+        return []
+    sides = [results.policies[name]["by_machine"] for name in names]
+    lost, off = "lost", "torque_dev_rms"
+    return [
+        {
+            "label": label,
+            "came": sides[0]["feasible"][j],
+            "cells": [{"text": f"{s[lost][j]}", "value": s[lost][j]} for s in sides]
+            + [
+                {"text": number(100.0 * s[off][j], 2), "value": f"{100.0 * s[off][j]:.6g}"}
+                for s in sides
+            ],
+        }
+        for j, label in enumerate(sides[0]["machine"])
+    ]
+
+
 def said(results: Results, name: str) -> str:
     """Where a policy fails, in words."""
     policy = results.policies[name]

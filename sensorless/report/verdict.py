@@ -131,7 +131,7 @@ def _change(results: Results, first: str, other: str, m: Measure) -> Change:
 
 def feasible(results: Results, policy: dict[str, float]) -> int:
     """Scenarios that the machine can do at all."""
-    return round(results.size * (1.0 - policy["infeasible_rate"]))
+    return round(results.count * (1.0 - policy["infeasible_rate"]))
 
 
 def best_rule(results: Results, words: Sequence[str]) -> str | None:

@@ -16,9 +16,11 @@ pytest.importorskip("matplotlib")
 from sensorless.baselines.linear import linear_table
 from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.machines_suite import on_machine
 from sensorless.envs.scenarios.words import scenario_from
 from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import evaluate
+from sensorless.evaluation.machines import evaluate_machines
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.results_tables import number
 from sensorless.evaluation.trace import trace
@@ -31,6 +33,7 @@ from sensorless.report.report import Report
 from sensorless.report.tables import COLUMNS
 from sensorless.report.waves import LEVELS
 from sensorless.table.ks_table import Axis, KsTable
+from sensorless.units import RAD_S_TO_RPM
 
 MOTOR, DESIGN = Motor.load("paper"), DriveDesign()
 SIZE = 6
@@ -236,6 +239,31 @@ def test_mistakes(words: list[str], said: str, tmp_path: Path, monkeypatch: Any)
     assert isinstance(done.exception, UserError)
     assert said in str(done.exception)
     assert not list(tmp_path.rglob("*.*"))
+
+
+def test_random_machines_have_a_report_too(tmp_path: Path) -> None:
+    """Two machines of 16 scenarios, with the numbers of their evaluation and waveforms of each."""
+    words = ["linear:100,700", "eq25"]
+    bench = Bench(MOTOR, DESIGN)
+    report = Report(words[0], bench, others=words[1:])
+    page = Page(
+        report.write(tmp_path, ["machines"], 3, 40, 2, "sensorless report")[0].read_text("utf-8")
+    )
+    results = evaluate_machines(DESIGN, 3, 2, lambda motor: make_policies(words, motor))
+    assert "32 scenarios of machines (2 random ones)" in page.text
+    assert "--suite machines --seed 3 --size 2" in page.text
+    for j, machine in enumerate(results.policies["eq25"]["by_machine"]["machine"]):
+        sides = [results.policies[word]["by_machine"] for word in words]
+        cells = [machine, str(sides[0]["feasible"][j]), *(str(s["lost"][j]) for s in sides)]
+        assert [*cells, *(number(100.0 * s["torque_dev_rms"][j], 2) for s in sides)] in page.rows
+    word = results.policies[words[0]]["worst"][0]["scenario"]
+    motor, plain = on_machine(word)
+    own = make_policies(words[:1], motor)[words[0]]
+    run = trace(own, scenario_from(plain, motor), motor, DESIGN, go_on=True)
+    curves = page.data["cases"][word][0]["panes"][0]["curves"]
+    (speed,) = (curve for curve in curves if curve["name"] == "sensorless")
+    top = float(np.max(run["omega_m"])) * RAD_S_TO_RPM
+    assert speed["low"] + LEVELS * speed["step"] == pytest.approx(top, rel=1e-9)
 
 
 def test_cases_are_the_worst_and_a_typical_hand_over() -> None:

@@ -100,6 +100,49 @@ def test_dragging_zooms_both_sides(driver: Any, page: Path) -> None:
     assert len(set(driver.execute_script(ends))) == 1
 
 
+def test_a_map_is_read_by_keys_by_touch_and_as_a_table(driver: Any, page: Path) -> None:
+    """The first row of the table is the highest load, its first column the lowest speed."""
+    driver.get(page.as_uri())
+    canvas = driver.find_element("css selector", ".map canvas")
+    said = "return document.querySelector('.map output').textContent"
+    canvas.send_keys("\ue012" * 3 + "\ue013" * 3)  # arrows to the left, then up
+    assert driver.execute_script("return document.activeElement.tagName") == "CANVAS"
+    corner = driver.execute_script(said)
+    assert corner.startswith("−1500, 14: ") and corner[-1] == "°"
+    driver.find_element("css selector", ".map summary").click()
+    wait(driver, "return document.querySelectorAll('.map table tr').length", 4)
+    first = "return document.querySelector('.map tbody td').textContent"
+    assert driver.execute_script(first) == corner.removeprefix("−1500, 14: ")
+    driver.execute_script("document.activeElement.blur(); arguments[0].scrollIntoView()", canvas)
+    assert driver.execute_script(said) == ""
+    box = driver.execute_script("return arguments[0].getBoundingClientRect().toJSON()", canvas)
+    at = {"x": box["x"] + 0.9 * box["width"], "y": box["y"] + 0.9 * box["height"]}
+    for kind, points in (("touchStart", [at]), ("touchEnd", [])):
+        touch = {"type": kind, "touchPoints": points}
+        driver.execute_cdp_cmd("Input.dispatchTouchEvent", touch)
+    assert driver.execute_script(said).startswith("1500, −14: ")
+
+
+def test_both_sides_have_the_same_scale_but_for_a_zoom(driver: Any, page: Path) -> None:
+    driver.get(page.as_uri())
+    wait(driver, "return document.querySelectorAll('#waves canvas').length", 8)
+    ends = """
+        const sides = [...drawn.get(document.getElementById("waves"))];
+        return sides.map(({ scales: { y } }) => [y.min, y.max]);
+    """
+    driver.execute_async_script("requestAnimationFrame(arguments[0])")
+    whole = driver.execute_script(ends)
+    assert all(here == there for here, there in zip(whole[::2], whole[1::2], strict=True))
+    zoom = "for (const u of drawn.get(document.getElementById('waves'))) u.setScale('x', {0});"
+    driver.execute_script(zoom.replace("{0}", "{min: 0.5, max: 0.51}"))
+    driver.execute_async_script("requestAnimationFrame(arguments[0])")
+    assert driver.execute_script(ends) != whole
+    driver.find_element("id", "whole").click()
+    wait(driver, "return document.querySelectorAll('#waves canvas').length", 8)
+    driver.execute_async_script("requestAnimationFrame(arguments[0])")
+    assert driver.execute_script(ends) == whole
+
+
 def test_it_prints_on_a4(driver: Any, page: Path) -> None:
     """No table is wider than the paper: 210 mm less both margins."""
     driver.get(page.as_uri())

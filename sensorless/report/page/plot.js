@@ -34,11 +34,12 @@ function plot(place, { label, xLabel, x, curves, span, sync, bands = [], marks =
       ctx.fillText(what, at + (line ? (right ? -4 : 4) * ratio : 0), bbox.top + (13 + 13 * (j % 3)) * ratio);
     });
   };
-  const whole = [x[0], x[x.length - 1]];
-  const fit = (u, low, high) => {
+  const fit = (u, low, high) => (low === null || low === high ? [low ? low - 1 : -0.1, (low ?? 0) + 1] : uPlot.rangeNum(low, high, 0.06, true));
+  // The whole run has the given span. A range cannot tell: in it the time is still that of before.
+  const spanned = (u, key) => {
     const { min, max } = u.scales.x;
-    if (span && !(min > whole[0] || max < whole[1])) return span;
-    return low === null || low === high ? [low ? low - 1 : -0.1, (low ?? 0) + 1] : uPlot.rangeNum(low, high, 0.06, true);
+    if (key !== "x" || !span || min > x[0] || max < x[x.length - 1]) return;
+    queueMicrotask(() => u.setScale("y", { min: span[0], max: span[1] }));
   };
   const u = new uPlot(
     {
@@ -50,7 +51,7 @@ function plot(place, { label, xLabel, x, curves, span, sync, bands = [], marks =
         { label: "at", value: number },
         ...curves.map((c) => ({ label: c.name, stroke: colour(c.colour), width: c.width, value: number, spanGaps: Boolean(c.gaps), points: { show: Boolean(c.points), size: 5 }, dash: c.dash })),
       ],
-      hooks: { drawClear: [stripes], draw: [lines] },
+      hooks: { drawClear: [stripes], draw: [lines], setScale: [spanned] },
     },
     [x, ...curves.map((c) => c.values)],
     place,
@@ -113,7 +114,7 @@ async function drawWaves(place) {
 
 function drawCurves(place) {
   const panel = data.curves[place.dataset.curves];
-  clear(place).push(plot(place, { label: panel.label, xLabel: panel.xLabel, x: panel.x, curves: panel.curves }));
+  clear(place).push(plot(place, panel));
 }
 
 function clear(place) {
