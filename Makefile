@@ -63,8 +63,8 @@ docs-test: $(READY) ## Run what the documentation shows, small
 playground: $(READY) ## Build the page build/playground/playground.html
 	$(VENV)/bin/python -m web.build
 
-audit: docs playground ## Check both in a browser: contrast, names, width, paint, console
-	$(VENV)/bin/python -m web.audit build/site/index.html build/playground/playground.html
+audit: docs playground ## Check every page in a browser: contrast, names, width, paint, console
+	$(VENV)/bin/python -m web.audit build/site/[!4]*.html build/site/*/*.html build/playground/playground.html
 
 mutants: $(READY) ## Which small mistakes in core/drive do the checks notice (20 minutes)
 	$(VENV)/bin/python -m tests.mutants.run

@@ -22,12 +22,15 @@ function luminance([r, g, b]) {
   return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
 }
 
+// A colour on top of an opaque one.
+function over([r, g, b, alpha = 1], below) {
+  return [r, g, b].map((x, j) => alpha * x + (1 - alpha) * below[j]);
+}
+
 function background(e) {
-  for (let at = e; at; at = at.parentElement) {
-    const colour = rgb(getComputedStyle(at).backgroundColor);
-    if (colour.length < 4 || colour[3] > 0) return colour;
-  }
-  return [255, 255, 255];
+  if (!e) return [255, 255, 255];
+  const colour = rgb(getComputedStyle(e).backgroundColor);
+  return (colour[3] ?? 1) === 1 ? colour.slice(0, 3) : over(colour, background(e.parentElement));
 }
 
 // Text whose contrast with what is behind it is below `least`.
@@ -38,7 +41,8 @@ function faint(least) {
     if (!own || !visible(e) || e.disabled || e.closest("script, style")) continue;
     const style = getComputedStyle(e);
     const svg = e instanceof SVGElement;
-    const [a, b] = [rgb(svg ? style.fill : style.color), background(e)].map(luminance);
+    const behind = background(e);
+    const [a, b] = [over(rgb(svg ? style.fill : style.color), behind), behind].map(luminance);
     const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
     if (ratio < least) out.push(`${ratio.toFixed(2)}: ${e.outerHTML.slice(0, 80)}`);
   }

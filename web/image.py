@@ -20,7 +20,7 @@ from sensorless.settings import settings_of
 from sensorless.table.image import PROBLEMS
 from sensorless.units import RPM_TO_RAD_S
 from web.fields import FIELDS, TABLE_FIELDS, offsets, response
-from web.rules import MOTORS, Named, rules
+from web.rules import MOTORS, Named, rules, without_table
 from web.words import ESTIMATORS as WORDS
 from web.words import FAULTS, LOST, PHASES
 
@@ -130,6 +130,7 @@ def image() -> tuple[bytes, str]:
         "phases": _texts("START_", PHASES),
         "refusals": {"0": "accepted", **{str(k): text for k, text in PROBLEMS.items()}},
         "estimators": {**WORDS, **{k: v for k, v in words.items() if k not in WORDS}},
+        "untabled": without_table(Motor.load(MOTORS[0])),
         "motors": [_motor(motor, made) for motor in map(Motor.load, MOTORS)],
     }
     return bytes(made.data), json.dumps(layout, separators=(",", ":"))

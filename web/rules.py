@@ -11,14 +11,17 @@ from sensorless.errors import UserError
 from sensorless.machine.motor import MOTORS as FOLDER
 from sensorless.machine.motor import Motor
 from sensorless.policies.best import best
-from sensorless.policies.registry import carried_by, make_policy
-from sensorless.policy import TablePolicy
+from sensorless.policies.registry import RULES, carried_by, make_policy
+from sensorless.policy import TablePolicy, knows_truth
 from sensorless.table.ks_table import Axis, KsTable
 
 MOTORS = ("paper", *sorted(path.stem for path in FOLDER.glob("*.toml") if path.stem != "paper"))
 WORDS = {
     "eq25": "Eq. 25, the paper's ramp (20 to 26.7 % of rated speed)",
     "smoothstep": "Smooth step over the same band",
+    "sine": "Sine over the same band",
+    "quadratic": "Parabola of the speed",
+    "fuzzy": "Ten fuzzy rules: speed, acceleration, disagreement",
     "linear-coupled-tuned": "Ramp, tuned on the coupled observer",
     "logistic-coupled-tuned": "Speed, torque and disagreement, tuned",
     "reference": "Learned by PPO on the coupled observer",
@@ -26,6 +29,7 @@ WORDS = {
     "reference-smo": "Learned by PPO on the sliding-mode observer",
     "sliding_mode": "Eq. 25 on the paper's observers",
     "flux_observer": "Eq. 25 on the flux observer",
+    "error_blend": "Eq. 25 on two error signals in one loop",
     "constant:1": "Injection at every speed",
     "constant:0": "Observer at every speed",
 }
@@ -57,6 +61,18 @@ def rules(motor: Motor) -> list[Named]:
         if policy is not None:
             out.append(Named(word, text, policy))
     return [*out, Named(OWN, OWN_TEXT, _own())]
+
+
+def without_table(motor: Motor) -> list[str]:
+    """Names of rules that a drive can run but no table holds: Python decides, not the core."""
+    made = {
+        name: make_policy(name, motor) for name, rule in RULES.items() if not rule.needs_numbers
+    }
+    return [
+        name
+        for name, policy in made.items()
+        if not isinstance(policy, TablePolicy) and not knows_truth(policy)
+    ]
 
 
 def _own() -> TablePolicy:

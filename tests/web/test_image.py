@@ -8,9 +8,10 @@ import pytest
 from sensorless.core.api import SIM, TABLE
 from sensorless.design.drive import ESTIMATORS
 from sensorless.machine.motor import Motor
+from sensorless.policies.registry import RULES
 from web.fields import FIELDS, KINDS, offsets, response
 from web.image import image, template
-from web.rules import MOTORS, rules
+from web.rules import MOTORS, rules, without_table
 
 NUMBERS = {kind: np.dtype(name) for name, kind in KINDS.items()}
 
@@ -74,3 +75,13 @@ def test_learned_tables_are_offered_only_for_their_machine(motor: Motor) -> None
     words = {rule.word for rule in rules(Motor.load("ipmsm_2200w"))}
     assert "eq25" in words
     assert not {"reference", "linear-coupled-tuned"} & words
+
+
+def test_every_rule_is_offered_or_named_as_missing(motor: Motor) -> None:
+    """But for bounds, and those whose numbers come from tuning or under another name."""
+    offered = {rule.word.partition(":")[0] for rule in rules(motor)}
+    missing = set(json.loads(image()[1])["untabled"])
+    assert missing == set(without_table(motor)) >= {"hysteresis", "ramp", "gated", "fusion"}
+    assert not offered & missing
+    elsewhere = {"linear", "logistic", "grid", "hfi", "smo", "oracle", "sensored"}
+    assert set(RULES) - offered - missing <= elsewhere

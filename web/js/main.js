@@ -46,6 +46,7 @@ class Page {
   }
 
   choices() {
+    $("untabled").textContent = this.layout.untabled.join(", ");
     const motors = this.layout.motors.map((m) => new Option(`${m.name}: ${m.text}`, m.name));
     $("motor").replaceChildren(...motors);
     $("scenario").replaceChildren(
