@@ -1,6 +1,7 @@
 """Random numbers as a pure function of (seed, column), whatever batch they are drawn in."""
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,23 +11,32 @@ Seeds = NDArray[np.uint64]
 Floats = NDArray[np.float64]
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_FACTORS = np.array([0xBF58476D1CE4E5B9, 0x94D049BB133111EB], dtype=np.uint64)
+_SHIFTS = np.array([30, 27, 31], dtype=np.uint64)
 
 
 def mix(x: Seeds) -> Seeds:
-    """SplitMix64 finaliser (doi 10.1145/2714064.2660195) of each element."""
-    with np.errstate(over="ignore"):
-        z = np.asarray(x, dtype=np.uint64) + _GOLDEN
-        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return np.asarray(z ^ (z >> np.uint64(31)))
+    """SplitMix64 finaliser (doi 10.1145/2714064.2660195) of each element of (n,) numbers."""
+    z = x + _GOLDEN
+    z = (z ^ (z >> _SHIFTS[0])) * _FACTORS[0]
+    z = (z ^ (z >> _SHIFTS[1])) * _FACTORS[1]
+    return np.asarray(z ^ (z >> _SHIFTS[2]))
+
+
+@lru_cache(maxsize=4096)
+def _mixed(number: int) -> Seeds:
+    return mix(np.array([number]).astype(np.uint64))
 
 
 def combine(*parts: NDArray[Any] | int) -> Seeds:
     """One seed from several integers or arrays of them; order matters."""
     out = np.zeros(1, dtype=np.uint64)
     for part in parts:
-        word = np.asarray(part).astype(np.uint64)
-        out = mix(out ^ mix(np.atleast_1d(word)))
+        if isinstance(part, int):
+            word = _mixed(part)
+        else:
+            word = mix(np.atleast_1d(np.asarray(part).astype(np.uint64)))
+        out = mix(out ^ word)
     return out
 
 

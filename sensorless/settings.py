@@ -8,7 +8,9 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from numbers import Integral, Real
+from types import MappingProxyType
 from typing import Any
 
 from sensorless.errors import UserError
@@ -193,15 +195,18 @@ def word(
     return field(default=default, metadata={"setting": setting})
 
 
+@cache
 def settings_of(cls: type) -> Mapping[str, Setting]:
     """Settings of a dataclass by name; other fields are left out."""
-    return {
-        f.name: dataclasses.replace(
-            s := f.metadata["setting"], name=f.name, kind=s.kind if s.derived else f.type
-        )
-        for f in dataclasses.fields(cls)
-        if "setting" in f.metadata
-    }
+    return MappingProxyType(
+        {
+            f.name: dataclasses.replace(
+                s := f.metadata["setting"], name=f.name, kind=s.kind if s.derived else f.type
+            )
+            for f in dataclasses.fields(cls)
+            if "setting" in f.metadata
+        }
+    )
 
 
 def refuse_old(name: str, known: Mapping[str, Setting], where: str = "") -> None:
@@ -219,7 +224,8 @@ def refuse_old(name: str, known: Mapping[str, Setting], where: str = "") -> None
 
 def check(owner: object, where: str = "") -> None:
     """Check every setting of an instance; errors as `Setting.checked`."""
-    for setting in settings_of(type(owner)).values():
+    cls: type = type(owner)
+    for setting in settings_of(cls).values():
         setting.checked(getattr(owner, setting.name), where)
 
 

@@ -1,5 +1,6 @@
 """Settings that hold for all tests, and the machine, table and tools that several folders share."""
 
+import functools
 import gc
 import os
 import subprocess
@@ -11,6 +12,8 @@ os.environ.setdefault("MPLBACKEND", "Agg")  # figures without a screen
 
 import numpy as np
 import pytest
+import typer.main
+import typer.testing
 
 from sensorless.design.drive import DriveDesign
 from sensorless.evaluation import compare
@@ -95,6 +98,16 @@ def small() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session", autouse=True)
+def one_program() -> Iterator[None]:
+    """The commands and their options are put together once, not at every call of the program."""
+    made = functools.cache(typer.main.get_command)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(typer.main, "get_command", made)
+        patch.setattr(typer.testing, "_get_command", made)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
 def core_objects(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Objects]:
     """Self tests on export compile the same core with the same flags once."""
     objects = Objects(tmp_path_factory.mktemp("core"))
@@ -118,13 +131,6 @@ def brief() -> Iterator[None]:
     """As ``briefly``."""
     with briefly():
         yield
-
-
-@pytest.fixture
-def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures are made and their files written, but not drawn; tests of each kind draw one."""
-    for module in ("plots.figure", "report.motor_check"):
-        monkeypatch.setattr(f"sensorless.{module}.png", lambda made: b"\x89PNG, not drawn")
 
 
 @pytest.fixture

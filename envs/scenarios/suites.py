@@ -75,7 +75,7 @@ class SuiteRows:
         if name not in SUITES:
             raise UserError(
                 f"suite: {name!r} does not exist; choose from {', '.join(SUITES)}, or for "
-                "evaluate machines"
+                "evaluate and report machines"
             )
         if self.role not in ROLES:
             raise UserError(f"role: {self.role!r} does not exist; choose from {', '.join(ROLES)}")

@@ -69,8 +69,8 @@ def certify_command(
         Path | None,
         typer.Option(
             metavar="FILE.json",
-            help="Write the result as JSON, and the state every 20 s: the same command goes on "
-            "where it stopped, also with a larger size. Default: no file.",
+            help="Write the result as JSON, and the state every 20 s. Rerun the command to "
+            "resume, also with a larger size. Default: no file.",
         ),
     ] = None,
     engine: EngineOption = "local",

@@ -42,9 +42,9 @@ def falsify_command(
     """Search for scenarios that a policy loses or nearly loses, inside the ranges of a suite.
 
     Many searches by CMA-ES, each from the worst of 128 random scenarios, move towards larger angle
-    errors. The file has the worst of each, and for a lost one which deviations from nominal it
-    needs. `sensorless simulate --scenario FILE.json:INDEX` draws it, `FILE.json:INDEX:min` with all
-    else nominal.
+    errors. The file has the worst scenario of each search. If it was lost, the file also says which
+    of its deviations from nominal that takes. `sensorless simulate --scenario FILE.json:INDEX`
+    draws the scenario, `FILE.json:INDEX:min` the same with all other numbers nominal.
 
     For example:
 

@@ -27,8 +27,8 @@ EXAMPLE = "--set smo_pll_hz=30"
 POLICIES = (
     "a rule by name, with its numbers if it takes any (eq25, linear:150,450, fuzzy, ...: "
     "`sensorless evaluate --list` names them all), a file that `sensorless tune` wrote, the "
-    "folder of a training run, or MODULE:NAME, a Python class or function of the motor that gives "
-    "your own"
+    "folder of a training run, or MODULE:NAME, your own Python class or function, which takes the "
+    "motor and gives a policy"
 )
 
 MOTOR = (

@@ -6,10 +6,7 @@ from typing import Annotated
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from sensorless.cli.options import (
-    errors,
-    say_wrote,
-)
+from sensorless.cli.options import JsonOption, errors, say_wrote
 
 
 def reproduce_command(
@@ -17,6 +14,7 @@ def reproduce_command(
         Path,
         typer.Option(metavar="FOLDER", help="Write page, data and pictures to this folder."),
     ] = Path("paper"),
+    as_json: JsonOption = False,
 ) -> None:
     """Rerun the experiments of the source paper and set our figures beside the printed ones.
 
@@ -30,6 +28,7 @@ def reproduce_command(
         sensorless reproduce
     """
     from sensorless.files import ensure_writable
+    from sensorless.reproduce.reproduce import DATA
     from sensorless.reproduce.reproduce import reproduce as run
 
     ensure_writable(out)
@@ -37,4 +36,6 @@ def reproduce_command(
     with Progress(*columns, console=errors, transient=True) as bar:
         task = bar.add_task("reproduce", total=1.0)
         files = run(out, lambda done: bar.update(task, completed=done))
+    if as_json:
+        typer.echo((out / DATA).read_text(encoding="utf-8"), nl=False)
     say_wrote(*files)

@@ -54,7 +54,8 @@ def simulate_command(
             help="Replay one scenario of a suite instead of the plans: SUITE:SEED:INDEX, or "
             "SUITE:SEED:INDEX:SIZE for the suite envelope. `sensorless evaluate` lists its worst "
             "cases this way, for example stress-1:7:12. Or FILE.json:INDEX of a file of "
-            "`sensorless falsify`, with :min for what it needs to be lost. Default: the plans.",
+            "`sensorless falsify`; with :min, all that the loss does not need is nominal. "
+            "Default: the plans.",
         ),
     ] = None,
     seed: Annotated[
@@ -135,8 +136,8 @@ def simulate_command(
 ) -> None:
     """Run one drive and look at it, or run the machine alone under given voltages.
 
-    Prints how the drive followed its speed reference, how far its angle was off, whether it kept
-    lock, and if not, when its own tests told so and what it did; the run goes on after that.
+    Prints how the drive followed its speed reference, how far its angle was off, and whether it
+    kept lock; if not, when the drive itself noticed and what it did. The run goes on after that.
     Without options it runs the speeds of Fig. 9 of the source paper under its Eq. 25: 200, 350 and
     600 r/min without load, which crosses from injection to the observer.
     `--policy sliding_mode` puts that rule on the paper's observers.

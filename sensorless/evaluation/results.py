@@ -86,6 +86,11 @@ class Results:
     paired: dict[str, dict[str, Any]]
     """by name: differences to the first policy"""
 
+    @property
+    def count(self) -> int:
+        """Scenarios of each policy; ``size`` counts machines where there are several."""
+        return self.size * (SCENARIOS if self.suite == MACHINES else 1)
+
     def to_json(self, scenarios: bool = True) -> str:
         """Text of the file, the same for the same results; null where there is no number.
 

@@ -2,7 +2,7 @@
 
 from string import Template
 
-from sensorless.core.api import Array
+from sensorless.core.api import TABLE, Array, ffi
 from sensorless.design.words import observer_name
 from sensorless.export.cmsis import readme as cmsis_readme
 from sensorless.export.core_files import FIRMWARE
@@ -58,6 +58,9 @@ def readme(
         axes=axes,
         drive_vectors=vectors[1],
         table_bytes=20 * vectors[0],
+        state_bytes=state_bytes(table),
+        f32_bytes=TABLE.itemsize + 4 * table.values.size,
+        q15_bytes=TABLE.itemsize + 2 * table.values.size,
         x_min=f"{table.rule[0]:.3g}",
         x_max=f"{table.rule[1]:.3g}",
         fallback=f"{table.fallback:g}",
@@ -69,3 +72,10 @@ def readme(
         **{f"{word}_bits": rows for word, rows in fault_tables(bool(table.gains)).items()},
         **gain_readme(table),
     )
+
+
+def state_bytes(table: KsTable) -> int:
+    """RAM that a drive and its schedule keep from period to period; the same on every target."""
+    schedule = "gain_schedule_state_t" if table.gains else "ks_schedule_state_t"
+    kept = ["drive_state_t", schedule, *(["drive_params_t"] if table.gains else [])]
+    return sum(map(ffi.sizeof, kept))

@@ -98,7 +98,7 @@ def _text(text: str, wanted: Sequence[str], names: Mapping[str, str], where: str
         at = f"{where}: line {number}"
         if len(row) != len(header):
             raise UserError(f"{at}: {len(row)} values; give {len(header)}, as in the header")
-        rows.append([_value(row[j], comma, f"{at}: {header[j]}") for j, _ in used.values()])
+        rows.append([_value(row[j], comma, at, header[j]) for j, _ in used.values()])
     if not rows:
         raise UserError(f"{where}: no rows; give one per PWM period, at least 3")
     table = np.array(rows)
@@ -148,10 +148,13 @@ def _is_number(text: str, comma: bool) -> bool:
     return True
 
 
-def _value(text: str, comma: bool, at: str) -> float:
-    value = _number(text, comma) if _is_number(text, comma) else np.nan
+def _value(text: str, comma: bool, at: str, column: str) -> float:
+    try:
+        value = _number(text, comma)
+    except ValueError:
+        value = np.nan
     if not abs(value) < 1e15:  # also NaN
-        raise UserError(f"{at}: {text!r}; give a finite number")
+        raise UserError(f"{at}: {column}: {text!r}; give a finite number")
     return value
 
 

@@ -15,6 +15,7 @@ from sensorless.reproduce.signum import figure_12
 from sensorless.reproduce.steady import figure_4, figure_11
 from sensorless.reproduce.switching import switching
 
+PAGE, DATA = "paper.md", "paper.json"
 Progress = Callable[[float], None]
 """Called with the share done, 0 to 1."""
 
@@ -57,7 +58,7 @@ def write(done: Sequence[Case], motor: Motor, folder: Path) -> list[Path]:
         if case.figure is not None:
             files.append(folder / f"{case.name}.png")
             save(case.figure, files[-1])
-    for name, text in (("paper.md", markdown(done, motor)), ("paper.json", data(done, motor))):
+    for name, text in ((PAGE, markdown(done, motor)), (DATA, data(done, motor))):
         files.append(folder / name)
         write_atomic(files[-1], text)
     return files

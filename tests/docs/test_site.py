@@ -7,7 +7,6 @@ import pytest
 
 from docs.site import tables
 from docs.site.pages import API, MADE
-from sensorless.core.api import ffi
 from sensorless.machine.motor import MOTORS
 
 ROOT = Path(__file__).parents[2]
@@ -36,13 +35,3 @@ def test_the_table_of_motors_has_every_shipped_one() -> None:
     page = tables.motors()
     for path in MOTORS.glob("*.toml"):
         assert f"| `{path.stem}` |" in page
-
-
-@pytest.mark.parametrize("name", ["README.md", "docs/index.md"])
-def test_what_a_first_page_says_of_the_processor_is_so(name: str) -> None:
-    page = (ROOT / name).read_text(encoding="utf-8")
-    bar = (ROOT / "tests" / "pil" / "test_pil.py").read_text(encoding="utf-8")
-    (most,) = re.findall(r"at most (\d+) instructions, counted", page)
-    assert f'count["period"]["max"] <= {most}' in bar
-    (state,) = re.findall(r"less than (\d+) bytes of RAM", page)
-    assert ffi.sizeof("drive_state_t") < int(state)

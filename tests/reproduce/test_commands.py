@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from sensorless.reproduce import reproduce
+from sensorless.reproduce.printed import timing
 from tests.helpers.command import run
 
 
@@ -16,6 +18,18 @@ def test_identify_writes_data_and_picture(tmp_path: Path) -> None:
     assert data["line"]["slope_deg_per_A"] == pytest.approx(-3.96, abs=0.15)
     assert f"{data['line']['slope_deg_per_A']:.3f}" in done.stdout
     assert (tmp_path / "cc.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_reproduce_prints_its_numbers_for_programs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the shortest of its cases alone; the output is the file that it writes, and no more."""
+    monkeypatch.setattr(reproduce, "cases", lambda motor, progress: [timing(motor)])
+    done = run("reproduce", "--json", "--out", "paper", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == (tmp_path / "paper" / "paper.json").read_text(encoding="utf-8")
+    assert list(json.loads(done.stdout)["cases"]) == ["timing"]
+    assert "paper.md" in done.stderr
 
 
 @pytest.mark.parametrize(

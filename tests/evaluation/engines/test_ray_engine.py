@@ -41,8 +41,9 @@ def cluster() -> Iterator[Any]:
                 pytest.fail("CI needs ray: pip install -e '.[scale]'")
             pytest.skip("needs ray: pip install -e '.[scale]'")
         quick = {"health_check_period_ms": 1000, "health_check_failure_threshold": 3}
+        bare = {"include_dashboard": False, "include_log_monitor": False, "no_monitor": True}
         made = Cluster(
-            initialize_head=True, head_node_args={"num_cpus": 1, "_system_config": quick}
+            initialize_head=True, head_node_args={"num_cpus": 1, "_system_config": quick, **bare}
         )
         yield made
         made.shutdown()
