@@ -138,7 +138,7 @@ def rows(text: str) -> list[list[str]]:
     return [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| ")]
 
 
-@pytest.mark.parametrize(("name_of", "count"), [("README.md", 4), ("docs/index.md", 5)])
+@pytest.mark.parametrize(("name_of", "count"), [("README.md", 5), ("docs/index.md", 5)])
 def test_the_first_table_is_that_of_the_results(name_of: str, count: int) -> None:
     """Update both pages when ``make reference`` has written another page of results."""
     page = (ROOT / "results" / "reference" / "results.md").read_text(encoding="utf-8")
