@@ -86,7 +86,7 @@ class TableModule(nn.Module):
     def at(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
         """k_s (n,) at places from ``corners``; the table's fallback if a signal is not finite."""
         nodes_k_s = self.values.detach().clamp(0.0, 1.0) + (self.values - self.values.detach())
-        k_s = self._mixed(nodes_k_s.take(nodes), frac).clamp(0.0, 1.0)
+        k_s = self.mixed(nodes_k_s.take(nodes), frac).clamp(0.0, 1.0)
         return torch.where(finite, k_s, torch.full_like(k_s, self._table.fallback))
 
     def centre(self, nodes: Tensor, frac: Tensor, finite: Tensor) -> Tensor:
@@ -95,7 +95,7 @@ class TableModule(nn.Module):
         It lies beyond where all corners are 0, or all are 1: there the values count unclipped.
         """
         k_s = self.at(nodes, frac, finite)
-        beyond = self._mixed(self.values.take(nodes), frac)
+        beyond = self.mixed(self.values.take(nodes), frac)
         return torch.where(finite & ((k_s <= 0.0) | (k_s >= 1.0)), beyond, k_s)
 
     @property
@@ -108,10 +108,10 @@ class TableModule(nn.Module):
         mean = 2.0 * self.centre(nodes, frac, finite)[:, None] - 1.0
         if self.gains is None:
             return mean
-        values = [self._mixed(grid.take(nodes), frac)[:, None] for grid in self.gains]
+        values = [self.mixed(grid.take(nodes), frac)[:, None] for grid in self.gains]
         return torch.cat((mean, *values), dim=1)
 
-    def _mixed(self, value: Tensor, frac: Tensor) -> Tensor:
+    def mixed(self, value: Tensor, frac: Tensor) -> Tensor:
         """Interpolate (n,) between the values (n, 2^axes) of the corners."""
         for a in reversed(range(len(self.shape))):
             half = 1 << a

@@ -10,14 +10,17 @@ FOLDER = Path(__file__).absolute().parents[1] / "reference"
 RUNS = {"reference": "", "reference-flux": "flux", "reference-smo": "sliding-mode"}
 """Learned schedules by name, and their folders within ``FOLDER``."""
 ALIASES = {
-    "ppo-coupled": "reference",
     "tuned-coupled": "logistic-coupled-tuned",
     "tuned-smo": "logistic-tuned",
 }
 """Second names, by what a policy is: who made it, on which drive."""
 LEARNED = "learned"
 """Folder of the policies of ``studies/learning_study.py`` within ``FOLDER``."""
-SETS = {"ks": ("k_s", "logistic-tuned"), "gains": ("k_s and gains", "Eq. 25")}
+SETS = {
+    "ks": ("k_s", "logistic-tuned"),
+    "gains": ("k_s and gains", "Eq. 25"),
+    "coupled": ("k_s, with little injection,", "a ramp"),
+}
 """What one of them sets, and what PPO began with, by the last part of its name."""
 SUFFIX = "-tuned"
 
@@ -71,8 +74,8 @@ def docs(own: Mapping[str, str | None]) -> dict[str, str]:
             f"estimator={runs_on}"
         )
     for name in learned_names():
-        kind, on, *what = name.split("-")
-        sets, start = SETS[what[0]]
+        kind, on = name.split("-")[:2]
+        sets, start = SETS[name.rpartition("-")[2]]
         how = f"PPO from {start}" if kind == "ppo" else "CMA-ES on a rule"
         lines[name] = f"{sets} on the {on} drive by {how}, the best of five seeds"
     lines |= {name: f"the same as {other}" for name, other in ALIASES.items()}

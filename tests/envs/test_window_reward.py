@@ -17,6 +17,7 @@ from sensorless.envs.scenarios.suites import suite
 from sensorless.envs.window_reward import SCALE_TORQUE, Window, WindowWeights, window_terms
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
+from sensorless.evaluation.metrics.step import overshoot_excess_pct
 from sensorless.evaluation.rollout import rollout
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -30,12 +31,13 @@ def test_returns_rank_rules_as_the_published_metrics_do(motor: Motor) -> None:
     design = DriveDesign(estimator="smo")
     scenarios = suite("stress-1", motor, 3, SIZE)
     env = GainVectorEnv(SIZE, motor=motor, design=design, gains=())
-    cost, deviation, ripple = {}, {}, {}
+    cost, deviation, ripple, overshoot = {}, {}, {}, {}
     kept = np.ones(SIZE, dtype=bool)  # a loss ends the metrics, so only where nobody loses
     for word in RULES:
         policy = make_policy(word, motor)
         run = rollout(policy, scenarios, SimFactory(motor, design))
         deviation[word], ripple[word] = torque_dev_rms(run), torque_ripple_rms(run)
+        overshoot[word] = np.nan_to_num(overshoot_excess_pct(run))
         cost[word] = -returns(env, acts(policy, env), 0, scenarios)
         kept &= (run.lost == 0) & (cost[word] < WindowWeights().lost)
     assert kept.sum() > 0.9 * SIZE
@@ -44,6 +46,7 @@ def test_returns_rank_rules_as_the_published_metrics_do(motor: Motor) -> None:
         return sorted(RULES, key=lambda word: float(score[word][kept].mean()))
 
     assert best_first(cost) == best_first(deviation) == best_first(ripple)
+    assert best_first(cost) == best_first(overshoot)
 
 
 def test_no_survivor_pays_as_much_as_a_loss(motor: Motor) -> None:

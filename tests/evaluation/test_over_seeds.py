@@ -1,10 +1,10 @@
-"""PPO against tuned rules: the interval over seeds and scenarios."""
+"""The interval over seeds and scenarios."""
 
 import numpy as np
 import pytest
 
 from sensorless.evaluation.evaluate import Scores
-from tests.helpers.script import script
+from sensorless.evaluation.over_seeds import contrast
 
 
 def scores(values: np.ndarray, lost: int = 0) -> Scores:
@@ -14,7 +14,6 @@ def scores(values: np.ndarray, lost: int = 0) -> Scores:
 
 
 def test_an_interval_covers_seeds_and_scenarios() -> None:
-    contrast = script("studies/learning_study.py").contrast
     theirs = np.random.default_rng(1).uniform(1.0, 2.0, 400)
     same = contrast([scores(0.9 * theirs)] * 3, scores(theirs, lost=5), "x")
     assert same == {"change": -10.0, "low": -10.0, "high": -10.0}
