@@ -19,7 +19,7 @@ LEARNED = "learned"
 SETS = {
     "ks": ("k_s", "logistic-tuned"),
     "gains": ("k_s and gains", "Eq. 25"),
-    "coupled": ("k_s, with little injection,", "a ramp"),
+    "coupled": ("k_s, little injection", "a ramp"),
 }
 """What one of them sets, and what PPO began with, by the last part of its name."""
 SUFFIX = "-tuned"
