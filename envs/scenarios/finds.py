@@ -1,6 +1,7 @@
 """Scenarios that a search found: a suite, and the numbers to draw from it; on any machine."""
 
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -37,6 +38,8 @@ HARD = Path(__file__).with_name("hard.json")
 JITTER = 0.02
 """Half the range in which a suite moves the numbers of scenarios that it repeats."""
 
+TUPLES = ("units", "nominal", "machine")
+"""Fields that a file holds as lists."""
 Units = dict[tuple[int, int], Floats]
 
 
@@ -55,6 +58,8 @@ class Find:
     """[s]; None if lock was kept"""
     nominal: tuple[str, ...] = ()
     """fields of ``REMOVABLE`` that are not needed: it is lost with all of them nominal too"""
+    machine: tuple[int, int] | None = None
+    """seed and number of its machine in the suite ``machines``; None: that of the command"""
 
 
 def keys(suite: str, motor: Motor) -> tuple[tuple[int, int], ...]:
@@ -106,12 +111,21 @@ def load(path: Path) -> list[Find]:
     try:
         data = json.loads(path.read_text(encoding="utf-8"))["finds"]
         return [
-            Find(**{**x, "units": tuple(map(float, x["units"])), "nominal": tuple(x["nominal"])})
+            Find(**{**x, **{name: tuple(x[name]) for name in TUPLES if x.get(name) is not None}})
             for x in data
-            if x["suite"] in SEARCHED
+            if x["suite"] in SEARCHED and _plausible(**x)
         ]
     except (OSError, ValueError, KeyError, TypeError):
         raise UserError(f"scenario: {str(path)!r} is not a file of sensorless falsify") from None
+
+
+def _plausible(units: list[float], machine: list[int] | None = None, **other: object) -> bool:
+    """Return True where numbers are numbers, and a machine is a seed and an index; else raise."""
+    del other
+    whole = machine is None or (len(machine) == 2 and all(0 <= int(x) == x for x in machine))
+    if not (whole and all(math.isfinite(u) for u in units)):
+        raise ValueError
+    return True
 
 
 def hard_scenarios(motor: Motor, seeds: Seeds, indices: NDArray[np.int64], half: int) -> Scenarios:

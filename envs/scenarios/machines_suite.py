@@ -24,6 +24,11 @@ def judged(seed: int, n: int) -> Machines:
     return Machines(family(JUDGED + seed, n), JUDGED + seed)
 
 
+def machine(seed: int, i: int) -> Motor:
+    """Return machine i of a seed."""
+    return member(JUDGED + seed, i)
+
+
 def rows_on(motor: Motor, i: int, seed: int, n: int) -> SuiteRows:
     """Scenarios of machine i of n."""
     first = SCENARIOS * i
@@ -47,5 +52,4 @@ def on_machine(word: str) -> tuple[Motor, str]:
     if found is None:
         raise UserError(f"scenario: {word!r} cannot be read; write {NAME}:SEED:INDEX")
     seed, index = int(found[1]), int(found[2])
-    motor = member(JUDGED + seed, index // SCENARIOS)
-    return motor, scenario_word(EACH, seed, index, index + 1)
+    return machine(seed, index // SCENARIOS), scenario_word(EACH, seed, index, index + 1)

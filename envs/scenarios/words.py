@@ -7,12 +7,16 @@ import numpy as np
 
 from sensorless.core.api import PROFILE_N
 from sensorless.envs.counter_random import combine
-from sensorless.envs.scenarios.finds import load, scenarios_of, without
+from sensorless.envs.scenarios.finds import Find, load, scenarios_of, without
+from sensorless.envs.scenarios.machines_suite import is_on_machines, machine, on_machine
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.units import RPM_TO_RAD_S
+
+FOUND = re.compile(r"(.+\.json):(\d+)(:min)?")
+"""Word of a scenario that a search found."""
 
 
 def scenario_from(word: str, motor: Motor) -> Scenarios:
@@ -27,7 +31,7 @@ def scenario_from(word: str, motor: Motor) -> Scenarios:
         The word has another form, names no suite, lacks a size that the suite needs, or has an
         index beyond its size.
     """
-    found = re.fullmatch(r"(.+\.json):(\d+)(:min)?", word)
+    found = FOUND.fullmatch(word)
     if found is not None:
         return _found(Path(found[1]), int(found[2]), found[3] is not None, motor)
     match = re.fullmatch(r"([a-z][a-z0-9-]*):(\d+):(\d+)(?::(\d+))?", word)
@@ -44,12 +48,31 @@ def scenario_from(word: str, motor: Motor) -> Scenarios:
     return suite(name, motor, seed, size)[index : index + 1]
 
 
+def own_machine(word: str) -> tuple[Motor | None, str]:
+    """Machine that a word of the suite ``machines``, or a find on one, is about; and its scenario.
+
+    None: that of the command.
+    """
+    if is_on_machines(word):
+        return on_machine(word)
+    found = FOUND.fullmatch(word)
+    if found is not None:
+        own = _find(Path(found[1]), int(found[2])).machine
+        return (machine(*own) if own is not None else None), word
+    return None, word
+
+
 def _found(path: Path, index: int, minimal: bool, motor: Motor) -> Scenarios:
+    find = _find(path, index)
+    s = scenarios_of([find], motor)
+    return without(s, find.nominal, motor) if minimal else s
+
+
+def _find(path: Path, index: int) -> Find:
     finds = load(path)
     if index >= len(finds):
         raise UserError(f"scenario: {str(path)!r} has {len(finds)} scenarios; give a lower INDEX")
-    s = scenarios_of([finds[index]], motor)
-    return without(s, finds[index].nominal, motor) if minimal else s
+    return finds[index]
 
 
 def plan_from(

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -61,7 +61,12 @@ def certify_command(
     suite: SuiteOption = "stress",
     seed: SeedOption = 1,
     size: Annotated[
-        int, typer.Option(metavar="N", min=1, help="Run this many scenarios.")
+        int,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Run this many scenarios; machines has 16 on each of its machines.",
+        ),
     ] = 1_000_000,
     settings: SetOption = None,
     override: OverrideOption = False,
@@ -89,22 +94,28 @@ def certify_command(
         sensorless certify eq25 --size 20000
         sensorless certify reference --suite stress --out reference.json
     """
-    from sensorless.evaluation.certify import certify
+    from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
+    from sensorless.errors import UserError
+    from sensorless.evaluation.certify import certify, certify_machines
     from sensorless.evaluation.engines.named import engine_named
 
+    if suite == MACHINES and motor is not None:
+        raise UserError(f"motor: {motor!r}: the suite machines draws its own; leave out --motor")
     made = bench_of([policy], motor, settings, override)
     with engine_named(engine, ray_address) as where:
-        found = certify(
-            made.policy(policy),
-            made.motor,
-            made.design,
-            suite,
-            seed,
-            size,
-            out=out,
-            engine=None if engine == "local" else where,
-            progress=say_progress(size),
-        )
+        common: dict[str, Any] = {
+            "out": out,
+            "engine": None if engine == "local" else where,
+            "progress": say_progress(size),
+        }
+        if suite == MACHINES:
+            found = certify_machines(
+                lambda own: made.on(own).policy(policy), made.design, seed, size, **common
+            )
+        else:
+            found = certify(
+                made.policy(policy), made.motor, made.design, suite, seed, size, **common
+            )
     feasible = found["scenarios"] - found["infeasible"]
     console.print(
         f"{found['policy']} on {suite}, seed {seed}, motor {found['motor']}: "

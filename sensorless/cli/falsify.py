@@ -28,7 +28,8 @@ def falsify_command(
         str,
         typer.Option(
             metavar="SUITE",
-            help="Draw from the ranges of this suite: stress, stress-1, mismatch or low-inertia.",
+            help="Draw from the ranges of this suite: stress, stress-1, mismatch, low-inertia, or "
+            "machines: stress-1 on random machines, one search on each.",
         ),
     ] = "stress",
     seed: SeedOption = 1,
@@ -52,18 +53,24 @@ def falsify_command(
         sensorless simulate --policy eq25 --set estimator=smo --scenario finds.json:0
     """
     from sensorless.envs.scenarios.finds import REMOVABLE, SEARCHED, text_of
+    from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
     from sensorless.envs.scenarios.scenario import SimFactory
     from sensorless.errors import UserError
+    from sensorless.falsify.machines import search_machines
     from sensorless.falsify.minimise import minimise
     from sensorless.falsify.search import Search, search
     from sensorless.files import check_writable, write_atomic
     from sensorless.versions import versions
 
     check_writable(out)
-    if suite not in SEARCHED:
-        raise UserError(f"suite: {suite!r} cannot be searched; choose from {', '.join(SEARCHED)}")
+    if suite not in (*SEARCHED, MACHINES):
+        raise UserError(
+            f"suite: {suite!r} cannot be searched; choose from {', '.join(SEARCHED)}, {MACHINES}"
+        )
+    if suite == MACHINES and motor is not None:
+        raise UserError(f"motor: {motor!r}: the suite machines draws its own; leave out --motor")
     made = bench_of([policy], motor, settings, override)
-    rule, factory = made.policy(policy), SimFactory(made.motor, made.design)
+    rule = made.policy(policy)
 
     def report(found: Search) -> None:
         errors.print(
@@ -71,13 +78,20 @@ def falsify_command(
             highlight=False,
         )
 
-    found = search(rule, factory, suite, seed, size, report)
-    lost = minimise(rule, factory, found.finds)
+    if suite == MACHINES:
+        found, lost = search_machines(
+            lambda own: made.on(own).policy(policy), made.design, seed, size, report
+        )
+    else:
+        factory = SimFactory(made.motor, made.design)
+        found = search(rule, factory, suite, seed, size, report)
+        lost = minimise(rule, factory, found.finds)
     kept = sorted(
         (find for find in found.finds if find.lost_at is None), key=lambda find: -find.severity
     )
+    name = made.motor.name if suite != MACHINES else "random machines"
     facts = {
-        "policy": rule.name, "suite": suite, "seed": seed, "motor": made.motor.name,
+        "policy": rule.name, "suite": suite, "seed": seed, "motor": name,
         "estimator": made.design.estimator, "scenarios": found.scenarios, "lost": found.lost,
         "sampled": found.sampled, "sampled_lost": found.sampled_lost,
         "searches": found.searches, "versions": versions(),

@@ -169,15 +169,14 @@ def simulate_command(
         simulate_plant(plant, inputs, out)
         say_wrote(out)
         return
-    from sensorless.envs.scenarios.machines_suite import is_on_machines, on_machine
-    from sensorless.envs.scenarios.words import plan_from, scenario_from
+    from sensorless.envs.scenarios.words import own_machine, plan_from, scenario_from
     from sensorless.evaluation.trace import outcome, trace, write_csv
     from sensorless.evaluation.trace_summary import plateaus, summary_table
 
     made = bench_of([policy], motor, settings, override)
-    if scenario is not None and is_on_machines(scenario):
-        own, scenario = on_machine(scenario)
-        made = made.on(own)
+    if scenario is not None:
+        own, scenario = own_machine(scenario)
+        made = made if own is None else made.on(own)
     machine, rule = made.motor, made.policy(policy)
     case = (
         scenario_from(scenario, machine)

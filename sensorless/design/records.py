@@ -17,6 +17,7 @@ from sensorless.errors import UserError
 from sensorless.machine.magnetics import flux_map_record
 from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import require_saliency
+from sensorless.machine.sane import require_sane
 from sensorless.observers.bring_up_design import design_bring_up
 from sensorless.observers.coupled_design import Bandwidths, design_coupled, load_pole
 from sensorless.observers.flux_design import design_flux
@@ -35,7 +36,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
     Raises
     ------
     UserError
-        The machine has no saliency, or a number overflows 32 bits.
+        The machine has no saliency, is none at all, or a number overflows 32 bits.
     """
     kept = design.cross in ("none", "line", "table")  # else a file, which may change
     return (designed if kept else designed.__wrapped__)(motor, design).copy()
@@ -45,6 +46,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
 def designed(motor: Motor, design: DriveDesign) -> Array:
     """``control_record``, shared: not to be changed."""
     require_saliency(motor)
+    require_sane(motor)
     by = derive(motor, design)
     omega_max = min(design.speed_bound * motor.omega_rated, float(np.finfo(np.float32).max))
     one_loop = by.error_pll_hz if design.estimator == "errors" else None

@@ -3,9 +3,8 @@
 import copy
 import hashlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,8 @@ import numpy as np
 
 from sensorless.core.api import SIGNAL_N
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.machine_family import NAME as FAMILY
+from sensorless.envs.scenarios.machines_suite import EACH, NAME, SCENARIOS, machine
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import UserError
@@ -26,6 +27,8 @@ from sensorless.machine.motor import Motor
 from sensorless.policy import GainPolicy, Policy, design_for, gains_of, require_runnable
 from sensorless.versions import versions
 
+Job = tuple[Policy, SimFactory, int, SuiteRows]
+"""Policy, machine and drive, index of the first scenario, and the scenarios."""
 CHUNK = 512
 """Scenarios at a time; 2 s of them take 90 MB. Results do not depend on it."""
 SAVE_EVERY = 20.0
@@ -71,21 +74,65 @@ def certify(
         The file is of another run or cannot be written, the policy knows the truth, or as
         ``SuiteRows``.
     """
-    check_writable(out)
-    rows = SuiteRows(suite, motor, seed, size)
+    rows, factory = SuiteRows(suite, motor, seed, size), SimFactory(motor, design)
     run = _identity(policy, motor, design, suite, seed, size)
+
+    def jobs(done: int) -> Iterator[Job]:
+        for first in range(done, size, CHUNK):
+            yield policy, factory, first, rows[first : first + CHUNK]
+
+    return _counted(run, jobs, size, out, engine, progress)
+
+
+def certify_machines(
+    policy_on: Callable[[Motor], Policy],
+    design: DriveDesign,
+    seed: int,
+    size: int,
+    *,
+    out: Path | None = None,
+    engine: Engine | None = None,
+    progress: Callable[[Tally, float], None] | None = None,
+) -> dict[str, Any]:
+    """The same on the suite ``machines``, every ``SCENARIOS`` scenarios on another machine.
+
+    ``policy_on``: from a machine to the policy. All else as in ``certify``.
+    """
+    SuiteRows(EACH, machine(seed, 0), seed, size)  # raises where these are no rows of a suite
+
+    def jobs(done: int) -> Iterator[Job]:
+        while done < size:
+            motor = machine(seed, done // SCENARIOS)
+            end = min(size, (done // SCENARIOS + 1) * SCENARIOS)
+            rows = SuiteRows(EACH, motor, seed, size)[done:end]
+            yield policy_on(motor), SimFactory(motor, design), done, rows
+            done = end
+
+    first = machine(seed, 0)
+    run = _identity(policy_on(first), first, design, NAME, seed, size)
+    run |= {"motor": f"random machines of {FAMILY}", "motor_digest": None}
+    return _counted(run, jobs, size, out, engine, progress)
+
+
+def _counted(
+    run: dict[str, Any],
+    jobs: Callable[[int], Iterator[Job]],
+    size: int,
+    out: Path | None,
+    engine: Engine | None,
+    progress: Callable[[Tally, float], None] | None,
+) -> dict[str, Any]:
+    """Count what ``jobs`` from a number of scenarios on yields; ``certify`` has the rest."""
+    check_writable(out)
     tally = counted(out, run) if out is not None and out.exists() else Tally()
     if tally.scenarios > size:
         raise UserError(
             f"size: {size}, but {str(out)!r} has {tally.scenarios} scenarios already; give as many "
             "or more, or another file"
         )
-    factory = SimFactory(motor, design)
     begin = saved = time.monotonic()
-    starts = range(tally.scenarios, size, CHUNK)
-    chunks = ((first, rows[first : first + CHUNK]) for first in starts)
     try:
-        for more in (engine or Threads()).map(partial(_count, policy, factory), chunks):
+        for more in (engine or Threads()).map(_count, jobs(tally.scenarios)):
             tally = tally + more
             now = time.monotonic()
             if progress is not None:
@@ -99,8 +146,9 @@ def certify(
     return result(run, tally)
 
 
-def _count(policy: Policy, factory: SimFactory, chunk: tuple[int, SuiteRows]) -> Tally:
-    first, scenarios = chunk[0], chunk[1].draw()
+def _count(job: Job) -> Tally:
+    policy, factory, first, rows = job
+    scenarios = rows.draw()
     own, tally = copy.deepcopy(policy), Tally()  # rules with memory run on several threads
     for r in rollouts(own, scenarios, factory, at_a_time(scenarios, factory.motor)):
         done = with_twin_to_the_end(r, factory, own.settings)

@@ -80,8 +80,9 @@ def search(
     seed: int,
     budget: int,
     progress: Callable[[Search], None] | None = None,
+    most: int | None = None,
 ) -> Search:
-    """Search until ``budget`` scenarios were run.
+    """Search until ``budget`` scenarios were run, or ``most`` searches.
 
     Parameters
     ----------
@@ -98,7 +99,7 @@ def search(
     require_runnable(policy)
     SuiteRows(suite, factory.motor, seed, budget)  # raises where these are no rows of a suite
     found, dims = Search(), len(keys(suite, factory.motor))
-    while found.scenarios + SAMPLES <= budget:
+    while found.scenarios + SAMPLES <= budget and (most is None or found.searches < most):
         noise = int(combine(seed, found.searches)[0])
         rng = np.random.default_rng([seed, found.searches])
 

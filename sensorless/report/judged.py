@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
-from sensorless.envs.scenarios.machines_suite import SCENARIOS, is_on_machines, on_machine
+from sensorless.envs.scenarios.machines_suite import SCENARIOS
 from sensorless.envs.scenarios.scenario import Scenarios
-from sensorless.envs.scenarios.words import scenario_from
+from sensorless.envs.scenarios.words import own_machine, scenario_from
 from sensorless.evaluation.evaluate import PolicyProgress, evaluate
 from sensorless.evaluation.machines import evaluate_machines
 from sensorless.evaluation.results import Results
@@ -35,7 +35,6 @@ def judged(
 
 def case_of(bench: Bench, word: str) -> tuple[Bench, Scenarios]:
     """A scenario by its word, and the bench that it runs on."""
-    if is_on_machines(word):
-        motor, word = on_machine(word)
-        bench = bench.on(motor)
+    own, word = own_machine(word)
+    bench = bench if own is None else bench.on(own)
     return bench, scenario_from(word, bench.motor)

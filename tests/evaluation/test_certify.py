@@ -11,11 +11,13 @@ from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.evaluation.certificate import Tally, exact_interval
-from sensorless.evaluation.certify import certify
+from sensorless.evaluation.certify import certify, certify_machines
 from sensorless.evaluation.engines.engine import LOCAL
 from sensorless.evaluation.evaluate import evaluate
+from sensorless.evaluation.machines import evaluate_machines
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
+from sensorless.policy import Policy
 
 PAPER, SMO = Motor.load("paper"), DriveDesign(estimator="smo")
 SUITE, SEED = "unload", 21
@@ -44,6 +46,22 @@ def test_it_counts_as_evaluate_does_and_goes_on(tmp_path: Path) -> None:
     assert found["first_lost"] == [f"{SUITE}:{SEED}:{i}" for i in lost]
     kept = size - len(lost) - found["infeasible"]
     assert found["not_held"] == pytest.approx(kept * judged["not_held"])
+
+
+def test_machines_count_as_evaluate_does_and_go_on_within_one(tmp_path: Path) -> None:
+    design, parts = DriveDesign(estimator="smo"), tmp_path / "parts.json"
+
+    def rule(motor: Motor) -> Policy:
+        return make_policy("linear:150,450", motor)
+
+    for n in (20, 48):
+        found = certify_machines(rule, design, 5, n, out=parts)
+    judged = evaluate_machines(design, 5, 3, lambda motor: {"rule": rule(motor)})
+    lost = np.flatnonzero(judged.policies["rule"]["scenarios"]["lost"])
+    assert 0 < found["lost"] == len(lost) and found["scenarios"] == 48
+    assert found["first_lost"] == [f"machines:5:{i}" for i in lost]
+    with pytest.raises(UserError, match="of another"):
+        certify(rule(PAPER), PAPER, design, SUITE, 5, 48, out=parts)
 
 
 def test_a_file_knows_its_run(tmp_path: Path) -> None:

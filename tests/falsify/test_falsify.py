@@ -10,9 +10,10 @@ from typer.testing import CliRunner
 from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.finds import HARD, REMOVABLE, load, scenarios_of
+from sensorless.envs.scenarios.machines_suite import machine
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
-from sensorless.envs.scenarios.words import scenario_from
+from sensorless.envs.scenarios.words import own_machine, scenario_from
 from sensorless.errors import UserError
 from sensorless.falsify.search import search, severity
 from sensorless.machine.motor import Motor
@@ -41,6 +42,23 @@ def test_what_a_search_finds_comes_back_by_its_word(tmp_path: Path) -> None:
         scenario_from(f"{out}:1", PAPER)
 
 
+def test_a_find_on_a_random_machine_comes_back_on_it(tmp_path: Path) -> None:
+    """The SMO loses a third of these; the file names the machine of each search."""
+    out = tmp_path / "finds.json"
+    words = ["falsify", "eq25", "--set", "estimator=smo", "--suite", "machines"]
+    done = CliRunner().invoke(app, [*words, "--size", "300", "--seed", "5", "--out", str(out)])
+    assert done.exit_code == 0, done.output
+    finds = load(out)
+    assert {find.machine for find in finds} <= {(5, i) for i in range(2)}
+    for i, find in enumerate(finds):
+        motor, word = own_machine(f"{out}:{i}")
+        assert motor is not None and find.machine is not None
+        assert motor.digest == machine(*find.machine).digest
+        factory = SimFactory(motor, DriveDesign(estimator="smo"))
+        score, _ = severity(make_policy("eq25", motor), scenario_from(word, motor), factory)
+        assert score[0] == pytest.approx(find.severity)
+
+
 def test_a_search_climbs() -> None:
     """Nothing is lost on the coupled observer, but the worst angle error grows on the way."""
     factory = SimFactory(PAPER, DriveDesign())
@@ -58,7 +76,13 @@ def test_the_shipped_finds_are_split_in_halves() -> None:
     assert judged.J[half] != judged.J[0] and judged.J[half] == pytest.approx(judged.J[0], rel=0.05)
 
 
-@pytest.mark.parametrize("text", ["", "{}", '{"finds": [{"suite": "stress"}]}'])
+MACHINE = (
+    '{"finds": [{"suite": "stress-1", "seed": 1, "units": [0.5], "severity": 9, "lost_at": null, '
+    '"nominal": [], "machine": ["a"]}]}'
+)
+
+
+@pytest.mark.parametrize("text", ["", "{}", '{"finds": [{"suite": "stress"}]}', MACHINE])
 def test_another_file_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "x.json"
     path.write_text(text, encoding="utf-8")

@@ -102,7 +102,8 @@ def _about_mean(r: Rollout, total: Floats, square: Floats) -> Floats:
         return np.zeros(total.shape)
     mean = convolve1d(total, weights, axis=0, mode="constant")
     mean /= np.maximum(convolve1d(count, weights, axis=0, mode="constant"), 0.5)
-    return np.asarray(square - 2.0 * mean * total + count * mean**2)
+    with np.errstate(over="ignore", invalid="ignore"):  # of a run that left all bounds
+        return np.asarray(square - 2.0 * mean * total + count * mean**2)
 
 
 def _rms(r: Rollout, squares: Floats, where: NDArray[np.bool_]) -> Floats:

@@ -120,7 +120,9 @@ def align_commands(
 
     ``side``: of which sign the right angle is.
     """
-    u = stator.R_s * i + float(stator.inverter.lost(np.array([i + 0j]))[0].real)
+    current = i * np.exp(1j * at)
+    vector = stator.R_s * current + stator.inverter.lost(np.array([current]))[0]
+    u, at = float(abs(vector)), float(np.angle(vector))
     turn = stretch * quarter(plate, stator.R_s * i)
     speed = -side * 0.5 * np.pi / turn
     return [

@@ -26,17 +26,18 @@ class Curves:
     def psi(self, i: Complex) -> Complex:
         """(n,) flux linkage d + j q [Vs] of the currents (n,) d + j q [A]."""
         x = np.asarray(i) / self.scale
-        return np.asarray(_powers(x, POWERS_D) @ self.d + 1j * (_powers(x, POWERS_Q) @ self.q))
+        return np.asarray(powers(x, POWERS_D) @ self.d + 1j * (powers(x, POWERS_Q) @ self.q))
 
 
 def fit_curves(s: Samples, i_rated: float) -> Curves:
     """Least squares over all samples."""
     d, q = (
-        np.asarray(np.linalg.lstsq(_powers(s.i / i_rated, powers), part, rcond=None)[0], float)
-        for powers, part in ((POWERS_D, s.psi.real), (POWERS_Q, s.psi.imag))
+        np.asarray(np.linalg.lstsq(powers(s.i / i_rated, use), part, rcond=None)[0], float)
+        for use, part in ((POWERS_D, s.psi.real), (POWERS_Q, s.psi.imag))
     )
     return Curves(i_rated, d, q)
 
 
-def _powers(x: Complex, powers: Sequence[tuple[int, int]]) -> Floats:
-    return np.stack([x.real**a * x.imag**b for a, b in powers], axis=-1)
+def powers(x: Complex, exponents: Sequence[tuple[int, int]]) -> Floats:
+    """Columns x_d^a x_q^b, one for each pair of exponents."""
+    return np.stack([x.real**a * x.imag**b for a, b in exponents], axis=-1)

@@ -60,13 +60,19 @@ class Stator:
     def emf(self, part: Part) -> tuple[Complex, Complex]:
         """Currents (n,) [A] and the mean voltages (n - 1,) [V] behind the resistance between them.
 
-        The current between two samples is their mean. A leg switches once before and once after
-        the middle of the period, so the lost voltage is the mean of those at the two samples.
+        The current between two samples is their mean.
         """
         i = self.sensors.current(part)
+        return i, np.asarray(part.u[:-1] - self.lost(i) - 0.5 * self.R_s * (i[1:] + i[:-1]))
+
+    def lost(self, i: Complex) -> Complex:
+        """(n - 1,) voltage lost between samples of the current i (n,) [V].
+
+        A leg switches once before and once after the middle of the period, so it is the mean of
+        those at the two samples.
+        """
         lost = self.inverter.lost(i)
-        drop = 0.5 * (lost[1:] + lost[:-1]) + 0.5 * self.R_s * (i[1:] + i[:-1])
-        return i, np.asarray(part.u[:-1] - drop)
+        return np.asarray(0.5 * (lost[1:] + lost[:-1]))
 
 
 def windows(part: Part, tail: float, T_s: float) -> list[slice]:

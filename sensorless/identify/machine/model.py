@@ -62,13 +62,22 @@ def _judged(model: Saturation, i: Floats, psi: Floats, i_rated: float) -> MapFit
 
 
 def _simple(i: Floats, psi: Floats, psi_f: float, i_rated: float) -> Saturation:
-    """Best model by the criterion; currents over rated, fluxes over the magnet's."""
-    wanted = np.r_[i[:, 0], i[:, 1]]
+    """Best model by the criterion; currents over rated, fluxes over the magnet's.
+
+    One triangle of all columns stands for the samples: least squares over some of its columns is
+    that over those of the samples. What was measured is flux: an error of it is one of current over
+    the axis' inductance, so rows weigh by that inductance, and q is not judged by the noise of d.
+    """
+    places, columns = _columns(psi)
+    slopes = [np.ptp(psi[:, axis]) / np.ptp(i[:, axis]) for axis in (0, 1)]
+    weight = np.repeat(slopes, len(i))[:, None]
+    rows = weight * np.c_[columns, np.r_[i[:, 0], i[:, 1]]]
+    both: Floats = np.asarray(np.linalg.qr(rows, mode="r"))
     best: tuple[float, tuple[int, int, tuple[int, int] | None], Floats] | None = None
     for S, T, cross in itertools.product(range(8), range(8), CROSS):
-        matrix = _matrix(psi, S, T, cross)
-        x, norm = _least(matrix, wanted)
-        score = len(i) * np.log(norm**2) + PENALTY * np.log(len(i)) * matrix.shape[1]
+        use = [0, 1, *(places[k] for k in (("S", S), ("T", T), ("cross", cross)) if k in places)]
+        x, norm = _least(both[:, [*use, -1]])
+        score = len(i) * np.log(norm**2) + PENALTY * np.log(len(i)) * len(use)
         if best is None or score < best[0]:
             best = (float(score), (S, T, cross), x)
     assert best is not None
@@ -87,27 +96,32 @@ def _simple(i: Floats, psi: Floats, psi_f: float, i_rated: float) -> Saturation:
     )  # fmt: skip
 
 
-def _matrix(psi: Floats, S: int, T: int, cross: tuple[int, int] | None) -> Floats:
-    """Columns a_d0, a_q0, and a_dd, a_qq, a_dq as far as they are there; rows i_d, then i_q."""
+def _columns(psi: Floats) -> tuple[dict[tuple[str, object], int], Floats]:
+    """Columns of all terms, and which is whose: a_d0, a_q0, a_dd by S, a_qq by T, a_dq by U and V.
+
+    Rows are i_d, then i_q.
+    """
     d, q = psi.T
     ad, aq, zero = np.abs(d), np.abs(q), np.zeros(len(psi))
     columns = [np.r_[d - 1.0, zero], np.r_[zero, q]]
-    if S:
-        columns.append(np.r_[ad**S * d - 1.0, zero])
-    if T:
-        columns.append(np.r_[zero, aq**T * q])
-    if cross:
-        U, V = cross
+    places: dict[tuple[str, object], int] = {}
+    for n in range(1, 8):
+        places["S", n] = len(columns)
+        columns.append(np.r_[ad**n * d - 1.0, zero])
+        places["T", n] = len(columns)
+        columns.append(np.r_[zero, aq**n * q])
+    for U, V in filter(None, CROSS):
+        places["cross", (U, V)] = len(columns)
         columns.append(
             np.r_[ad**U * aq ** (V + 2) * d / (V + 2), ad ** (U + 2) * aq**V * q / (U + 2)]
         )
-    return np.stack(columns, axis=-1)
+    return places, np.stack(columns, axis=-1)
 
 
-def _least(matrix: Floats, wanted: Floats) -> tuple[Floats, float]:
-    """Coefficients of at least zero, and the norm of what is left over."""
-    both: Floats = np.asarray(np.linalg.qr(np.c_[matrix, wanted], mode="r"))
-    n = matrix.shape[1]
+def _least(both: Floats) -> tuple[Floats, float]:
+    """Coefficients of at least zero, and the norm left over; the last column is what is wanted."""
+    both = np.asarray(np.linalg.qr(both, mode="r"))
+    n = both.shape[1] - 1
     floor = np.zeros(n)
     floor[:2] = LEAST
     x, norm = nnls(both[:n, :n], both[:n, n] - both[:n, :n] @ floor)

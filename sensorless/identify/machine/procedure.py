@@ -1,14 +1,16 @@
 """The whole procedure: from a name plate to the numbers of the machine."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sensorless.errors import UserError
 from sensorless.identify.machine.axis import Aligned, align
 from sensorless.identify.machine.curves import fit_curves
+from sensorless.identify.machine.edges import at_edges
 from sensorless.identify.machine.electric import Stator
 from sensorless.identify.machine.hold import Resistance, measure_offsets, measure_resistance
+from sensorless.identify.machine.joint import COVERED, fit_jointly
 from sensorless.identify.machine.model import fit_model
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.pulses import Samples, measure_pulses, samples
@@ -55,10 +57,19 @@ def _identified(source: Source, plate: Nameplate) -> Identified:
     groups = measure_pulses(source, stator, plate, aligned)
     still = fit_curves(samples(groups, 0.0, 0.0), plate.i_rated)
     spin = measure_spin(source, stator, plate, still, aligned)
+    first = spin.mechanics
+    turn = 1.5 * plate.n_p**2 / first.J
     for _ in range(2):
-        turn = 1.5 * plate.n_p**2 / spin.mechanics.J
         moved = samples(groups, spin.psi_f, turn)
         spin = spin.again(fit_curves(moved, plate.i_rated))
-    return Identified(
-        plate, resistance, aligned, moved, spin, fit_model(moved, spin.psi_f, plate.i_rated)
-    )
+    fit = fit_model(moved, spin.psi_f, plate.i_rated)
+    for _ in range(2):
+        model, most = fit.saturation, COVERED * plate.i_rated
+        edged = [at_edges(g, stator, model, most) for g in groups]
+        doubt = first.J_std / first.J
+        joint = fit_jointly(edged, model, spin.psi_f, turn, doubt, plate.i_rated)
+        spin = spin.again(fit_curves(joint.samples, plate.i_rated))
+        fit = fit_model(joint.samples, spin.psi_f, plate.i_rated)
+    J = first.J / joint.share
+    spin = replace(spin, mechanics=replace(first, J=J, J_std=J * joint.doubt))
+    return Identified(plate, resistance, aligned, joint.samples, spin, fit)

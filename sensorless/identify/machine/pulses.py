@@ -33,7 +33,7 @@ GROUPS = (
 The largest current is the other way round: where it weakens the magnet, in both quadrants."""
 REACH = 1.05
 """Current at which the voltage reverses, over rated current."""
-PLACES = (0.0, np.pi / 6.0)
+PLACES = (np.pi / 12.0, -np.pi / 12.0)
 """Places of the rotor [rad]: saliency that turns six times as fast has opposite signs there."""
 SLOWER = (1.0, 3.0, 9.0)
 """Factors on the times of an alignment that are tried until the rotor gets there."""
@@ -54,15 +54,29 @@ MOST_VOLTAGE = 0.9
 class Group:
     """Pulses one after the other on a rotor that was at rest, in its frame at their start."""
 
+    theta: float
+    """of that frame [rad]"""
     i: Complex
     """(n,) current [A]"""
-    path: Complex
-    """(n,) integral of the voltage behind the resistance [Vs]"""
+    u: Complex
+    """(n - 1,) voltage commanded between the samples [V]"""
+    u_dc: Floats
+    """(n - 1,) DC link [V]"""
+    R_s: float
+    """[ohm]"""
+    lost: Complex
+    """(n - 1,) voltage that the inverter loses [V]"""
     bounds: tuple[int, ...]
     """rows at which a pulse starts or ends"""
     small: tuple[float, float]
     """L_d and L_q at small current [H]"""
     T_s: float
+
+    @property
+    def path(self) -> Complex:
+        """(n,) integral of the voltage behind resistance and lost voltage [Vs]."""
+        e = self.u - self.lost - 0.5 * self.R_s * (self.i[1:] + self.i[:-1])
+        return np.asarray(np.r_[0.0, np.cumsum(e) * self.T_s])
 
 
 @dataclass(frozen=True)
@@ -134,14 +148,23 @@ def _commands(
 
 def _integrated(part: Part, axis: Axis, stator: Stator) -> Group:
     """Pulses of a part, each of as many commands as lobes, without the decay after them."""
-    i, e = stator.emf(part)
     turn = np.exp(-1j * axis.theta)
     segment = part["segment"]
     last = int(segment.max())
     bounds = [int(np.argmax(segment >= k)) for k in range(0, last + 1, len(LOBES))]
     n = bounds[-1] + 1
-    path = turn * np.r_[0.0, np.cumsum(e[: n - 1]) * stator.T_s]
-    return Group(i[:n] * turn, path, tuple(bounds), (axis.L_d, axis.L_q), stator.T_s)
+    i = stator.sensors.current(part)[:n]
+    return Group(
+        theta=axis.theta,
+        i=i * turn,
+        u=part.u[: n - 1] * turn,
+        u_dc=part["u_dc"][: n - 1],
+        R_s=stator.R_s,
+        lost=stator.lost(i) * turn,
+        bounds=tuple(bounds),
+        small=(axis.L_d, axis.L_q),
+        T_s=stator.T_s,
+    )
 
 
 def samples(groups: Sequence[Group], psi_f: float, turn: float, rounds: int = 4) -> Samples:
@@ -168,15 +191,15 @@ def _moved(
 ) -> tuple[Complex, Complex, Floats, Floats]:
     theta = np.zeros(len(g.i))
     for _ in range(rounds if turn else 1):
-        psi, left = _closed(g, psi_f, theta)
+        psi, left = closed(g, psi_f, theta)
         speed = np.cumsum(turn * (psi.conj() * g.i).imag) * g.T_s
         theta = np.r_[0.0, np.cumsum(speed[:-1]) * g.T_s]
-    psi, left = _closed(g, psi_f, theta)
+    psi, left = closed(g, psi_f, theta)
     back = np.exp(-1j * theta)
     return g.i * back, psi * back - psi_f, left, theta
 
 
-def _closed(g: Group, psi_f: float, theta: Floats) -> tuple[Complex, Floats]:
+def closed(g: Group, psi_f: float, theta: Floats) -> tuple[Complex, Floats]:
     """Flux linkage in the frame at the start that is the small current's where a pulse ends."""
     psi, left = np.zeros(len(g.i), complex), []
     for a, b in zip(g.bounds, g.bounds[1:], strict=False):

@@ -1,0 +1,66 @@
+"""Numbers of a motor file that no machine has: refused where a drive is designed.
+
+They are far beyond what ``sensorless motor check`` calls limits: beyond them the simulation itself
+overflows. Each message names the field, its value and what to do.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from sensorless.errors import UserError
+from sensorless.machine.magnetics import currents
+from sensorless.machine.motor import Motor
+
+FAR = 10.0
+"""Current of a term of [saturation] over the current that the flux linkage should take."""
+SMALL = 0.1
+"""Current over rated at which the map has to be near L_q."""
+
+
+def require_sane(motor: Motor) -> None:
+    """Refuse a machine that cannot turn or whose map has nothing to do with its inductances.
+
+    Raises
+    ------
+    UserError
+        Names the machine, the field, its value, and what to do.
+    """
+    for text in _wrong(motor):
+        raise UserError(f"motor {motor.name!r}: {text}")
+
+
+def _wrong(m: Motor) -> Iterator[str]:
+    speed = m.n_rated_rpm * math.pi / 30.0
+    if m.B * speed > m.tau_rated:
+        yield (
+            f"B = {m.B:g} N m s/rad: friction of {m.B * speed:.4g} N m at rated speed, above rated "
+            f"torque {m.tau_rated:g} N m; give it in N m s/rad, or 0"
+        )
+    if m.R_s * m.i_rated > m.u_dc:
+        yield (
+            f"R_s = {m.R_s:g} ohm: rated current {m.i_rated:g} A takes {m.R_s * m.i_rated:.4g} V, "
+            f"the link has u_dc = {m.u_dc:g} V; give it in ohm, of one phase"
+        )
+    yield from _map(m)
+
+
+def _map(m: Motor) -> Iterator[str]:
+    """The map at the magnet's flux and a small q flux; the term whose current is too large."""
+    s = m.saturation
+    at = np.array([[m.psi_f, SMALL * m.L_q * m.i_rated]])
+    likely = FAR * (m.psi_f / m.L_d + m.i_max)
+    with np.errstate(all="ignore"):
+        whole = currents(s, at)
+        if np.abs(whole).max() <= likely:
+            return
+        names = ("a_dd", "a_qq", "a_dq", "a_b", "a_d0", "a_q0", "i_f")
+        part = {k: np.abs(whole - currents(replace(s, **{k: 0.0}), at)).max() for k in names}
+    name = max(part, key=lambda k: part[k])
+    yield (
+        f"saturation: {name} = {getattr(s, name):g} gives {part[name]:.3g} A at psi_f = "
+        f"{m.psi_f:g} Vs, where the magnet alone needs none; check its unit and exponents, or "
+        "remove [saturation]"
+    )
