@@ -1,0 +1,41 @@
+"""Machines that cannot be are refused by field and value; every shipped or random one passes."""
+
+import dataclasses
+from typing import Any
+
+import pytest
+
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
+from sensorless.envs.scenarios.machine_family import family
+from sensorless.errors import UserError
+from sensorless.machine.motor import MOTORS, Motor
+from sensorless.machine.sane import require_sane
+
+MOTOR = Motor.load("pmsyrm_5600w")
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "said"),
+    [("B", 1e12, "friction of"), ("B", 1.0, "or 0"), ("R_s", 630.0, "in ohm, of one phase")],
+)
+def test_a_number_no_machine_has_is_named(field: str, value: float, said: str) -> None:
+    broken = dataclasses.replace(MOTOR, **{field: value})
+    with pytest.raises(UserError, match=f"{field} = {value:g}".replace("+", r"\+")) as error:
+        control_record(broken, DriveDesign())
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("a_dd", 1e12), ("a_q0", 1e7), ("a_dq", 1e12), ("i_f", 1e9), ("a_b", 1e9)]
+)
+def test_the_term_that_spoils_a_map_is_named(name: str, value: float) -> None:
+    change: dict[str, Any] = {name: value}
+    spoilt = dataclasses.replace(MOTOR.saturation, **change)
+    with pytest.raises(UserError, match=rf"{name} = .* gives .* remove \[saturation\]"):
+        require_sane(dataclasses.replace(MOTOR, saturation=spoilt))
+
+
+def test_machines_pass() -> None:
+    for motor in (*map(Motor.load, MOTORS.glob("*.toml")), *family(7, 32)):
+        require_sane(motor)
