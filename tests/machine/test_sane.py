@@ -20,7 +20,8 @@ MOTOR = Motor.load("pmsyrm_5600w")
     [("B", 1e12, "friction of"), ("B", 1.0, "or 0"), ("R_s", 630.0, "in ohm, of one phase")],
 )
 def test_a_number_no_machine_has_is_named(field: str, value: float, said: str) -> None:
-    broken = dataclasses.replace(MOTOR, **{field: value})
+    change: dict[str, Any] = {field: value}
+    broken = dataclasses.replace(MOTOR, **change)
     with pytest.raises(UserError, match=f"{field} = {value:g}".replace("+", r"\+")) as error:
         control_record(broken, DriveDesign())
     assert said in str(error.value)
