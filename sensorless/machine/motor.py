@@ -133,7 +133,8 @@ class Motor:
             path = MOTORS / f"{name}.toml"
         if not path.is_file():
             known = ", ".join(sorted(p.stem for p in MOTORS.glob("*.toml")))
-            raise UserError(f"motor {str(name)!r}: no such file; shipped motors: {known}")
+            what = "a folder: give a .toml file" if Path(name).is_dir() else "no such file"
+            raise UserError(f"motor {str(name)!r}: {what}; shipped motors: {known}")
         try:
             data = tomllib.loads(path.read_text(encoding="utf-8"))
         except (ValueError, RecursionError, OSError) as error:  # TOMLDecodeError is a ValueError

@@ -8,6 +8,8 @@ ENOUGH = 0.2
 """Share of the samples in which an estimator must have had a signal, to be compared."""
 ADRIFT = 0.01
 """Share of the samples without a signal that is worth a word."""
+ASTRAY = 45.0
+"""RMS error from which an estimator does not follow: at random, on both poles, it is 104 [deg]."""
 CONSTANT = {
     "hfi": "cross-coupling that the drive does not compensate: sensorless identify cross-coupling",
     "smo": "a wrong resistance, inductance or dead time in the motor's file",
@@ -39,6 +41,12 @@ def judgement(found: Replay, after: float = 0.0) -> list[str]:
     if not rows:
         return []
     best = min(rows, key=lambda name: rows[name]["rms_deg"])
+    if rows[best]["rms_deg"] > ASTRAY:
+        return [
+            f"no estimator follows the encoder (best {found.label(best)}, "
+            f"{rows[best]['rms_deg']:.0f}° RMS): check order, signs, delay and pole pairs of the "
+            "log, and that the motor's file is this machine's"
+        ]
     lines = [f"best here: {found.label(best)}, {rows[best]['rms_deg']:.2f}° RMS"]
     for name, row in rows.items():
         if name == best or row["rms_deg"] < 1.1 * rows[best]["rms_deg"]:

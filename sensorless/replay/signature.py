@@ -67,8 +67,7 @@ def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
     bend = np.diff(i[:, 0] + 1j * i[:, 1], n=2)
     direct, mirrored = {}, {}
     for lag in (0, -1, 1, 2):
-        x = du[: len(du) - lag] if lag >= 0 else du[-lag:]
-        y = bend[lag:] if lag >= 0 else bend[: len(bend) + lag]
+        x, y = apart(du, bend, lag)
         size = max(float(np.linalg.norm(x) * np.linalg.norm(y)), 1e-30)
         direct[lag], mirrored[lag] = complex(np.vdot(x, y)) / size, abs(complex(x @ y)) / size
     best = max(direct, key=lambda lag: abs(direct[lag]))
@@ -86,16 +85,43 @@ def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
         right = delay + best
         cure = f"try --delay {right}" if 0 <= right <= 2 else "the two are out of step"
         yield f"the current answers the voltage {abs(best)} rows {way} than it should: {cure}"
-    elif angle > OPPOSITE:  # a row is half a period of an injection that changes sign every row
-        yield (
-            f"the current answers the voltage the wrong way round: try --delay {abs(delay - 1)}, "
-            "or turn a wrong sign with --map, as in i_a=-i_a"
-        )
+    elif angle > OPPOSITE:
+        late = rows_late(du, bend)
+        if late and delay + late >= 0:
+            yield f"the current answers the voltage a row off: try --delay {delay + late}"
+        elif late:
+            yield "the voltages stand a row later than they act: move their columns one row up"
+        else:
+            yield (
+                "the current answers the voltage the wrong way round: turn a wrong sign with "
+                "--map, as in i_a=-i_a"
+            )
     elif angle > ASIDE:
         yield (
             f"the current answers {angle:.0f} degrees beside the voltage: the phases of one are in "
             "another order; rename them with --map"
         )
+
+
+def apart(x: Array, y: Array, lag: int) -> tuple[Array, Array]:
+    """Values of x beside those of y that stand ``lag`` rows behind them."""
+    return x[max(-lag, 0) : len(x) - max(lag, 0)], y[max(lag, 0) : len(y) - max(-lag, 0)]
+
+
+def rows_late(du: Array, bend: Array) -> int:
+    """Rows, -1 to 1, by which the current answers late where it seems to answer the other way.
+
+    An injection that changes sign every row looks alike a row off and with the other sign, so it is
+    averaged away; what is left tells the two apart. It answers a row early as well: a controller
+    sets its voltage against the noise that the sample before has bent, hence half that row.
+
+    Parameters
+    ----------
+    du, bend : (n,) complex: steps of the voltage [V], and of the current's slope [A]
+    """
+    du, bend = (x[2:] + 2.0 * x[1:-1] + x[:-2] for x in (du, bend))
+    at = {lag: complex(np.vdot(*apart(du, bend, lag))).real for lag in (-2, -1, 0, 1)}
+    return max((0, 1, -1), key=lambda lag: abs(at[lag] + 0.5 * at[lag - 1]))
 
 
 def of_encoder(theta: Floats, theta_hat: Floats, own: Array, motor: Motor) -> Iterator[str]:

@@ -170,6 +170,8 @@ def test_unknown_name_lists_the_known() -> None:
     """A typing error in the name shows what there is."""
     with pytest.raises(UserError, match=r"motor 'papre'.*shipped motors: .*paper"):
         Motor.load("papre")
+    with pytest.raises(UserError, match=r"motor '\.': a folder: give a \.toml file; shipped"):
+        Motor.load(".")
 
 
 def test_without_saturation_the_machine_is_linear(tmp_path: Path) -> None:

@@ -37,6 +37,13 @@ def test_constant_errors_and_scatter_have_their_causes(found: Replay) -> None:
     assert "1.00° constant and 9.00° scatter" in ekf and "transients" in ekf
 
 
+def test_where_none_follows_no_cause_is_guessed(found: Replay) -> None:
+    for name in found.estimates:
+        found = off(found, name, 80.0, 0.0)
+    (said,) = judgement(found)
+    assert "no estimator follows the encoder" in said and "80° RMS" in said and "delay" in said
+
+
 def test_dead_reckoning_counts_apart(found: Replay) -> None:
     """Half of the samples without a signal and 40 degrees off: not an error of the estimator."""
     made = off(found, "blend", 40.0, 0.0, own=0.5)

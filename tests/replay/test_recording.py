@@ -118,7 +118,10 @@ def test_degrees_and_percent_are_seen(read: Read, plain: Log) -> None:
     assert log.notes == ("d_a, d_b, d_c: taken as percent",)
 
 
-@pytest.mark.parametrize(("late", "delay", "said"), [(1, 0, "--delay 1"), (0, 1, "--delay 0")])
+@pytest.mark.parametrize(
+    ("late", "delay", "said"),
+    [(1, 0, "--delay 1"), (0, 1, "--delay 0"), (1, 2, "--delay 1"), (-1, 0, "one row up")],
+)
 def test_a_wrong_delay_is_seen(late: int, delay: int, said: str, read: Read) -> None:
     values = columns()
     for name in ("u_alpha", "u_beta"):  # what was computed in a row acts one later

@@ -10,11 +10,12 @@ import logging
 import os
 import pickle
 import secrets
+import signal
 import socket
 import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from itertools import islice
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -132,7 +133,7 @@ def ray_engine(address: str | None) -> Iterator[RayEngine]:
         options |= {"include_dashboard": False, "object_store_memory": STORE}
         options |= {"_node_ip_address": LOOPBACK}
     try:
-        with on_loopback() if address is None else nullcontext():
+        with own_signals(), on_loopback() if address is None else nullcontext():
             ray.init(address=address or "local", **options)
     except (ConnectionError, OSError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
         where = "local" if address is None else repr(address)
@@ -144,6 +145,17 @@ def ray_engine(address: str | None) -> Iterator[RayEngine]:
         yield RayEngine(ray)
     finally:
         ray.shutdown()
+
+
+@contextmanager
+def own_signals() -> Iterator[None]:
+    """Keep the program's answer to SIGTERM: Ray's would end with another status, work unsaved."""
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        yield
+    finally:
+        with suppress(ValueError):  # not the main thread: Ray could not set its own either
+            signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager

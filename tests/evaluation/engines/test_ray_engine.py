@@ -1,6 +1,7 @@
 """Two nodes on loopback: the same bits as one process, also when a node dies at work."""
 
 import os
+import signal
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -42,23 +43,26 @@ def cluster() -> Iterator[Any]:
             pytest.skip("needs ray: pip install -e '.[scale]'")
         quick = {"health_check_period_ms": 1000, "health_check_failure_threshold": 3}
         bare = {"include_dashboard": False, "include_log_monitor": False, "no_monitor": True}
-        made = Cluster(
-            initialize_head=True, head_node_args={"num_cpus": 1, "_system_config": quick, **bare}
-        )
+        head = {"num_cpus": 1, "_system_config": quick, **bare}
+        with ray_engine.own_signals():
+            made = Cluster(initialize_head=True, head_node_args=head)
         yield made
         made.shutdown()
 
 
 @pytest.fixture(scope="module")
 def engine(cluster: Any) -> Iterator[Engine]:
+    before = signal.getsignal(signal.SIGTERM)
     with engine_named("ray", cluster.address) as made:
+        assert signal.getsignal(signal.SIGTERM) == before, "Ray took the program's signals"
         yield made
 
 
 @pytest.fixture
 def second(cluster: Any, engine: Engine) -> Iterator[Any]:
     """A second node, gone after the test."""
-    node = cluster.add_node(num_cpus=1)
+    with ray_engine.own_signals():
+        node = cluster.add_node(num_cpus=1)
     yield node
     if node in cluster.list_all_nodes():
         cluster.remove_node(node, allow_graceful=False)
