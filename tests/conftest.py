@@ -15,9 +15,10 @@ import pytest
 import typer.main
 import typer.testing
 
+from sensorless import files
 from sensorless.design.drive import DriveDesign
 from sensorless.evaluation import compare
-from sensorless.export import judge, selftest
+from sensorless.export import fit, judge, selftest
 from sensorless.export.export import Exported, export
 from sensorless.machine.map_file import load_map
 from sensorless.machine.map_fit import MapFit, fit_map
@@ -29,7 +30,7 @@ from tests.helpers.machines import MEASURED_MAP
 from tests.helpers.objects import Failed, Objects
 from tests.helpers.scenarios import briefly, lasting
 
-SHIPPED_FLAGS, FULL_DPI = selftest.FLAGS, figure.DPI
+SHIPPED_FLAGS, FULL_DPI, FULL_FIT = selftest.FLAGS, figure.DPI, fit.SIZE
 
 
 @pytest.fixture(scope="session")
@@ -87,13 +88,16 @@ def small() -> Iterator[None]:
     Self tests on export compile without optimisation; ``identity`` compares the levels. Commands
     that end with a verdict run it on few short scenarios; ``test_compare`` on more. Pictures are
     drawn with a third of their dots a side: half the bytes, as those of all dots have a palette.
+    Nothing waits for the disk.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(selftest, "FLAGS", (*SHIPPED_FLAGS, "-O0"))
         patch.setattr(judge, "SIZE", 8)
+        patch.setattr(fit, "SIZE", 8)
         patch.setattr(compare, "SIZE", 8)
         patch.setattr(compare, "suite", lasting(0.1))
         patch.setattr(figure, "DPI", FULL_DPI // 3)
+        patch.setattr(files, "sync", lambda path: None)  # test_files has its own
         yield
 
 

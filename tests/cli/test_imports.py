@@ -36,9 +36,9 @@ run("evaluate", "--list", also=science)
 run("simulate", "--duration", "0.02", "--log", "log.csv", also=science)
 
 from sensorless.evaluation import compare
-from sensorless.export import judge
+from sensorless.export import fit, judge
 
-compare.SIZE = judge.SIZE = 8
+compare.SIZE = judge.SIZE = fit.SIZE = 8
 os.environ["PATH"] = ""  # a self test of the export is C alone
 run("export", "eq25", "--out", "exported")
 run("replay", "log.csv")

@@ -9,10 +9,12 @@ import pytest
 from sensorless.baselines.constant import constant_table
 from sensorless.baselines.linear import linear_table
 from sensorless.design.drive import DriveDesign
+from sensorless.export import fit as fitting
 from sensorless.export.export import Exported, export
 from sensorless.export.fit import fit, readme, two_threshold
 from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import Axis, KsTable
+from tests.conftest import FULL_FIT
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.2, 0.4), (0.0, 0.1), (0.05, 1.0)])
@@ -63,8 +65,13 @@ def test_the_hard_switch_keeps_a_gap(motor: Motor) -> None:
 
 @pytest.mark.usefixtures("without_selftest")
 def test_the_folder_states_the_loss(
-    tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    table: KsTable,
+    motor: Motor,
+    design: DriveDesign,
 ) -> None:
+    monkeypatch.setattr(fitting, "SIZE", FULL_FIT)
     began = time.monotonic()
     done = export(table, motor, design, tmp_path / "out", fit=True)
     assert time.monotonic() - began < 60.0

@@ -29,7 +29,7 @@ def test_a_trained_table_runs_on_the_target(
     estimator: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With the estimator it was trained on: no ``--set`` here; the default one is in test_pil."""
-    monkeypatch.setattr(loop, "pil_scenarios", on_the_target(1.4))
+    monkeypatch.setattr(loop, "pil_scenarios", on_the_target(0.7))
     run, out = tmp_path / "run", tmp_path / "pil.json"
     train(replace(SMALL, lr_nodes=0.05), DriveDesign(estimator=estimator), run, START)
     answer = CliRunner().invoke(app, ["pil", str(run), "--out", str(out)])
@@ -41,5 +41,5 @@ def test_a_trained_table_runs_on_the_target(
     assert learned.values.shape != start.values.shape or np.any(learned.values != start.values)
     assert report["mismatches"] == report["lookup_mismatches"] == 0
     assert report["estimator"] == estimator
-    assert report["periods"] > 100_000
+    assert report["periods"] > 50_000, "both together more than 100,000"
     assert report["seconds"] < 120.0

@@ -126,7 +126,7 @@ def test_injection_holds_a_flux_that_the_voltages_turn(c: Call, motor: Motor, k_
     assert y["pll"]["omega"][0] == pytest.approx(omega, rel=1e-3)
 
 
-@pytest.mark.parametrize(("carrier", "n"), [(False, 128), (True, 8)])
+@pytest.mark.parametrize(("carrier", "n"), [(False, 64), (True, 4)])
 def test_flux_observer_does_not_slip(motor: Motor, carrier: bool, n: int) -> None:
     """Loads taken off at 40 to 250 r/min, under schedules that rely on the flux.
 

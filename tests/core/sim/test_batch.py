@@ -29,7 +29,7 @@ ODD = {
     ("control", "smo", "switching"): lib.SMO_SIGN,
 }
 """Fields of ``sim_t`` and the value that needs a path that blocks do not have."""
-SIZES = (1, 3, 4, 15, 16, 17, 100)
+SIZES = (1, 3, 4, 15, 16, 17, 68)
 MOST = max(SIZES)
 WEIGHTS = np.clip(1.3 * (0.618 * np.arange(MOST) % 1.0) - 0.15, 0.0, 1.0).astype(np.float32)
 """Both ends and between, however few the drives."""
@@ -100,7 +100,7 @@ def test_any_number_of_threads(threads: int, n: int, state_bytes: Bytes) -> None
 @pytest.mark.parametrize("estimator", IN_BLOCKS)
 def test_the_drives_are_worth_comparing(estimator: str) -> None:
     """Some survive, some get lost in the run, some end in it, at different periods."""
-    sims, _ = plainly(100, True, estimator)
+    sims, _ = plainly(MOST, True, estimator)
     lost = sims["lost"] != 0
     assert 5 < lost.sum() < 60
     assert len(np.unique(sims["k"][lost])) > 5
