@@ -57,7 +57,8 @@ def _map(m: Motor) -> Iterator[str]:
         if np.abs(whole).max() <= likely:
             return
         names = ("a_dd", "a_qq", "a_dq", "a_b", "a_d0", "a_q0", "i_f")
-        part = {k: np.abs(whole - currents(replace(s, **{k: 0.0}), at)).max() for k in names}
+        without = {k: currents(replace(s, **{k: 0}), at) for k in names}
+        part = {k: float(np.abs(whole - i).max()) for k, i in without.items()}
     name = max(part, key=lambda k: part[k])
     yield (
         f"saturation: {name} = {getattr(s, name):g} gives {part[name]:.3g} A at psi_f = "

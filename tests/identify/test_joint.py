@@ -30,10 +30,10 @@ def pulse(phi: float, speed: float = 0.0, noise: float = 0.0) -> Group:
     size = 1.2 * MOTOR.i_rated * np.sin(3.0 * np.pi * np.arange(n + 1) / n)
     stator: Complex = size * np.exp(1j * phi)
     theta, omega, angle, psi = 0.0, speed, np.zeros(n + 1), np.zeros(n + 1, complex)
-    for k, i in enumerate(stator):
+    for k, now in enumerate(stator):
         angle[k] = theta
-        psi[k] = linked(np.array([i * np.exp(-1j * theta)]))[0] * np.exp(1j * theta)
-        omega += TURN * (psi[k].conjugate() * i).imag * T_S
+        psi[k] = linked(np.array([now * np.exp(-1j * theta)]))[0] * np.exp(1j * theta)
+        omega += TURN * (psi[k].conjugate() * now).imag * T_S
         theta += omega * T_S
     rng = np.random.default_rng(3)
     i: Complex = stator + noise * MOTOR.i_rated * (
@@ -42,7 +42,7 @@ def pulse(phi: float, speed: float = 0.0, noise: float = 0.0) -> Group:
     u: Complex = np.asarray(np.diff(psi) / T_S)
     zero = np.zeros(n)
     small = (MOTOR.L_d, MOTOR.L_q)
-    return Group(0.0, i, u, zero + MOTOR.u_dc, 0.0, 0j * zero, (0, n), small, T_S)
+    return Group(0.0, i, u, zero + MOTOR.u_dc, 0.0, np.zeros(n, complex), (0, n), small, T_S)
 
 
 def pulses(speed: float = 0.0, noise: float = 0.0) -> list[Group]:
