@@ -42,8 +42,8 @@ from sensorless.agents.train.train import new_model
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
-from sensorless.evaluation.evaluate import Scores, score
-from sensorless.evaluation.over_seeds import contrast
+from sensorless.evaluation.evaluate import score
+from sensorless.evaluation.over_seeds import contrast, survived
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, rule_named, table_named
@@ -238,20 +238,13 @@ def learned(who: str, case: Case, seed: int, steps: int) -> TablePolicy:
     return TablePolicy(who, table)
 
 
-def row(s: Scores) -> dict[str, float]:
-    """Lost scenarios, and means over the survived ones."""
-    kept = s.lost == 0
-    means = {n: round(float(np.nanmean(s.metrics[n][kept])), 5) for n in NAMES}
-    return {"lost": int(np.sum(~kept)), "of": len(kept), **means}
-
-
 def study(
     case: Case, who: Sequence[str], words: argparse.Namespace, out: dict[str, Any]
 ) -> Iterator[dict[str, Any]]:
     """Train and judge all learners of a case; what is found so far, after each."""
     rows = SuiteRows(JUDGE[0], MOTOR, JUDGE[1], words.size)
     start = score(make_policy(START, MOTOR), rows, FACTORY)
-    out[START] = row(start)
+    out[START] = survived(start, NAMES)
     for name in who:
         began = time.process_time()
         policies = [learned(name, case, seed, words.steps or case.steps) for seed in words.seeds]
@@ -259,7 +252,8 @@ def study(
         scores = [score(p, rows, FACTORY) for p in policies]
         against = {m: contrast(scores, start, m) for m in NAMES}
         facts = {"step": STEPS[name], "cpu_s_a_seed": round(taken, 1)}
-        out[name] = {**facts, "seeds": [row(s) for s in scores], "against start": against}
+        each = [survived(s, NAMES) for s in scores]
+        out[name] = {**facts, "seeds": each, "against start": against}
         print(name, json.dumps(out[name], indent=1), flush=True)
         yield out
 

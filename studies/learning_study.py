@@ -16,8 +16,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from sensorless.agents.loading import load_run, load_table
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.train import train
@@ -27,8 +25,8 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
-from sensorless.evaluation.evaluate import Scores, score
-from sensorless.evaluation.over_seeds import contrast
+from sensorless.evaluation.evaluate import score
+from sensorless.evaluation.over_seeds import contrast, survived
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named
@@ -161,13 +159,6 @@ def validated(
     return {s: round(validate(p, factory, size).weighted(weight), 5) for s, p in policies.items()}
 
 
-def row(s: Scores) -> dict[str, float]:
-    """Lost scenarios, and means over the survived ones."""
-    kept = s.lost == 0
-    means = {n: round(float(np.nanmean(s.metrics[n][kept])), 5) for n in NAMES}
-    return {"lost": int(np.sum(~kept)), "of": len(kept), **means}
-
-
 def judge(
     policies: Mapping[str, Policy],
     agents: Sequence[str],
@@ -187,7 +178,7 @@ def judge(
                 for name, s in found.items()
                 if name not in agents
             }
-            table = {name: row(s) for name, s in found.items()}
+            table = {name: survived(s, NAMES) for name, s in found.items()}
             out[f"{suite}:{seed}"] = {"policies": table, "agents against": against}
             print(f"{suite}:{seed}", json.dumps(out[f"{suite}:{seed}"], indent=1), flush=True)
     return out

@@ -9,6 +9,13 @@ from sensorless.evaluation.evaluate import Scores
 RESAMPLES = 1000
 
 
+def survived(s: Scores, names: Sequence[str]) -> dict[str, float]:
+    """Lost scenarios, and means of metrics over the survived ones."""
+    kept = s.lost == 0
+    means = {n: round(float(np.nanmean(s.metrics[n][kept])), 5) for n in names}
+    return {"lost": int(np.sum(~kept)), "of": len(kept), **means}
+
+
 def contrast(ours: Sequence[Scores], theirs: Scores, name: str) -> dict[str, float]:
     """Change of a mean [%], ours over theirs, with its 95 % interval over seeds and scenarios.
 
