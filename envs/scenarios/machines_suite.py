@@ -29,6 +29,12 @@ def machine(seed: int, i: int) -> Motor:
     return member(JUDGED + seed, i)
 
 
+def refuse_motor(suite: str, motor: str | None) -> None:
+    """Raise UserError where a machine is given to the suite that draws its own."""
+    if suite == NAME and motor is not None:
+        raise UserError(f"motor: {motor!r}: the suite {NAME} draws its own; leave out --motor")
+
+
 def rows_on(motor: Motor, i: int, seed: int, n: int) -> SuiteRows:
     """Scenarios of machine i of n."""
     first = SCENARIOS * i

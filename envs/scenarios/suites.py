@@ -74,8 +74,8 @@ class SuiteRows:
         name, seed, size = self.name, self.suite_seed, self.size
         if name not in SUITES:
             raise UserError(
-                f"suite: {name!r} does not exist; choose from {', '.join(SUITES)}, or for "
-                "evaluate and report machines"
+                f"suite: {name!r} does not exist; choose from {', '.join(SUITES)}; "
+                "evaluate, report, certify and falsify also know machines"
             )
         if self.role not in ROLES:
             raise UserError(f"role: {self.role!r} does not exist; choose from {', '.join(ROLES)}")

@@ -95,12 +95,11 @@ def certify_command(
         sensorless certify reference --suite stress --out reference.json
     """
     from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
-    from sensorless.errors import UserError
+    from sensorless.envs.scenarios.machines_suite import refuse_motor
     from sensorless.evaluation.certify import certify, certify_machines
     from sensorless.evaluation.engines.named import engine_named
 
-    if suite == MACHINES and motor is not None:
-        raise UserError(f"motor: {motor!r}: the suite machines draws its own; leave out --motor")
+    refuse_motor(suite, motor)
     made = bench_of([policy], motor, settings, override)
     with engine_named(engine, ray_address) as where:
         common: dict[str, Any] = {

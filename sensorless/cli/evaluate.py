@@ -138,6 +138,7 @@ def evaluate_command(
         sensorless evaluate --policy eq25 --suite envelope --size 441 --plot map.png
     """
     from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
+    from sensorless.envs.scenarios.machines_suite import refuse_motor
     from sensorless.evaluation.engines.named import engine_named
     from sensorless.evaluation.evaluate import WORST
     from sensorless.evaluation.evaluate import evaluate as run
@@ -157,8 +158,7 @@ def evaluate_command(
         raise UserError(
             f"plot: suite {suite!r} has no picture; use --suite envelope, or leave out --plot"
         )
-    if suite == MACHINES and motor is not None:
-        raise UserError(f"motor: {motor!r}: the suite machines draws its own; leave out --motor")
+    refuse_motor(suite, motor)
     made = bench_of(policy, motor, settings, override)
     with engine_named(engine, ray_address) as where, policy_progress() as report:
         if suite == MACHINES:

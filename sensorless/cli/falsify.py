@@ -54,6 +54,7 @@ def falsify_command(
     """
     from sensorless.envs.scenarios.finds import REMOVABLE, SEARCHED, text_of
     from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
+    from sensorless.envs.scenarios.machines_suite import refuse_motor
     from sensorless.envs.scenarios.scenario import SimFactory
     from sensorless.errors import UserError
     from sensorless.falsify.machines import search_machines
@@ -67,8 +68,7 @@ def falsify_command(
         raise UserError(
             f"suite: {suite!r} cannot be searched; choose from {', '.join(SEARCHED)}, {MACHINES}"
         )
-    if suite == MACHINES and motor is not None:
-        raise UserError(f"motor: {motor!r}: the suite machines draws its own; leave out --motor")
+    refuse_motor(suite, motor)
     made = bench_of([policy], motor, settings, override)
     rule = made.policy(policy)
 
