@@ -48,6 +48,8 @@ class Log:
     """(n,) angle of the encoder, electrical [rad], if recorded"""
     notes: tuple[str, ...] = ()
     """what was taken for what, and what looks wrong"""
+    doubtful: bool = False
+    """voltage and current contradict each other"""
 
     def rows(self) -> Array:
         """Rows of REPLAY_IN, shape (n,)."""
@@ -142,6 +144,7 @@ def read_log(
         theta_e = motor.n_p * columns["theta_m"]
     u = _later(_voltage(columns, i, u_dc, u_dt, inv_i_dt, where), 1 + delay)
     phases = np.stack([i[:, 0], i[:, 1], -i.sum(axis=1)], axis=-1)
+    doubts = tuple(of_voltage(u, clarke(phases), delay))
     return Log(
         t=t,
         i=i,
@@ -149,7 +152,8 @@ def read_log(
         u_dc=u_dc,
         inj=None if inj is None else _later(inj, 1 + delay),
         theta_e=theta_e,
-        notes=(*notes, *of_voltage(u, clarke(phases), delay)),
+        notes=(*notes, *doubts),
+        doubtful=bool(doubts),
     )
 
 

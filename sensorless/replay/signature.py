@@ -12,6 +12,18 @@ CLEAR = 0.5
 """Correlation from which steps of the voltage are the cause of those of the current."""
 BETTER = 0.1
 """How much more another delay has to explain."""
+CURES = {
+    "i_a has the wrong sign: turn it with --map i_a=-i_a": ((-1.0, 0.0), (0.0, 1.0)),
+    "i_b has the wrong sign: turn it with --map i_b=-i_b": ((1.0, 0.0), (0.0, -1.0)),
+    "phases a and b of one of them are swapped; swap them with --map i_a=i_b --map i_b=i_a": (
+        (0.0, 1.0), (1.0, 0.0),
+    ),
+    "phases b and c of one of them are swapped, or u_beta has the wrong sign; mend it with --map": (
+        (1.0, 0.0), (-1.0, -1.0),
+    ),
+    "phases a and c of one of them are swapped; swap them with --map": ((-1.0, -1.0), (0.0, 1.0)),
+}  # fmt: skip
+"""What mends currents that turn against the voltage, and the matrix that does so to i_a, i_b."""
 OPPOSITE, ASIDE = 135.0, 75.0
 """Angles between a step of the voltage and its answer that no saliency makes [deg]."""
 AGREES, DIFFERS = 0.9, 0.6
@@ -76,10 +88,7 @@ def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
     if max(most, other) < CLEAR:
         return
     if other > most + BETTER:
-        yield (
-            "voltage and current turn opposite ways: two phases of one of them are swapped; swap "
-            "them with --map"
-        )
+        yield f"voltage and current turn opposite ways: {mirrored_by(*apart(du, bend, 0))}"
     elif most > abs(direct[0]) + BETTER:
         way = "later" if best > 0 else "earlier"
         right = delay + best
@@ -101,6 +110,23 @@ def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
             f"the current answers {angle:.0f} degrees beside the voltage: the phases of one are in "
             "another order; rename them with --map"
         )
+
+
+def mirrored_by(du: Array, bend: Array) -> str:
+    """Which of ``CURES`` lets the current answer the voltage best.
+
+    Parameters
+    ----------
+    du, bend : (n,) complex: steps of the voltage [V], and of the current's slope [A]
+    """
+    phases = np.stack([bend.real, -0.5 * bend.real + 0.75**0.5 * bend.imag])
+
+    def along(matrix: tuple[tuple[float, float], ...]) -> float:
+        a, b = np.array(matrix) @ phases
+        y = a + 1j * (a + 2.0 * b) / 3.0**0.5
+        return complex(np.vdot(du, y)).real / max(float(np.linalg.norm(y)), 1e-30)
+
+    return max(CURES, key=lambda cure: along(CURES[cure]))
 
 
 def apart(x: Array, y: Array, lag: int) -> tuple[Array, Array]:

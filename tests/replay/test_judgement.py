@@ -44,6 +44,11 @@ def test_where_none_follows_no_cause_is_guessed(found: Replay) -> None:
     assert "no estimator follows the encoder" in said and "80° RMS" in said and "delay" in said
 
 
+def test_a_log_that_contradicts_itself_is_not_judged(found: Replay) -> None:
+    (said,) = judgement(replace(found, log=replace(found.log, doubtful=True)))
+    assert "contradict each other" in said
+
+
 def test_dead_reckoning_counts_apart(found: Replay) -> None:
     """Half of the samples without a signal and 40 degrees off: not an error of the estimator."""
     made = off(found, "blend", 40.0, 0.0, own=0.5)

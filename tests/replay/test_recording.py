@@ -135,13 +135,34 @@ def test_a_wrong_sign_and_swapped_phases_are_seen(read: Read) -> None:
     turned |= {name: -turned[name] for name in ("i_a", "i_b")}
     (note,) = read(csv_of(turned)).notes
     assert "wrong way round" in note
-    swapped = columns()
-    swapped["i_a"], swapped["i_b"] = swapped["i_b"], swapped["i_a"]
-    (note,) = read(csv_of(swapped)).notes
-    assert "opposite ways" in note
     shifted = columns() | {"i_a": columns()["i_b"], "i_b": -TABLE["i_a"] - TABLE["i_b"]}
     (note,) = read(csv_of(shifted)).notes
     assert "another order" in note
+
+
+@pytest.mark.parametrize(
+    ("mistake", "said"),
+    [
+        ({"i_a": (-1.0, 0.0)}, "--map i_a=-i_a"),
+        ({"i_b": (0.0, -1.0)}, "--map i_b=-i_b"),
+        ({"i_a": (0.0, 1.0), "i_b": (1.0, 0.0)}, "--map i_a=i_b --map i_b=i_a"),
+        ({"i_b": (-1.0, -1.0)}, "phases b and c"),
+        ({"i_a": (-1.0, -1.0)}, "phases a and c"),
+    ],
+)
+def test_what_turns_the_current_round_is_named(
+    mistake: dict[str, tuple[float, float]], said: str, read: Read, plain: Log
+) -> None:
+    """By the share of both true currents in a column; a cure in full mends the log."""
+    made = {name: a * TABLE["i_a"] + b * TABLE["i_b"] for name, (a, b) in mistake.items()}
+    text = csv_of(columns() | made)
+    wrong = read(text)
+    assert wrong.doubtful and not plain.doubtful
+    (note,) = wrong.notes
+    assert "opposite ways" in note and said in note
+    words = [word for word in note.split() if word.startswith("i_")][-said.count("--map") :]
+    if said.startswith("--map"):
+        same(read(text, words), plain)
 
 
 def test_mistakes_are_named(read: Read, tmp_path: Path) -> None:
