@@ -17,18 +17,22 @@ from sensorless.cli.options import (
     bench_of,
     console,
     policy_progress,
+    say_json,
     say_wrote,
 )
 from sensorless.errors import UserError
 
 
-def list_policies(wanted: bool) -> None:
-    """Print every policy with one line about it, and exit."""
+def list_policies(context: typer.Context, wanted: bool) -> None:
+    """Print every policy with one line about it, or all as JSON, and exit."""
     if not wanted:
         return
     from sensorless.policies.registry import known
 
     lines = known()
+    if context.params.get("as_json"):
+        say_json(lines)
+        raise typer.Exit
     width = max(map(len, lines))
     for name, doc in lines.items():
         console.print(f"{name:{width}}  {doc}", markup=False, highlight=False, soft_wrap=True)
@@ -40,7 +44,6 @@ ListOption = Annotated[
     typer.Option(
         "--list",
         help="List every policy with one line about it, and exit.",
-        is_eager=True,
         callback=list_policies,
     ),
 ]

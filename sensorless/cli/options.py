@@ -90,7 +90,11 @@ SearchSeedOption = Annotated[
 
 JsonOption = Annotated[
     bool,
-    typer.Option("--json", help="Print the numbers as JSON, for programs, and nothing else."),
+    typer.Option(
+        "--json",
+        help="Print the numbers as JSON, for programs, and nothing else.",
+        is_eager=True,  # known to --list
+    ),
 ]
 QuietOption = Annotated[
     bool,

@@ -68,7 +68,8 @@ def report_command(
             "--policy",
             metavar="POLICY",
             help="Compare with this policy; repeat the option for several. Default: "
-            "sliding_mode, eq25, every shipped tuned rule, oracle and sensored.",
+            "sliding_mode, eq25, every shipped tuned rule (fuzzy ones where simpful is installed), "
+            "oracle and sensored.",
         ),
     ] = None,
     motor: CarriedMotorOption = None,

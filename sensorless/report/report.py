@@ -4,6 +4,7 @@ import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import asdict
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -79,7 +80,7 @@ class Report:
         self.run, self.bench = run, bench
         self.motor, self.design = bench.motor, bench.design
         self.options, self.progress = options, progress
-        wanted = others or ("sliding_mode", "eq25", *shipped.tuned_names(), "oracle", "sensored")
+        wanted = others or ("sliding_mode", "eq25", *_tuned(), "oracle", "sensored")
         self.others = [word for word in wanted if word != run] or ["sliding_mode"]
         self.plain = PLAIN if PLAIN in self.others else self.others[0]
         self.policy, self.reference = bench.policy(run), bench.policy(self.plain)
@@ -252,6 +253,12 @@ class Report:
 
     def _command(self, *words: str) -> str:
         return shlex.join(["sensorless", *words, *self.options])
+
+
+def _tuned() -> list[str]:
+    """Shipped tuned rules that run with the libraries installed here: fuzzy ones need simpful."""
+    fuzzy = find_spec("simpful") is not None
+    return [name for name in shipped.tuned_names() if fuzzy or not name.startswith("fuzzy")]
 
 
 def _drawn(results: Results) -> str:

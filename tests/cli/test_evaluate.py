@@ -22,6 +22,11 @@ def test_the_list_has_one_line_for_every_policy() -> None:
     assert [" ".join(line.split("  ")[1:]).strip() for line in lines] == list(known().values())
 
 
+def test_the_list_is_there_for_programs_too() -> None:
+    for words in (["--list", "--json"], ["--json", "--list"]):
+        assert json.loads(RUN.invoke(app, ["evaluate", *words]).stdout) == known()
+
+
 def test_details_and_a_file_without_scenarios(tmp_path: Path) -> None:
     out = tmp_path / "r.json"
     words = ["evaluate", "--policy", "eq25", "--policy", "sensored", "--size", "3", "--details"]

@@ -295,3 +295,9 @@ def test_tables_of_one_axis_are_drawn() -> None:
 
     table = linear_table(0.2, 0.3)
     assert len(schedule_maps("eq25", table, table, MOTOR).axes) == 3
+
+
+def test_a_report_needs_no_library_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sensorless.report.report.find_spec", lambda name: None)
+    others = Report("eq25", Bench(MOTOR, DESIGN)).others
+    assert "linear-tuned" in others and not [name for name in others if "fuzzy" in name]

@@ -10,6 +10,7 @@ from web.audit import audit
 
 COMMANDS = {
     "check": "motor check pmsyrm_5600w --size 2 --out",
+    "constant": "motor check formula_wheel --size 0 --out",
     "simulate": "simulate --speed 0:300 --duration 0.2 --plot",
     "replay": "replay sample --plot",
 }

@@ -5,6 +5,12 @@ const drawn = new Map(); // place: uPlots in it
 const HEIGHT = 170;
 const FOLDED = ["current", "voltage", "faults"]; // panes that are shown only when asked for
 
+// Axis that holds values which may be the same but for rounding.
+function holding(low, high) {
+  const differ = high - low > 1e-9 * Math.max(Math.abs(low), Math.abs(high));
+  return differ ? uPlot.rangeNum(low, high, 0.06, true) : [low ? low - 1 : -0.1, low + 1];
+}
+
 function plot(place, { label, xLabel, x, curves, span, sync, bands = [], marks = [] }) {
   const [text, grid] = [colour("text"), colour("grid")];
   const axis = { stroke: text, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 }, font: "12px system-ui", labelFont: "12px system-ui" };
@@ -34,7 +40,7 @@ function plot(place, { label, xLabel, x, curves, span, sync, bands = [], marks =
       ctx.fillText(what, at + (line ? (right ? -4 : 4) * ratio : 0), bbox.top + (13 + 13 * (j % 3)) * ratio);
     });
   };
-  const fit = (u, low, high) => (low === null || low === high ? [low ? low - 1 : -0.1, (low ?? 0) + 1] : uPlot.rangeNum(low, high, 0.06, true));
+  const fit = (u, low, high) => (low === null ? [-0.1, 1] : holding(low, high));
   // The whole run has the given span. A range cannot tell: in it the time is still that of before.
   const spanned = (u, key) => {
     const { min, max } = u.scales.x;
@@ -82,7 +88,7 @@ function common(waves, j) {
     if (panes[j].span) return panes[j].span;
     for (const { values } of panes[j].curves) for (const v of values) if (v !== null) [low, high] = [Math.min(low, v), Math.max(high, v)];
   }
-  return low < high ? uPlot.rangeNum(low, high, 0.06, true) : null;
+  return low < high ? holding(low, high) : null;
 }
 
 // Only the first pane has their names.
