@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,11 +59,8 @@ class SideBySide:
 
     def act_gains(self, obs: Signals) -> Values:
         """Values of the gains (n, GAIN_N)."""
-        parts = []
-        for policy, rows in self._blocks():
-            assert isinstance(policy, GainPolicy)
-            parts.append(policy.act_gains(obs[rows]))
-        return np.concatenate(parts)
+        parts = (cast(GainPolicy, p).act_gains(obs[rows]) for p, rows in self._blocks())
+        return np.concatenate(list(parts))
 
     def _blocks(self) -> Iterator[tuple[Policy, slice]]:
         n = self._n
