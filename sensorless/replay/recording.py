@@ -113,8 +113,11 @@ def _used(
 ) -> dict[str, tuple[int, float]]:
     """Place and sign of every wanted column that the file has."""
     bare = [found[1] if (found := HEAD.fullmatch(name)) else name for name in header]
+    taken = {given.removeprefix("-").strip() for given in names.values()}
     out = {}
     for name in wanted:
+        if name in taken and name not in names:
+            continue  # the column is another one
         given = names.get(name, name)
         sign, given = (-1.0, given[1:].strip()) if given.startswith("-") else (1.0, given)
         places = [j for j, (b, h) in enumerate(zip(bare, header, strict=True)) if given in (b, h)]

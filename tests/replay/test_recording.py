@@ -165,6 +165,13 @@ def test_what_turns_the_current_round_is_named(
         same(read(text, words), plain)
 
 
+def test_a_column_that_is_named_anew_loses_its_own_name(read: Read) -> None:
+    turn = np.unwrap(TABLE["theta_e"]) / MOTOR.n_p
+    log = read(csv_of(columns() | {"theta_e": turn}), ["theta_m=theta_e"])
+    assert log.theta_e is not None
+    assert np.cos(log.theta_e - TABLE["theta_e"]).min() == pytest.approx(1.0)
+
+
 def test_mistakes_are_named(read: Read, tmp_path: Path) -> None:
     text = csv_of(columns())
     for words, said in (
