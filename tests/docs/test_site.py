@@ -35,3 +35,12 @@ def test_the_table_of_motors_has_every_shipped_one() -> None:
     page = tables.motors()
     for path in MOTORS.glob("*.toml"):
         assert f"| `{path.stem}` |" in page
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda page: page.stem)
+def test_no_page_says_a_thing_twice(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    headings = re.findall(r"^#+ .*$", re.sub(r"```.*?```", "", text, flags=re.DOTALL), re.MULTILINE)
+    modules = re.findall(r"^::: (.*)$", text, re.MULTILINE)
+    assert len(set(headings)) == len(headings)
+    assert len(set(modules)) == len(modules)
