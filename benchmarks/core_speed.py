@@ -17,6 +17,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
+from sensorless.units import rad_per_s
 
 DECISION = decision_periods(Motor.load("paper"))
 """Periods of a decision."""
@@ -37,7 +38,7 @@ def core_loop(
     """n drives at 350 r/min between both observers, ``periods`` a call; counts their periods."""
     motor = Motor.load("paper")
     s = Scenarios.nominal(motor, combine(0, np.arange(n)), 1e5)
-    s.omega_0[:] = 350.0 * np.pi / 30.0
+    s.omega_0[:] = rad_per_s(350.0)
     s.omega[:] = s.omega_0[:, None]
     sims = SimFactory(motor, DriveDesign(estimator=estimator)).build(s, twin=twin)
     k_s = np.full(n, 0.5, dtype=np.float32)

@@ -11,6 +11,7 @@ from sensorless.design.records import plant_record
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
+from sensorless.units import rad_per_s
 
 DRIVES = 256
 PERIODS = 100
@@ -31,7 +32,7 @@ def main() -> None:
         return STEPS
 
     s = Scenarios.nominal(motor, combine(0, np.arange(DRIVES)), 1e5)
-    s.omega_0[:] = 350.0 * np.pi / 30.0
+    s.omega_0[:] = rad_per_s(350.0)
     s.omega[:] = s.omega_0[:, None]
     k_s = np.full(DRIVES, 0.5, dtype=np.float32)
     obs = np.zeros((DRIVES, SIGNAL_N), dtype=np.float32)

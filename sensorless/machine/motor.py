@@ -16,6 +16,7 @@ else:
 
 from sensorless.errors import UserError
 from sensorless.settings import REQUIRED, derived, number, read
+from sensorless.units import rad_per_s
 
 MOTORS = Path(__file__).parent / "motors"
 INF = math.inf
@@ -100,7 +101,7 @@ class Motor:
     @property
     def omega_rated(self) -> float:
         """Rated electrical speed [rad/s]."""
-        return self.n_p * self.n_rated_rpm * math.pi / 30.0
+        return rad_per_s(self.n_p * self.n_rated_rpm)
 
     @property
     def digest(self) -> str:
@@ -117,7 +118,7 @@ class Motor:
 
     def rpm_to_electrical(self, rpm: float) -> float:
         """Speed in r/min to electrical rad/s."""
-        return self.n_p * rpm * math.pi / 30.0
+        return rad_per_s(self.n_p * rpm)
 
     @classmethod
     def load(cls, name: str | Path) -> "Motor":

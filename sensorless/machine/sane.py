@@ -4,7 +4,6 @@ They are far beyond what ``sensorless motor check`` calls limits: beyond them th
 overflows. Each message names the field, its value and what to do.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -13,6 +12,7 @@ import numpy as np
 from sensorless.errors import UserError
 from sensorless.machine.magnetics import currents
 from sensorless.machine.motor import Motor
+from sensorless.units import rad_per_s
 
 FAR = 10.0
 """Current of a term of [saturation] over the current that the flux linkage should take."""
@@ -33,7 +33,7 @@ def require_sane(motor: Motor) -> None:
 
 
 def _wrong(m: Motor) -> Iterator[str]:
-    speed = m.n_rated_rpm * math.pi / 30.0
+    speed = rad_per_s(m.n_rated_rpm)
     if m.B * speed > m.tau_rated:
         yield (
             f"B = {m.B:g} N m s/rad: friction of {m.B * speed:.4g} N m at rated speed, above rated "

@@ -5,6 +5,7 @@ import math
 from dataclasses import dataclass
 
 from sensorless.machine.motor import Motor
+from sensorless.units import rad_per_s
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Nameplate:
     @property
     def omega(self) -> float:
         """Rated electrical speed [rad/s]."""
-        return self.n_p * self.n_rated_rpm * math.pi / 30.0
+        return rad_per_s(self.n_p * self.n_rated_rpm)
 
     @property
     def u_base(self) -> float:

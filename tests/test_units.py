@@ -1,0 +1,38 @@
+"""Conversions of units have one home."""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from sensorless.units import RAD_S_TO_RPM, RPM_TO_RAD_S, rad_per_s
+
+ROOT = Path(__file__).parents[1]
+CODE = ("agents", "baselines", "benchmarks", "core", "docs", "envs", "examples", "observers")
+CODE += ("sensorless", "studies", "web")
+BY_HAND = re.compile(
+    r"\b(?:pi|PI)\s*/\s*30\b|\b30(?:\.0?)?\s*/\s*(?:\w+\.)?pi\b|9\.549\d*|0\.10471\d*"
+)
+
+
+def test_a_turn_a_second() -> None:
+    assert rad_per_s(60.0) == pytest.approx(2.0 * math.pi, rel=1e-15)
+    assert RPM_TO_RAD_S * 60.0 == pytest.approx(2.0 * math.pi, rel=1e-15)
+    assert RAD_S_TO_RPM * RPM_TO_RAD_S == pytest.approx(1.0, rel=1e-15)
+
+
+@pytest.mark.parametrize("text", ["n * np.pi / 30.0", "30.0 / math.pi", "Math.PI / 30", "9.5493"])
+def test_a_conversion_by_hand_is_found(text: str) -> None:
+    assert BY_HAND.search(text)
+
+
+def test_nobody_else_converts_speeds() -> None:
+    files = [p for name in CODE for end in ("py", "js") for p in (ROOT / name).rglob(f"*.{end}")]
+    assert len(files) > 100
+    by_hand = {
+        path.relative_to(ROOT)
+        for path in files
+        if path.name != "units.py" and BY_HAND.search(path.read_text(encoding="utf-8"))
+    }
+    assert not by_hand, "take them from sensorless/units.py"
