@@ -13,6 +13,7 @@ import math
 
 from sensorless.machine.motor import Motor
 from sensorless.observers.hfi_design import error_slope, hf_current
+from sensorless.observers.injection_signal import adc_step
 
 CHANGES = 1.0
 """Rated changes of the load, and full changes of the dead time's voltage, per second [1/s]."""
@@ -31,11 +32,6 @@ def rated_acceleration(motor: Motor) -> float:
     return motor.n_p * motor.tau_rated / motor.J
 
 
-def converter_step(motor: Motor) -> float:
-    """One step of the current measurement [A]."""
-    return float(2.0 * motor.adc_range / 2**motor.adc_bits)
-
-
 def voltage_drift(motor: Motor) -> float:
     """Rate at which uncompensated dead time turns the flux [rad/s]."""
     return motor.u_dc * max(motor.dead_time / motor.T_s, LEAST_DEAD_TIME) / motor.psi_f
@@ -43,13 +39,13 @@ def voltage_drift(motor: Motor) -> float:
 
 def flux_noise(motor: Motor) -> float:
     """Noise of the flux angle of a sample [rad]: L_q ``SENSOR_LSB`` steps over psi_f."""
-    return motor.L_q * SENSOR_LSB * converter_step(motor) / motor.psi_f
+    return motor.L_q * SENSOR_LSB * adc_step(motor) / motor.psi_f
 
 
 def injection_noise(motor: Motor) -> float:
     """Noise of the injection's angle of a sample [rad]: a step over the slope of its answer."""
     slope = max(error_slope(motor.L_d, motor.L_q), LEAST_SLOPE)
-    return converter_step(motor) / (hf_current(motor) * slope)
+    return adc_step(motor) / (hf_current(motor) * slope)
 
 
 def tracking(motor: Motor, noise: float) -> float:

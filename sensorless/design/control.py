@@ -9,6 +9,7 @@ from sensorless.core.api import CURVE_N
 from sensorless.design.cross_coupling import cross_curve, working_current
 from sensorless.machine.magnetics import Floats, apparent_q_inductance, mtpa
 from sensorless.machine.motor import Motor
+from sensorless.machine.rated_point import USABLE
 
 
 def operating_line(motor: Motor, use_mtpa: bool) -> Floats:
@@ -104,7 +105,7 @@ def design_control(
         "L_q": L_q,
         "psi_f": motor.psi_f,
         "k_fw": min(5.0 * w, 0.2 * alpha) * motor.T_s / (motor.omega_rated * motor.L_d),
-        "fw_margin": 0.97,
+        "fw_margin": USABLE,
         "i_d_min": -0.9 * motor.i_max,
         "u_dt": u_dt,
         "inv_i_dt": 1.0 / (0.05 * motor.i_rated),

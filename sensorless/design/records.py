@@ -22,6 +22,7 @@ from sensorless.observers.bring_up_design import design_bring_up
 from sensorless.observers.coupled_design import Bandwidths, design_coupled, load_pole
 from sensorless.observers.flux_design import design_flux
 from sensorless.observers.hfi_design import design_hfi, hf_current
+from sensorless.observers.injection_signal import adc_step
 from sensorless.observers.lock_design import design_lock
 from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
 from sensorless.observers.start_design import design_start
@@ -172,7 +173,7 @@ def plant_record(motor: Motor) -> Array:
 
 def sensor_record(motor: Motor, noise_rms: float = 0.005) -> Array:
     """``sensor_params_t`` of a motor with noise of ``noise_rms`` [A], shape ()."""
-    lsb = 2.0 * motor.adc_range / 2**motor.adc_bits
+    lsb = adc_step(motor)
     record = np.zeros((), dtype=SENSOR)
     fill(
         record,

@@ -92,11 +92,11 @@ def flux(s: Saturation, i: Floats) -> Floats:
 
 def torque(motor: Motor, i: Floats) -> Floats:
     """Torque [N m] at currents (n, 2) [A]."""
-    return _torque(motor.saturation, motor.n_p, i)
+    return torque_of(motor.n_p, flux(motor.saturation, i), i)
 
 
-def _torque(s: Saturation, n_p: int, i: Floats) -> Floats:
-    psi = flux(s, i)
+def torque_of(n_p: int, psi: Floats, i: Floats) -> Floats:
+    """Torque [N m] of flux linkages (n, 2) [Vs] and currents (n, 2) [A]."""
     return np.asarray(1.5 * n_p * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0]))
 
 
@@ -113,7 +113,8 @@ def _mtpa(s: Saturation, n_p: int, i_max: float, n: int) -> tuple[Floats, Floats
     grid = np.stack(
         [-np.outer(amplitude, np.sin(angle)), np.outer(amplitude, np.cos(angle))], axis=-1
     )
-    tau = _torque(s, n_p, grid.reshape(-1, 2)).reshape(n, -1)
+    points = grid.reshape(-1, 2)
+    tau = torque_of(n_p, flux(s, points), points).reshape(n, -1)
     best = np.clip(np.argmax(tau, axis=1), 1, len(angle) - 2)
     rows = np.arange(n)
     left, mid, right = tau[rows, best - 1], tau[rows, best], tau[rows, best + 1]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sensorless.machine.magnetics import Floats, flux
+from sensorless.machine.magnetics import Floats, flux, torque_of
 from sensorless.machine.motor import Motor
 from sensorless.units import RPM_TO_RAD_S
 
@@ -54,7 +54,7 @@ def rated_point(motor: Motor) -> RatedPoint:
     """Search all currents within the limits on a grid of amplitudes and angles."""
     i = polar(motor)
     psi = flux(motor.saturation, i)
-    tau = 1.5 * motor.n_p * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0])
+    tau = torque_of(motor.n_p, psi, i)
     size = np.hypot(*i.T)
     rated = size <= (1.0 + 1e-9) * motor.i_rated
     enough = tau >= (1.0 - ROUNDING) * motor.tau_rated

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from sensorless.core.api import Array
-from sensorless.machine.magnetics import flux
+from sensorless.machine.magnetics import flux, torque_of
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import polar, top_speeds
 from sensorless.suitability.seen import Seen
@@ -37,7 +37,7 @@ def reach(motor: Motor) -> Panel:
     """Largest torque over speed within rated and within largest current, and the rated point."""
     i = polar(motor)
     psi = flux(motor.saturation, i)
-    tau = 1.5 * motor.n_p * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0])
+    tau = torque_of(motor.n_p, psi, i)
     top = top_speeds(motor, i, psi) / motor.n_p * RAD_S_TO_RPM
     size = np.hypot(*i.T)
     speed = np.linspace(0.0, 1.5 * motor.n_rated_rpm, POINTS + 1)  # two thirds are the rated one
