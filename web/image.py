@@ -17,6 +17,7 @@ from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
 from sensorless.observers.start_design import knows_poles
 from sensorless.settings import settings_of
+from sensorless.table.axis import MAX_NODES
 from sensorless.table.image import PROBLEMS
 from sensorless.units import RPM_TO_RAD_S
 from web.fields import FIELDS, TABLE_FIELDS, offsets, response
@@ -121,6 +122,7 @@ def image() -> tuple[bytes, str]:
         "sizes": {"sim": SIM.itemsize, "table": TABLE.itemsize},
         "fields": offsets(SIM, FIELDS),
         "table_fields": offsets(TABLE, TABLE_FIELDS),
+        "most_nodes": MAX_NODES,
         "trace": list(TRACE_NAMES),
         "signals": list(SIGNAL_NAMES),
         "rows": max(decision_periods(motor) for motor in map(Motor.load, MOTORS)),

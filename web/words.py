@@ -24,7 +24,7 @@ ESTIMATORS = {
     "errors": "Sliding-mode, errors weighed in one loop",
     "unwrapped": "Sliding-mode, blend as printed (Eq. 26)",
 }
-"""Estimators, in the order of the page; any other has its text of the settings."""
+"""Estimators, that of the default drive first; any other has its text of the settings."""
 PHASES = {
     "done": "in control",
     "catch": "finding the rotor: does it spin?",

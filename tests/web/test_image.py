@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from sensorless.core.api import SIM, TABLE
-from sensorless.design.drive import ESTIMATORS
+from sensorless.core.api import SIM, TABLE, lib
+from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES
 from web.fields import FIELDS, KINDS, offsets, response
@@ -44,6 +44,12 @@ def test_records_of_the_image_are_the_native_ones() -> None:
             header = np.frombuffer(data, TABLE, 1, rule["at"])[0]
             stored = np.frombuffer(data, np.float32, int(header["n_nodes"]), rule["values"])
             assert np.array_equal(stored, named.policy.table.values.ravel()), named.word
+
+
+def test_the_page_takes_the_cores_own_numbers() -> None:
+    layout = json.loads(image()[1])
+    assert next(iter(layout["estimators"])) == DriveDesign().estimator
+    assert layout["most_nodes"] == lib.KS_TABLE_NODES
 
 
 def test_faults_are_single_bits_in_words() -> None:

@@ -91,7 +91,7 @@ class Page {
       this.say("This link was made with another version of the core: its run may differ.");
     }
     const motor = found?.setup.motor ?? this.layout.motors[0];
-    const sides = ["sliding_mode", "reference"].map((word) => sideOf(word, motor));
+    const sides = ["sliding_mode", "reference"].map((word) => sideOf(word, motor, this.layout));
     const first = { motor, seed: 0, seek: false, sides, ...scenario(FIRST, motor) };
     if (!found) $("scenario").value = FIRST;
     this.begin(found?.setup ?? first);

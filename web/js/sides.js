@@ -16,10 +16,11 @@ function fill(list, entries, chosen) {
   list.value = chosen;
 }
 
-// A drive with a rule, or the first one of the machine, on the estimator that it was made for.
-export function sideOf(word, motor) {
+// A drive with a rule, or the first one of the machine, on the estimator that it was made for, or
+// else that of the default drive, the first of the layout.
+export function sideOf(word, motor, layout) {
   const rule = motor.rules.find((r) => r.word === word) ?? motor.rules[0];
-  return { rule, estimator: rule.estimator ?? "coupled" };
+  return { rule, estimator: rule.estimator ?? Object.keys(layout.estimators)[0] };
 }
 
 export class Sides {
@@ -42,7 +43,7 @@ export class Sides {
   show(motor, sides) {
     this.motor = motor;
     this.compare.checked = sides.length > 1;
-    const second = sideOf("reference", motor);
+    const second = sideOf("reference", motor, this.layout);
     this.lists.forEach((list, i) => {
       const { estimator, rule } = sides[i] ?? second;
       fill(list.estimator, Object.entries(this.layout.estimators), estimator);

@@ -1,12 +1,10 @@
 // A k_s table in the core's memory: header and node values, as the firmware holds them.
 
-const MOST_NODES = 1024;
-
 export class Table {
   constructor(core) {
     this.core = core;
     this.at = core.room(core.layout.sizes.table);
-    this.valuesAt = core.room(4 * MOST_NODES);
+    this.valuesAt = core.room(4 * core.layout.most_nodes);
   }
 
   load(rule) {
