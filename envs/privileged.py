@@ -37,7 +37,7 @@ _TRUTH = {
         "theta_e_err_hfi", "30 degrees", "angle error of the injection estimator, mean"
     ),
     "err_smo": Privileged(
-        "theta_e_err_smo", "30 degrees", "angle error of the observer (sliding-mode or flux), mean"
+        "theta_e_err_smo", "30 degrees", "angle error of the observer in use, mean"
     ),
     "omega_m_dev": Privileged("omega_m_dev", "10 % of rated speed", "speed minus the twin's, mean"),
     "tau_dev": Privileged("tau_dev", "rated torque", "torque minus the twin's, mean"),

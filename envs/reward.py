@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
+from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG
 from sensorless.machine.motor import Motor
 from sensorless.settings import check, number
 
@@ -48,7 +49,7 @@ SCALE_SPEED = 0.05
 """Speed deviation at which the cost is one half [rated speed]."""
 ANGLE_FREE = math.radians(20.0)
 """Largest angle error without cost [rad]; steady errors of a loaded drive are smaller."""
-ANGLE_LOST = math.radians(60.0)
+ANGLE_LOST = math.radians(LOST_ANGLE_DEG)
 """Angle error at which the cost is one [rad]; beyond it, lock counts as lost."""
 SCALE_ACTIVITY = 0.05
 """Movement of k_s in 1 ms at which the cost is one half."""

@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
+from sensorless.design.drive import DriveDesign
 from sensorless.envs.reward import ANGLE_FREE, ANGLE_LOST, INF, RewardWeights, Term
 from sensorless.machine.motor import Motor
 from sensorless.settings import number
@@ -51,7 +52,12 @@ KEPT = ("n", "dev_sq", "tau", "tau_twin", "omega_m", "omega_m_twin", "err_sq", "
 class WindowWeights(RewardWeights):
     """Largest value of each cost; those not named here are as in ``Blend-v0``."""
 
-    torque_ripple: float = number(0.025, "1/ms", 0, INF, "the same about its mean over 20 ms")
+    torque_deviation: float = number(
+        0.050, "1/ms", 0, INF, "torque minus the sensored twin's over 20 ms"
+    )
+    torque_ripple: float = number(
+        0.025, "1/ms", 0, INF, "the same difference about its mean over 20 ms"
+    )
     angle: float = number(
         0.200, "1/ms", 0, INF, "angle error of the blend near losing lock: the warning before"
     )
@@ -145,11 +151,14 @@ def window_terms(
 
 @lru_cache(maxsize=8)
 def _scales(motor: Motor) -> tuple[float, float, float, float]:
-    """Squared scales of torque, ripple and speed, and the movement of k_s in a period at 50/s."""
+    """Squared scales of torque, ripple and speed, and the fastest movement of k_s in a period.
+
+    Fastest is by default: a design may set another ``k_s_slew``.
+    """
     tau = motor.tau_rated
     return (
         (SCALE_TORQUE * tau) ** 2,
         (SCALE_RIPPLE * tau) ** 2,
         (SCALE_SPEED * motor.omega_rated / motor.n_p) ** 2,
-        50.0 * motor.T_s,
+        DriveDesign.k_s_slew * motor.T_s,
     )

@@ -19,7 +19,9 @@ Bools = NDArray[np.bool_]
 
 NEVER: int = lib.NEVER
 LOST_ANGLE_DEG = 60.0
+"""Angle error beyond which lock is lost, if it lasts [degrees]."""
 LOST_TIME = 0.01
+"""How long it has to last [s]."""
 OF_THE_MACHINE = ("emf_5", "emf_7", "saliency_6", "p_iron", "u_transistor", "u_diode")
 """Fields whose nominal value is the motor file's."""
 OF_THE_SCENARIO = ("ripple", "ripple_hz", "ripple_phase", "winding_K", "magnet_K")
