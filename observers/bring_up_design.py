@@ -28,9 +28,10 @@ LEAST_LOST = 0.15
 """Share of the dead time's voltage that has to be lost: a driver that compensates leaves less."""
 THRESHOLD = 0.9
 """Middle of a transistor's and its diode's threshold voltage [V]: lost also if dead time is not."""
-LOW_VOLTAGE, LEAST_VOLTAGE = 60.0, 2.5
-"""Link below which an inverter has MOSFETs, without thresholds; least dead-time voltage to tell
-from a threshold [V]."""
+SURELY_MOSFETS, LEAST_VOLTAGE = 60.0, 2.5
+"""Link below which an inverter surely has MOSFETs, without thresholds: the check allows for them at
+all others, also where ``stress`` draws none; least dead-time voltage to tell from a threshold
+[V]."""
 LEG = 4.0 / 3.0
 """Voltage along phase a that all three legs lose, over that of one."""
 
@@ -94,7 +95,7 @@ def design_bring_up(motor: Motor) -> dict[str, Any]:
     gain = motor.T_s / motor.L_d
     u_max = VOLTAGE * motor.u_dc
     u_lost = motor.u_dc * motor.dead_time / motor.T_s
-    bipolar = motor.u_dc >= LOW_VOLTAGE
+    bipolar = motor.u_dc >= SURELY_MOSFETS
     push = _push(motor, u_lost)
     seen = push.clear and (u_lost >= LEAST_VOLTAGE or not bipolar)
     if not seen:  # the scale alone
