@@ -7,8 +7,10 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from sensorless.core.api import ffi, lib
+from sensorless.design.derived import derive
 from sensorless.machine.motor import Motor
 from sensorless.reproduce.case import CORRECTED, NOT_SWITCHABLE, PUBLISHED, Case, Cell, Row
+from sensorless.settings import AUTO
 
 DOI = "10.12177/emca.2025.011"
 
@@ -23,7 +25,7 @@ def markdown(cases: Sequence[Case], motor: Motor) -> str:
         f"`{motor.name}`, whose saturation, dead time and noise are assumptions; the pictures show "
         "our runs, and the values of the paper as lines. k_s is the weight between injection (1) "
         "and the sliding-mode observer (0), and Eq. 25 is the paper's linear rule for it.",
-        "**As published** is our drive with its corrections switched off: " + _differences() + ".",
+        f"**As published** is our drive with its corrections switched off: {_differences(motor)}.",
         "No switch undoes these, so both columns share them:",
         "\n".join(f"- {text}" for text in NOT_SWITCHABLE),
     ]
@@ -51,10 +53,12 @@ def _text(cell: Cell, decimals: int) -> str:
     return "–" if cell is None else cell
 
 
-def _differences() -> str:
-    ours = asdict(CORRECTED)
+def _differences(motor: Motor) -> str:
+    """Settings as published; a corrected one that follows from the motor with its number."""
+    ours, numbers = asdict(CORRECTED), asdict(derive(motor, CORRECTED))
     return ", ".join(
-        f"`{name}={_word(value)}` (corrected `{_word(ours[name])}`)"
+        f"`{name}={_word(value)}` (corrected "
+        f"`{_word(ours[name]) if ours[name] is not None else f'{AUTO} = {numbers[name]:.4g}'}`)"
         for name, value in asdict(PUBLISHED).items()
         if value != ours[name]
     )

@@ -151,3 +151,9 @@ def test_a_lost_drive_has_no_number() -> None:
     row = row_of("q", "1", "–", [float("nan"), 1.0])
     assert row == Row("q", "1", "–", row.published, 1.0)
     assert row.plain()["published"] is None
+
+
+def test_every_setting_has_a_number(folder: Path) -> None:
+    page = (folder / "paper.md").read_text(encoding="utf-8")
+    assert "None" not in page
+    assert "(corrected `auto = 14.93`)" in page
