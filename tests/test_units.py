@@ -9,8 +9,9 @@ import pytest
 from sensorless.units import RAD_S_TO_RPM, RPM_TO_RAD_S, rad_per_s
 
 ROOT = Path(__file__).parents[1]
-CODE = ("agents", "baselines", "benchmarks", "core", "docs", "envs", "examples", "observers")
-CODE += ("sensorless", "studies", "web")
+CODE = tuple(
+    "agents baselines benchmarks core docs envs examples observers sensorless studies web".split()
+)
 BY_HAND = re.compile(
     r"\b(?:pi|PI)\s*/\s*30\b|\b30(?:\.0?)?\s*/\s*(?:\w+\.)?pi\b|9\.549\d*|0\.10471\d*"
 )

@@ -49,7 +49,7 @@ def machine_command(
 
     Of the motor file the procedure knows the rating, the drive and the pole pairs; all else is what
     it measures. The simulated drive has errors of sensors and inverter as in the suite stress. The
-    shaft has to be free: it turns, up to half of rated speed. A number that cannot be identified
+    shaft has to be free: it turns, up to 45 % of rated speed. A number that cannot be identified
     ends the procedure with the reason.
 
     For example:

@@ -71,12 +71,12 @@ def tune_gains_command(
 ) -> None:
     """Tune the gains of the drive with CMA-ES, from those that follow from the motor.
 
-    It changes the gains of the estimator, the speed loop and the current loop by factors of at most
-    three, and minimises 10 lost_rate + torque deviation + torque ripple on scenarios of stress-1
-    and nominal that training and evaluation never see. The drive stays as exact and as fast as at
-    the start: no larger RMS angle error, no more scenarios whose speed is not held, no larger dip
-    of the speed after a load step, no longer settling of the speed loop. What --set
-    names stays as it is.
+    It changes the gains of the estimator, the speed loop and the current loop, the share of the
+    dead time that is compensated and the speed floor by factors of at most three. It minimises
+    10 lost_rate + torque deviation + torque ripple on scenarios of stress-1 and nominal that
+    training and evaluation never see. The drive stays as exact and as fast as at the start: no
+    larger RMS angle error, no more scenarios whose speed is not held, no larger dip of the speed
+    after a load step, no longer settling of the speed loop. What --set names stays as it is.
 
     It prints the --set words of the best gains found. The last line says whether they are better
     than the start on 400 scenarios that tuning has not seen. Ctrl-C keeps the best

@@ -15,7 +15,7 @@ from sensorless.decision import decision_time
 from sensorless.machine.motor import Motor
 
 BAND = 0.02
-"""Band around the twin's speed, over rated: that of ``metrics.held``."""
+"""Band around the twin's speed, over rated; ``metrics.held`` has the same."""
 EARLY = 0.1
 """Longest time by which an alarm that has ended may precede the verdict that it belongs to [s]; one
 before that is a false one. So long before or after it, a drive whose angle error passes the

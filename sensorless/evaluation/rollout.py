@@ -25,10 +25,10 @@ from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Policy, Settings, decide, decide_gains, gains_of
 
 CHUNK = 256
-"""Scenarios at a time: with ``sums_t`` of 80 bytes, 2 s of them take 41 MB."""
+"""Scenarios at a time: with ``sums_t`` of 88 bytes, 2 s of them take 45 MB."""
 
 MOST_DECISIONS = 2_000_000
-"""Decisions of all drives together that are in memory at a time, 84 bytes each."""
+"""Decisions of all drives together that are in memory at a time, 88 bytes each."""
 
 Floats = NDArray[np.float64]
 

@@ -5,11 +5,10 @@ from rich.markup import escape
 from rich.table import Table
 
 from sensorless.core.api import Array
+from sensorless.evaluation.metrics.step import SETTLED
 from sensorless.evaluation.trace import Trace, outcome
 from sensorless.units import RAD_S_TO_RPM
 
-SETTLED = 0.02
-"""Band around a target, over the height of the step."""
 STEADY = 0.2
 """Length of the end of a plateau that counts as steady [s]."""
 

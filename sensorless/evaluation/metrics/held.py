@@ -8,10 +8,11 @@ beginning to its end; the start counts as one.
 import numpy as np
 
 from sensorless.core.api import Array
+from sensorless.evaluation.lock import BAND
 from sensorless.evaluation.metrics.profile import since_change
 from sensorless.evaluation.rollout import Floats, Rollout
 
-BAND_PCT = 2.0
+BAND_PCT = 100.0 * BAND
 """Band around the twin's speed, and largest swing beyond the twin's [% of rated speed]."""
 BACK_TIME = 0.5
 """Time within which the speed has to come back after a change [s]; the sensored drive of the
