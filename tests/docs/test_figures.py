@@ -1,0 +1,167 @@
+"""Figures of the pages that follow from the code: sizes, gains, poles, a run, a verdict."""
+
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sensorless.core.api import SIM, ffi, lib
+from sensorless.design.derived import Derived, derive
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.suites import suite
+from sensorless.envs.scenarios.words import plan_from
+from sensorless.evaluation import compare
+from sensorless.evaluation.trace import trace
+from sensorless.evaluation.trace_summary import plateaus
+from sensorless.export import judge
+from sensorless.machine.motor import Motor
+from sensorless.observers.coupled_design import LAYER_SPEED, Bandwidths, bandwidths
+from sensorless.observers.start_design import peaks, polarity_pulse
+from sensorless.observers.tracking import voltage_drift
+from sensorless.policies.bench import bench
+from sensorless.policies.registry import make_policy
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+LANES = 16
+"""Drives of a block."""
+
+
+def text(page: Path) -> str:
+    return " ".join(page.read_text(encoding="utf-8").split())
+
+
+def cells(page: str, first: str) -> list[str]:
+    """Cells after the first of the last row of a page that begins with ``first``."""
+    rows = re.findall(rf"^\| {re.escape(first)} \|(.*)\|$", (DOCS / page).read_text(), re.MULTILINE)
+    return [cell.strip() for cell in rows[-1].split("|")]
+
+
+def near(told: str, value: float) -> bool:
+    """Whether a number is told to the digits that it is told in."""
+    decimals = len(told.partition(".")[2])
+    return abs(float(told) - value) <= 0.51 * 10.0**-decimals
+
+
+def test_sizes_of_a_drive_and_of_a_block() -> None:
+    size = SIM.itemsize
+    page = text(DOCS / "performance.md")
+    assert f"A drive is {size} bytes, {size // 8} units" in page
+    assert f"a block is {LANES * size / 1000:.0f} KB" in page
+    assert f"of which {size / 1000:.1f} KB are the drive with its twin" in page
+
+
+@pytest.mark.parametrize("name", ["README.md", "docs/index.md"])
+def test_memory_of_a_drive_with_its_schedule(name: str) -> None:
+    state = ffi.sizeof("drive_state_t") + ffi.sizeof("ks_schedule_state_t")
+    assert f"at most {state} bytes of RAM" in text(ROOT / name)
+
+
+def test_memory_of_gains_and_time_of_a_whole_check() -> None:
+    assert f"({ffi.sizeof('drive_params_t')} bytes more)" in text(DOCS / "firmware-engineers.md")
+    periods = math.ceil(ffi.sizeof("drive_state_t") / 4 / lib.CHECK_WORDS)
+    assert f"piece by piece within {periods} periods" in text(DOCS / "integrate-the-table.md")
+
+
+def test_gains_of_the_papers_machine() -> None:
+    numbers = derive(Motor.load("paper"), DriveDesign())
+    table = (DOCS / "gains.md").read_text(encoding="utf-8")
+    told = {
+        name: row.rsplit("|", 2)[1].split()[0]
+        for row in re.findall(r"^\| `.*\|$", table, re.MULTILINE)
+        for name in re.findall(r"`(\w+)`", row.split("|")[1])
+        if name in Derived.__dataclass_fields__
+    }
+    assert set(told) == set(Derived.__dataclass_fields__)
+    for name, word in told.items():
+        assert near(word, getattr(numbers, name)), name
+
+
+MACHINES = ("paper", "ipmsm_2200w", "pmsyrm_5600w")
+
+
+def of(name: str) -> tuple[Motor, Bandwidths]:
+    motor = Motor.load(name)
+    return motor, bandwidths(motor, derive(motor, DriveDesign()).speed_hz)
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_bandwidths_of_the_coupled_observer(name: str) -> None:
+    motor, at = of(name)
+    layer = voltage_drift(motor) / (LAYER_SPEED * motor.omega_rated)
+    hertz = [w / (2.0 * math.pi) for w in (at.flux, at.load, at.injection)]
+    (table,) = re.findall(
+        rf"W \[Hz\].*?^\| `{name}` \|(.*?)\|$",
+        (DOCS / "coupled-observer.md").read_text(encoding="utf-8"),
+        re.MULTILINE | re.DOTALL,
+    )
+    for told, value in zip(table.split("|"), [*hertz, layer], strict=True):
+        assert near(told.strip(), value)
+
+
+def told_poles(name: str) -> Iterator[tuple[str, str]]:
+    """Magnitudes of real and imaginary parts [Hz] that the page tells."""
+    (row,) = re.findall(
+        rf"outer and load \|.*?^\| `{name}` \|(.*?)\|$",
+        (DOCS / "coupled-observer.md").read_text(encoding="utf-8"),
+        re.MULTILINE | re.DOTALL,
+    )
+    for real, imaginary in re.findall(r"([\d.]+)(?: ± ([\d.]+)j)?", row):
+        yield from [(real, imaginary)] * 2 if imaginary else [(real, "0")]
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_poles_of_the_coupled_observer(name: str) -> None:
+    """At standstill and full weight; states: phi, nu, delta, omega - omega_hat, l."""
+    _, at = of(name)
+    W, r, Omega = at.flux, at.load, at.injection
+    k_p, k_i, k_l = 2 * W + r, W**2 + 2 * W * r, W**2 * r
+    k_h, k_b = 2 * Omega, Omega**2
+    loop = np.array(
+        [
+            [0.0, -1.0, -k_h, 0.0, 0.0],
+            [0.0, 0.0, k_b, 0.0, 0.0],
+            [k_p, 0.0, -k_p - k_h, 1.0, 0.0],
+            [k_i, 0.0, -k_i, 0.0, -1.0],
+            [-k_l, 0.0, k_l, 0.0, 0.0],
+        ]
+    )
+    poles = np.linalg.eigvals(loop) / (2.0 * math.pi)
+    told = list(told_poles(name))
+    assert len(told) == 5
+    for real, imaginary in told:
+        assert any(near(real, -p.real) and near(imaginary, abs(p.imag)) for p in poles), real
+    assert np.all(-poles.real / np.abs(poles) > 0.6)
+
+
+def test_pulse_of_the_start() -> None:
+    motor = Motor.load("paper")
+    pulse = polarity_pulse(motor)[0]
+    plus, minus = peaks(motor, pulse)
+    wanted = (
+        f"{pulse:.3f} Vs ({pulse / 8e-4:.0f} V for 0.8 ms), {plus:.2f} A against {-minus:.2f} A"
+    )
+    assert wanted in text(DOCS / "how-it-works.md")
+
+
+def test_steps_of_fig_9() -> None:
+    motor = Motor.load("paper")
+    policy = make_policy("sliding_mode", motor)
+    plan = plan_from("0:200,1:350,2:600", "0:0", None, 3.0, motor, 0)
+    for found in plateaus(trace(policy, plan, motor, DriveDesign())):
+        told = cells("published-and-corrected.md", f"{found['target_rpm']:.0f}")
+        names = ("settled_s", "overshoot_pct", "k_s", "angle_err_steady_deg")
+        assert all(near(a, found[name]) for a, name in zip(told, names, strict=True)), told
+
+
+def test_the_verdict_on_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At its full size; other tests judge on a few scenarios."""
+    monkeypatch.setattr(judge, "SIZE", 200)
+    monkeypatch.setattr(compare, "SIZE", 400)
+    monkeypatch.setattr(compare, "suite", suite)
+    made = bench(["reference"])
+    judged = judge.judge_export(made.policy("reference"), made.motor, made.design)
+    assert judged.sentence in text(DOCS / "what-a-run-carries.md")
