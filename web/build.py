@@ -12,7 +12,7 @@ from web.assemble import page
 from web.image import image
 from web.wasm import BUILD, compile_core
 
-MOST = 400_000
+MOST_BYTES = 400_000
 """Largest page [bytes]."""
 
 
@@ -26,8 +26,8 @@ def build(path: Path) -> int:
     """
     text = page(compile_core(), *image())
     size = len(text.encode())
-    if size > MOST:
-        raise UserError(f"playground: {size} bytes; shorten it to {MOST}")
+    if size > MOST_BYTES:
+        raise UserError(f"playground: {size} bytes; shorten it to {MOST_BYTES}")
     path.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(path, text)
     return size

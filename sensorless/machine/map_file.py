@@ -14,7 +14,7 @@ COLUMNS = ("i_d", "i_q", "psi_d", "psi_q")
 UNITS = {"a": 1.0, "ma": 1e-3, "ka": 1e3, "vs": 1.0, "wb": 1.0, "mvs": 1e-3, "mwb": 1e-3}
 """Factors to A and Vs."""
 FLUX_WORDS = ("psi", "lambda", "flux", "phi")
-MOST = 200_000
+MOST_POINTS = 200_000
 """Largest number of points of a map."""
 
 
@@ -48,8 +48,10 @@ def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tupl
     i, psi = np.stack(found[:2], axis=-1), np.stack(found[2:], axis=-1)
     good = np.all(np.isfinite(i) & np.isfinite(psi), axis=1)
     i, psi = i[good], psi[good]
-    if not 20 <= len(i) <= MOST:
-        raise UserError(f"map: {path}: {len(i)} points with four finite numbers; give 20 to {MOST}")
+    if not 20 <= len(i) <= MOST_POINTS:
+        raise UserError(
+            f"map: {path}: {len(i)} points with four finite numbers; give 20 to {MOST_POINTS}"
+        )
     if turn:
         i, psi = (np.stack([-x[:, 1], x[:, 0]], axis=-1) for x in (i, psi))
     return i, psi

@@ -30,6 +30,8 @@ COLUMNS = (
     "w_M",
     "theta_m",
 )
+"""Names of the file's format: in it M is mechanical and m electrical, so w_M is the speed of the
+shaft and theta_m the electrical angle."""
 THETA_E = PLANT_NAMES.index("theta_e")
 STEP_ERROR = 1e-8
 """Largest accepted difference to a run with half the step [A, rad, ...]."""

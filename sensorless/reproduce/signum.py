@@ -14,10 +14,10 @@ from sensorless.plots.paper_values import PaperValue
 from sensorless.reproduce.case import CORRECTED, PUBLISHED, Case, gain, row_of, sigmoid_lag
 from sensorless.reproduce.steady import LAST, hold, lead, less, mean, swing, worst
 
-RPM = 300.0
+SPEED_RPM = 300.0
 GAINS = (1.0, 1.1, 1.25, 1.5, 2.0, 3.0, 4.5, 6.4, 9.0, 12.5)
-"""Correction voltage of the signum over the EMF at ``RPM``; 12.5 is the drive's own bound, 2.5
-times the EMF at rated speed."""
+"""Correction voltage of the signum over the EMF at ``SPEED_RPM``; 12.5 is the drive's own bound,
+2.5 times the EMF at rated speed."""
 SIGNUM, SIGMOID = -24.0, -8.0
 """What the paper shows [deg], estimate minus truth."""
 PAPER = (
@@ -55,19 +55,19 @@ class Sweep:
 
 def beside(motor: Motor, design: DriveDesign) -> Trace:
     """Run a drive on injection; the angle error is that of the observer beside it."""
-    t = hold(motor, design, RPM, 0.0, 1.0)
+    t = hold(motor, design, SPEED_RPM, 0.0, 1.0)
     return {**t, "theta_e_err": t["theta_e_err_smo"]}
 
 
 def sweep(motor: Motor, design: DriveDesign) -> Sweep:
     """Run the signum at every gain, beside injection and in its place."""
-    over = motor.rpm_to_electrical(RPM) / motor.omega_rated
+    over = motor.rpm_to_electrical(SPEED_RPM) / motor.omega_rated
     at = [
         dataclasses.replace(design, smo_switching="sign", smo_emf_hz=200.0, smo_k=x * over)
         for x in GAINS
     ]
     traces = tuple(beside(motor, d) for d in at)
-    kept = tuple(lost_cause(hold(motor, d, RPM, 0.0, 0.0)) is None for d in at)
+    kept = tuple(lost_cause(hold(motor, d, SPEED_RPM, 0.0, 0.0)) is None for d in at)
     return Sweep(traces, np.array([worst(lead(t)) for t in traces]), kept)
 
 
@@ -92,7 +92,7 @@ def figure_12(motor: Motor) -> Case:
     for name, s in sweeps.items():
         traces[f"{name}, signum, {GAINS[s.like_paper]:g} × EMF"] = s.traces[s.like_paper]
         traces[f"{name}, sigmoid"] = runs[name]
-    emf = motor.rpm_to_electrical(RPM) * motor.psi_f
+    emf = motor.rpm_to_electrical(SPEED_RPM) * motor.psi_f
     rows = (
         row_of("largest error, signum", "°", "−24", [worst(x) for x in hard], 1),
         row_of("its gain, the nearest to −24°", "EMF", "–", [GAINS[s.like_paper] for s in both], 1),
@@ -136,8 +136,8 @@ def figure_12(motor: Motor) -> Case:
         f"estimate − truth, last {LAST:g} s",
         rows,
         "The paper's −8° is the lag of the sigmoid, arg(g/(g + R + jωL_q)) = "
-        f"−{sigmoid_lag(motor, 125.0, RPM):.1f}° at g = 125 V/A: a constant, not chatter, and "
-        "the exact steady-state relation removes it. The paper does not give the gain of its "
+        f"−{sigmoid_lag(motor, 125.0, SPEED_RPM):.1f}° at g = 125 V/A: a constant, not chatter, "
+        "and the exact steady-state relation removes it. The paper does not give the gain of its "
         "signum, and the gain decides: just above the EMF the signum is as good as the published "
         "sigmoid, and −24° takes many times the EMF. A drive that runs on the published signum "
         f"observer alone, without load, {told}.",

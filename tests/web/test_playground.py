@@ -18,7 +18,7 @@ from tests.web.conftest import Shown
 from tests.web.native import Move, final
 from web.audit import CHECKS
 from web.browser import prefer, size_to
-from web.build import MOST
+from web.build import MOST_BYTES
 
 NAMES = ("speed", "ramp", "load", "resistance", "magnet", "inertia", "link", "gain", "offset")
 """Order of the levers in a link."""
@@ -241,7 +241,7 @@ def test_pictures_are_drawn_at_any_width(
 
 def test_page_is_small_quick_and_alone(shown: Shown) -> None:
     """Its weight, its first paint, its console, and its requests, from opening to a run's end."""
-    assert shown.size <= MOST
+    assert shown.size <= MOST_BYTES
     for log in ("browser", "performance"):
         shown.driver.get_log(log)
     shown.driver.get(shown.file.as_uri())
