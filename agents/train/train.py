@@ -106,7 +106,8 @@ def resume(
     if digest != machines.digest:
         raise UserError(
             f"resume: {str(folder)!r} was trained on {name!r}, digest {digest[:16]}; "
-            f"it cannot continue on {machines.name!r}, digest {machines.digest[:16]}"
+            f"it cannot continue on {machines.name!r}, digest {machines.digest[:16]}; leave "
+            "--motor out, or give that machine"
         )
     config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)
     model = new_model(config, table, training_env(config, design, machines.motors))

@@ -116,7 +116,9 @@ def load(path: Path) -> list[Find]:
             if x["suite"] in SEARCHED and _plausible(**x)
         ]
     except (OSError, ValueError, KeyError, TypeError):
-        raise UserError(f"scenario: {str(path)!r} is not a file of sensorless falsify") from None
+        raise UserError(
+            f"scenario: {str(path)!r} is not a file of sensorless falsify; give one that it wrote"
+        ) from None
 
 
 def _plausible(units: list[float], machine: list[int] | None = None, **other: object) -> bool:

@@ -9,6 +9,7 @@ from sensorless.core.api import SIM, TABLE, lib
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES
+from web.assemble import WEB
 from web.fields import FIELDS, KINDS, offsets, response
 from web.image import image, template
 from web.rules import MOTORS, rules, without_table
@@ -50,6 +51,13 @@ def test_the_page_takes_the_cores_own_numbers() -> None:
     layout = json.loads(image()[1])
     assert next(iter(layout["estimators"])) == DriveDesign().estimator
     assert layout["most_nodes"] == lib.KS_TABLE_NODES
+
+
+def test_the_form_asks_for_seeds_that_exist() -> None:
+    page = (WEB / "page.html").read_text(encoding="utf-8")
+    last = len(json.loads(image()[1])["seeds"]) - 1
+    assert f"noise, 0 to {last}<" in page
+    assert f'max="{last}"' in page
 
 
 def test_faults_are_single_bits_in_words() -> None:
