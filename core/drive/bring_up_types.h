@@ -62,7 +62,7 @@ typedef struct {
 typedef struct {
     int32_t phase;  /* BRING_UP_DONE ... BRING_UP_PUSH */
     int32_t n;      /* periods in this phase */
-    int32_t fault;  /* BRING_UP_* bits */
+    int32_t fault;  /* BRING_UP_FAULT_* bits */
     int32_t wiring; /* WIRING_* */
     float delay;    /* of the voltage after its sample [periods]; 1 is right */
     float scale;    /* voltage in force over the commanded one, times the current's scale */

@@ -26,8 +26,8 @@ typedef struct {
     float L_d;         /* [H] */
     curve_t psi_d;     /* d flux without d current over |i_q| [Vs] */
     float psi_sq_min;  /* least square of the auxiliary flux that errors are divided by [(Vs)^2] */
-    float gain_0;      /* correction of the flux at standstill [1/s] times T_s */
-    float gain_w;      /* its rise with speed, times T_s [s] */
+    float gain_0;      /* half the correction of the flux at standstill [1/s] times T_s */
+    float gain_w;      /* half its rise with speed, times T_s [s] */
     float layer;       /* boundary layer of the correction, over the auxiliary flux */
     float inv_layer;   /* its inverse; 0: no sigmoid */
     float k_p;         /* from eps to angle [1/s] */
@@ -35,7 +35,7 @@ typedef struct {
     float k_l;         /* from eps to load [1/s^3] */
     float k_tau;       /* share of the flux-current product that accelerates [rad/(s^2 Vs A)] */
     float load_max;    /* bound on the load [rad/s^2] */
-    float alpha_rise;  /* low-pass on eps for the bandwidth's rise [rad/s] times T_s */
+    float alpha_rise;  /* low-pass on eps for the bandwidth's rise: 1 - exp(-w T_s) */
     float eps_rise;    /* |eps| above which the bandwidth rises [rad] */
     float rise;        /* its rise with |eps| above that [1/rad] */
     float rise_max;    /* its largest rise, as a share of the bandwidth */

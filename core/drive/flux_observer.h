@@ -24,8 +24,8 @@ typedef struct {
     float L_d;         /* [H] */
     float psi_f;       /* magnet flux [Vs] */
     float psi_sq_min;  /* least square of the auxiliary flux that errors are divided by [(Vs)^2] */
-    float gain_0;      /* correction of the flux at standstill [1/s] times T_s */
-    float gain_w;      /* its rise with speed, times T_s [s] */
+    float gain_0;      /* half the correction of the flux at standstill [1/s] times T_s */
+    float gain_w;      /* half its rise with speed, times T_s [s] */
     float k_turn;      /* from injection's lead to the flux [1/s] times T_s */
     float omega_floor; /* below this speed the flux is not used, electrical [rad/s] */
 } flux_params_t;

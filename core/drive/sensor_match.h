@@ -29,7 +29,7 @@ typedef struct {
     float gain_max;     /* bound on the gain */
     float offset_max;   /* bound on an offset [A] */
     float err_max;      /* bound on both errors: larger ones are of the drive, not of sensors */
-    float alpha;        /* low-pass of the mean error along psi_a [rad/s] times T_s */
+    float alpha;        /* low-pass of the mean error along psi_a: 1 - exp(-w T), T between uses */
     float omega_gain;   /* least speed to learn the gain at, electrical [rad/s] */
     float omega_offset; /* the same for the offset [rad/s] */
 } match_params_t;

@@ -28,8 +28,8 @@ enum {
 };
 
 typedef struct {
-    float alpha;       /* low-pass of every signal [rad/s] times T_s */
-    float alpha_per_s; /* the same low-pass [rad/s], for the derivative */
+    float alpha;       /* low-pass of every signal: 1 - exp(-alpha_per_s T_s) */
+    float alpha_per_s; /* its corner [rad/s], for the derivative */
     float inv_omega;   /* 1 / rated electrical speed [s/rad] */
     float inv_i;       /* 1 / rated current, peak [1/A] */
     float inv_e;       /* 1 / (rated speed times magnet flux) [1/V] */

@@ -36,8 +36,8 @@ typedef struct {
     float climb;       /* super-twisting: T_s k_2 over the square of the speed [V s^2] */
     float lag_cure;    /* 1: EMF from the exact steady-state relation, 0: EMF equal to z */
     float L_q_rise;    /* rise of L_q from generator to motor, over that of a generator */
-    float alpha_omega; /* low-pass on the speed inside the model [rad/s] times T_s, at most 1 */
-    float alpha_e;     /* low-pass on the EMF [rad/s] times T_s, at most 1; 1 switches it off */
+    float alpha_omega; /* low-pass on the speed inside the model: 1 - exp(-w T_s) */
+    float alpha_e;     /* low-pass on the EMF: 1 - exp(-w T_s); 1 switches it off */
     float e_floor;     /* least EMF magnitude that the error is divided by [V] */
     float omega_floor; /* below this speed the EMF is not used, electrical [rad/s] */
 } smo_params_t;

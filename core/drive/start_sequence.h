@@ -39,7 +39,7 @@ typedef struct {
     hfi_params_t hfi; /* both estimators, with faster loops than in normal operation */
     smo_params_t smo;
     float k_hold;         /* gain that holds the current at zero [V/A] */
-    float alpha_e;        /* low-pass on the EMF that is fed forward [rad/s] times T_s, at most 1 */
+    float alpha_e;        /* low-pass on the EMF that is fed forward, per period, at most 1 */
     float e_lag;          /* delay of that low-pass [periods] */
     float e_fly;          /* EMF above which the shaft counts as spinning [V] */
     float omega_pole;     /* speed above which the EMF shows the pole after lost lock [rad/s] */

@@ -3,8 +3,6 @@
 
 #include "sim_period.h"
 
-#define HALF_PI_F 1.57079632679490f
-
 /* Current along a vector of the command's sign in the direction r. */
 static float along_command(const command_t *c, rot_t r, ab_t i) {
     float x = r.c * i.a + r.s * i.b;
