@@ -1,5 +1,7 @@
 """The machine without its drive, in the compiled core."""
 
+import zlib
+
 import numpy as np
 
 from sensorless.core.api import (
@@ -12,23 +14,66 @@ from sensorless.core.api import (
     pointer,
     struct_dtype,
 )
+from sensorless.errors import UserError
 
 COMMAND = struct_dtype("command_t")
+CORRECTION = struct_dtype("flux_correction_t")
 COMMISSION_NAMES = tuple(enumeration("COMMISSION_"))
 
+_ENTERED: dict[int, Array] = {}
+"""Records that the core reads for as long as the process lives, by key."""
 
-def flux_map_currents(flux_map: Array, bridge: bool, psi: Array) -> Array:
-    """Currents (n, 2) [A] at flux linkages ``psi`` (n, 2) [Vs] of a FLUX_MAP record."""
+
+def flux_map_currents(flux_map: Array, extra: int, psi: Array) -> Array:
+    """Currents (n, 2) [A] at flux linkages ``psi`` (n, 2) [Vs] of a FLUX_MAP record.
+
+    ``extra``: EXTRA_* of ``core/sim/flux_map.h``, what the map has beyond saturation.
+    """
     points = np.ascontiguousarray(psi, dtype=np.float64)
     out = np.empty_like(points)
     lib.flux_map_currents(
         pointer(flux_map.reshape(1), "flux_map_t[]"),
-        int(bridge),
+        extra,
         pointer(points, "double[]"),
         pointer(out, "double[]"),
         len(points),
     )
     return out
+
+
+def flux_correction_currents(correction: Array, psi: Array) -> Array:
+    """Currents (n, 2) [A] at flux linkages ``psi`` (n, 2) [Vs] of a CORRECTION record."""
+    points = np.ascontiguousarray(psi, dtype=np.float64)
+    out = np.empty_like(points)
+    lib.flux_correction_currents(
+        pointer(correction.reshape(1), "flux_correction_t[]"),
+        pointer(points, "double[]"),
+        pointer(out, "double[]"),
+        len(points),
+    )
+    return out
+
+
+def enter_correction(correction: Array) -> int:
+    """Let flux maps name a CORRECTION record; returns its key, which follows from its numbers.
+
+    Raises
+    ------
+    UserError
+        Another one of this process has its place.
+    """
+    record = correction.reshape(1).copy()
+    record["key"] = 0
+    key = zlib.crc32(record.tobytes()) or 1
+    if key not in _ENTERED:
+        record["key"] = key
+        if not lib.flux_correction_enter(pointer(record, "flux_correction_t[]")):
+            raise UserError(
+                "flux_correction: its key clashes with that of another machine of this process; "
+                "simulate the two in separate ones"
+            )
+        _ENTERED[key] = record
+    return key
 
 
 def plant_run(plant: Array, state: Array, u: Array) -> Array:

@@ -18,7 +18,7 @@ from filterpy.kalman import ExtendedKalmanFilter
 
 from sensorless.core.api import Array
 from sensorless.core.machine import flux_map_currents
-from sensorless.machine.magnetics import Floats, flux, flux_map_record
+from sensorless.machine.magnetics import Floats, extra_terms, flux, flux_map_record
 from sensorless.machine.motor import Motor
 
 TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
@@ -66,7 +66,7 @@ class MachineEkf:
     ) -> None:
         d = EkfDesign() if design is None else design
         self.motor = motor
-        self._map, self._bridge = flux_map_record(motor.saturation), motor.saturation.a_b > 0.0
+        self._map, self._extra = flux_map_record(motor.saturation), extra_terms(motor.saturation)
         psi_f = flux(motor.saturation, np.zeros((1, 2)))[0, 0]
         f = self.filter = _Filter(dim_x=4, dim_z=2)
         f.x = np.array([[psi_f * np.cos(theta)], [psi_f * np.sin(theta)], [omega], [theta]])
@@ -105,7 +105,7 @@ class MachineEkf:
         c, s = np.cos(x[3, 0]), np.sin(x[3, 0])
         rotate = np.array([[c, -s], [s, c]])
         psi = rotate.T @ x[:2, 0]
-        i = flux_map_currents(self._map, self._bridge, psi + STEPS)
+        i = flux_map_currents(self._map, self._extra, psi + STEPS)
         gamma = np.stack([i[1] - i[2], i[3] - i[4]], axis=-1) / (2.0 * FLUX_STEP)
         jacobian = np.zeros((2, 4))
         jacobian[:, :2] = rotate @ gamma @ rotate.T

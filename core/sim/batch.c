@@ -10,7 +10,7 @@
 #define LANES_WORTH 4 /* fewest drives for which a block is faster */
 
 static int lane_fits(const sim_t *s, const sim_t *first) {
-    int constant = s->sensored == 0 && s->plant.n_sub == 1 && s->plant.bridge == 0;
+    int constant = s->sensored == 0 && s->plant.n_sub == 1 && s->plant.extra == EXTRA_NONE;
     int alike = s->with_twin == first->with_twin && s->plant.detail == first->plant.detail &&
                 s->control.estimator == first->control.estimator;
     int scalar_only = s->control.hfi.scheme == HFI_STATIONARY ||

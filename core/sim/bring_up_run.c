@@ -41,7 +41,7 @@ int32_t bring_up_run(sim_t *s, const built_t *b, const bring_up_params_t *p, bri
         ab_t more = dead_time_voltage(u_leg, b->inv_i_add, i_ab);
         s->drive.u.a = acts.a + more.a;
         s->drive.u.b = acts.b + more.b;
-        chain_advance(s, &s->drive, acts, s->plant.n_sub, s->plant.bridge, s->plant.detail);
+        chain_advance(s, &s->drive, acts, s->plant.n_sub, s->plant.extra, s->plant.detail);
         s->k += 1;
     }
     return rows;

@@ -126,7 +126,7 @@ static int diodes_carry(const piece_t *c, const double *v, double half, ab64_t i
 /* Currents at the state x with its flux linkages changed by d and q [A]. */
 static dq64_t current_at(const plant_params_t *m, const plant_state_t *x, double d, double q) {
     dq64_t psi = {x->psi_d + d, x->psi_q + q};
-    return plant_response(m, psi, x->cos_e, x->sin_e, m->bridge, m->detail).i;
+    return plant_response(m, psi, x->cos_e, x->sin_e, m->extra, m->detail).i;
 }
 
 /* Voltages of the legs that are off, from a trial v that ends the piece with the currents i. A leg
@@ -194,7 +194,7 @@ static void piece_advance(const plant_params_t *m, plant_state_t *x, const piece
     for (int round = 0; round < ROUNDS && any_off != 0; round++) {
         plant_state_t trial = *x;
         ab64_t u = legs_to_ab(v);
-        plant_move(m, &trial, u.a, u.b, tau_load, c->h, 1, m->bridge, m->detail);
+        plant_move(m, &trial, u.a, u.b, tau_load, c->h, 1, m->extra, m->detail);
         ab64_t end = stator_current(&trial);
         any_off = !diodes_carry(c, v, half, end);
         if (any_off != 0) {
@@ -207,7 +207,7 @@ static void piece_advance(const plant_params_t *m, plant_state_t *x, const piece
         if (rows->row) {
             row_write(rows, x, u);
         }
-        plant_move(m, x, u.a, u.b, tau_load, h, 1, m->bridge, m->detail);
+        plant_move(m, x, u.a, u.b, tau_load, h, 1, m->extra, m->detail);
         rows->t += h;
     }
 }
@@ -222,7 +222,7 @@ static void period_advance(const sensor_params_t *p, const plant_params_t *m, pl
     if (m->detail != 0) { /* diodes carry the current of the flux, which does not jump */
         rail.transistor = (double)p->u_on + 0.5 * (double)p->u_skew;
         rail.diode = (double)p->u_on - 0.5 * (double)p->u_skew;
-        plant_output(m, x, m->bridge, 1);
+        plant_output(m, x, m->extra, 1);
     }
     for (int k = 0; k < n; k++) {
         piece_advance(m, x, &piece[k], &rail, tau_load, rows);

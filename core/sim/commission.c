@@ -60,7 +60,7 @@ int32_t commission_run(sim_t *s, const command_t *c, int32_t n, float i_stop, do
             float along = r.c * u.a + r.s * u.b;
             slow = c[j].damp > 0.0f ? slow + c[j].follow * (along - slow) : along;
             fast = along - slow;
-            chain_advance(s, &s->drive, u, s->plant.n_sub, s->plant.bridge, s->plant.detail);
+            chain_advance(s, &s->drive, u, s->plant.n_sub, s->plant.extra, s->plant.detail);
             s->k += 1;
             est->theta = wrap_pi(est->theta + s->control.T_s * est->omega);
             if (norm_ab(i) > i_stop) {

@@ -100,7 +100,7 @@ static int period(sim_t *s, const faulty_t *f, const ks_schedule_params_t *sched
     ab_t act = late(loop, u, kind == FAULTY_LATE ? (int32_t)f->size : 0);
     act.a *= kind == FAULTY_LINK ? truth : 1.0f;
     act.b *= kind == FAULTY_LINK ? truth : 1.0f;
-    chain_advance(s, &s->drive, act, s->plant.n_sub, s->plant.bridge, s->plant.detail);
+    chain_advance(s, &s->drive, act, s->plant.n_sub, s->plant.extra, s->plant.detail);
     s->k += 1;
     return (x->fault & FAULT_OVER_CURRENT) == 0;
 }

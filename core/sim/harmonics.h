@@ -42,10 +42,10 @@ CORE_INLINE dq64_t magnet_harmonic(const harmonics_t *p, dq64_t turn) {
 }
 
 CORE_INLINE response_t harmonics_response(const harmonics_t *p, const flux_map_t *map, dq64_t psi,
-                                          dq64_t turn, int bridge) {
+                                          dq64_t turn, int extra) {
     dq64_t m = magnet_harmonic(p, turn);
     dq64_t x = {psi.d - m.d, psi.q - m.q};
-    dq64_t i = flux_map_current(map, x, bridge);
+    dq64_t i = flux_map_current(map, x, extra);
     double x_d = x.d - p->psi_0;
     i.d += p->gamma * (x_d * turn.d + x.q * turn.q);
     i.q += p->gamma * (x_d * turn.q - x.q * turn.d);

@@ -14,7 +14,7 @@ static void angle_vector(double theta, double *c, double *s) {
 void plant_start(const plant_params_t *p, plant_state_t *x) {
     angle_vector(x->theta_e, &x->cos_e, &x->sin_e);
     x->turns = 0;
-    plant_output(p, x, p->bridge, p->detail);
+    plant_output(p, x, p->extra, p->detail);
 }
 
 void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, double *out, int32_t n) {
@@ -30,6 +30,6 @@ void plant_run(const plant_params_t *p, plant_state_t *x, const double *u, doubl
         if (j == n) {
             return;
         }
-        plant_step(p, x, u[3 * j], u[3 * j + 1], u[3 * j + 2], p->n_sub, p->bridge, p->detail);
+        plant_step(p, x, u[3 * j], u[3 * j + 1], u[3 * j + 2], p->n_sub, p->extra, p->detail);
     }
 }

@@ -27,7 +27,7 @@ typedef struct {
     double g_iron;  /* iron loss: conductance across the EMF [S] */
     double k_iron;  /* share of the voltage behind R_s that drives the flux: 1 / (1 + R_s g_iron) */
     int32_t n_sub;  /* sub-steps a period */
-    int32_t bridge; /* 1: the flux map has its bridge term */
+    int32_t extra;  /* EXTRA_*: what the flux map has beyond saturation */
     int32_t detail; /* 1: harmonics, iron loss, edges.h, link ripple; 0: all of them are off */
     int32_t reserved;
 } plant_params_t;
@@ -76,23 +76,23 @@ typedef struct {
 
 /* Currents of the flux, and torque over 3/2 n_p, at the angle with cosine c and sine s. */
 CORE_INLINE response_t plant_response(const plant_params_t *p, dq64_t psi, double c, double s,
-                                      int bridge, int detail) {
+                                      int extra, int detail) {
     if (detail) {
-        return harmonics_response(&p->harmonics, &p->map, psi, sixth_power(c, s), bridge);
+        return harmonics_response(&p->harmonics, &p->map, psi, sixth_power(c, s), extra);
     }
-    dq64_t i = flux_map_current(&p->map, psi, bridge);
+    dq64_t i = flux_map_current(&p->map, psi, extra);
     response_t y = {i, psi.d * i.q - psi.q * i.d};
     return y;
 }
 
 /* Time derivative at a stage; x.delta: angle travelled since the period's start [rad]. */
 CORE_INLINE plant_rate_t plant_rate(const plant_params_t *p, const plant_held_t *held,
-                                    plant_rate_t x, int bridge, int detail) {
+                                    plant_rate_t x, int extra, int detail) {
     double c, s;
     small_angle(x.delta, &c, &s);
     dq64_t psi = {x.psi_d, x.psi_q};
     dq64_t f = held->frame;
-    response_t r = plant_response(p, psi, f.d * c - f.q * s, f.q * c + f.d * s, bridge, detail);
+    response_t r = plant_response(p, psi, f.d * c - f.q * s, f.q * c + f.d * s, extra, detail);
     double omega = p->n_p * x.omega_m;
     double tau = 1.5 * p->n_p * r.tau;
     double e_d = c * held->u.d + s * held->u.q - p->R_s * r.i.d;
@@ -118,12 +118,12 @@ CORE_INLINE plant_rate_t plant_along(plant_rate_t x, double h, plant_rate_t k) {
 
 /* One Runge-Kutta step of length h [s]. */
 CORE_INLINE plant_rate_t plant_substep(const plant_params_t *p, const plant_held_t *held,
-                                       plant_rate_t x, double h, int bridge, int detail) {
+                                       plant_rate_t x, double h, int extra, int detail) {
     double w = h * (1.0 / 6.0);
-    plant_rate_t k1 = plant_rate(p, held, x, bridge, detail);
-    plant_rate_t k2 = plant_rate(p, held, plant_along(x, 0.5 * h, k1), bridge, detail);
-    plant_rate_t k3 = plant_rate(p, held, plant_along(x, 0.5 * h, k2), bridge, detail);
-    plant_rate_t k4 = plant_rate(p, held, plant_along(x, h, k3), bridge, detail);
+    plant_rate_t k1 = plant_rate(p, held, x, extra, detail);
+    plant_rate_t k2 = plant_rate(p, held, plant_along(x, 0.5 * h, k1), extra, detail);
+    plant_rate_t k3 = plant_rate(p, held, plant_along(x, 0.5 * h, k2), extra, detail);
+    plant_rate_t k4 = plant_rate(p, held, plant_along(x, h, k3), extra, detail);
     plant_rate_t y = {
         x.psi_d + w * (k1.psi_d + 2.0 * (k2.psi_d + k3.psi_d) + k4.psi_d),
         x.psi_q + w * (k1.psi_q + 2.0 * (k2.psi_q + k3.psi_q) + k4.psi_q),
@@ -134,9 +134,9 @@ CORE_INLINE plant_rate_t plant_substep(const plant_params_t *p, const plant_held
 }
 
 /* Currents of the flux, and torque, at the present state. */
-CORE_INLINE void plant_output(const plant_params_t *p, plant_state_t *x, int bridge, int detail) {
+CORE_INLINE void plant_output(const plant_params_t *p, plant_state_t *x, int extra, int detail) {
     dq64_t psi = {x->psi_d, x->psi_q};
-    response_t r = plant_response(p, psi, x->cos_e, x->sin_e, bridge, detail);
+    response_t r = plant_response(p, psi, x->cos_e, x->sin_e, extra, detail);
     x->i_d = r.i.d;
     x->i_q = r.i.q;
     x->tau = 1.5 * p->n_p * r.tau;
@@ -152,16 +152,16 @@ typedef struct {
 
 #define SLOPE_STEP 1.0e-6 /* step of the flux linkages for the slope [Vs] */
 
-CORE_INLINE plant_slope_t plant_slope(const plant_params_t *p, const plant_state_t *x, int bridge,
+CORE_INLINE plant_slope_t plant_slope(const plant_params_t *p, const plant_state_t *x, int extra,
                                       int detail) {
     double c = x->cos_e;
     double s = x->sin_e;
     dq64_t psi = {x->psi_d, x->psi_q};
     dq64_t psi_1 = {x->psi_d + SLOPE_STEP, x->psi_q};
     dq64_t psi_2 = {x->psi_d, x->psi_q + SLOPE_STEP};
-    dq64_t i = plant_response(p, psi, c, s, bridge, detail).i;
-    dq64_t i_1 = plant_response(p, psi_1, c, s, bridge, detail).i;
-    dq64_t i_2 = plant_response(p, psi_2, c, s, bridge, detail).i;
+    dq64_t i = plant_response(p, psi, c, s, extra, detail).i;
+    dq64_t i_1 = plant_response(p, psi_1, c, s, extra, detail).i;
+    dq64_t i_2 = plant_response(p, psi_2, c, s, extra, detail).i;
     double dd = (i_1.d - i.d) * (1.0 / SLOPE_STEP);
     double qq = (i_2.q - i.q) * (1.0 / SLOPE_STEP);
     double dq = (i_2.d - i.d) * (1.0 / SLOPE_STEP);
@@ -202,11 +202,11 @@ CORE_INLINE void plant_add_iron(const plant_params_t *p, plant_state_t *x, dq64_
 }
 
 /* n_sub Runge-Kutta steps of length h [s] under the stator-frame voltage (u_a, u_b) [V] and a
- * constant load torque [N m]; a period is n_sub steps of p->h. n_sub, bridge, detail: p's own,
+ * constant load torque [N m]; a period is n_sub steps of p->h. n_sub, extra, detail: p's own,
  * passed so that they can be constants. Leaves the currents of the flux alone, without the
  * iron's. */
 CORE_INLINE void plant_move(const plant_params_t *p, plant_state_t *x, double u_a, double u_b,
-                            double tau_load, double h, int n_sub, int bridge, int detail) {
+                            double tau_load, double h, int n_sub, int extra, int detail) {
     plant_held_t held = {
         {x->cos_e * u_a + x->sin_e * u_b, x->cos_e * u_b - x->sin_e * u_a},
         {x->cos_e, x->sin_e},
@@ -214,10 +214,10 @@ CORE_INLINE void plant_move(const plant_params_t *p, plant_state_t *x, double u_
     };
     plant_rate_t y = {x->psi_d, x->psi_q, x->omega_m, 0.0};
     if (n_sub == 1) { /* the usual case; without a loop, so that loops over drives vectorise */
-        y = plant_substep(p, &held, y, h, bridge, detail);
+        y = plant_substep(p, &held, y, h, extra, detail);
     } else {
         for (int j = 0; j < n_sub; j++) {
-            y = plant_substep(p, &held, y, h, bridge, detail);
+            y = plant_substep(p, &held, y, h, extra, detail);
         }
     }
     double c, s;
@@ -234,14 +234,14 @@ CORE_INLINE void plant_move(const plant_params_t *p, plant_state_t *x, double u_
     x->psi_d = y.psi_d;
     x->psi_q = y.psi_q;
     x->omega_m = y.omega_m;
-    plant_output(p, x, bridge, detail);
+    plant_output(p, x, extra, detail);
 }
 
 /* A whole period: plant_move, and the current of the iron loss. */
 CORE_INLINE void plant_step(const plant_params_t *p, plant_state_t *x, double u_a, double u_b,
-                            double tau_load, int n_sub, int bridge, int detail) {
+                            double tau_load, int n_sub, int extra, int detail) {
     dq64_t psi_ab = plant_flux_ab(x);
-    plant_move(p, x, u_a, u_b, tau_load, p->h, n_sub, bridge, detail);
+    plant_move(p, x, u_a, u_b, tau_load, p->h, n_sub, extra, detail);
     if (detail) {
         plant_add_iron(p, x, psi_ab, p->h * (double)n_sub);
     }

@@ -29,7 +29,7 @@ CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_re
 
 /* Advances the machine over [k, k+1] under the waiting command, whose pulses were computed for the
  * DC link measured at k - 1; the new command takes its place. */
-CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_sub, int bridge,
+CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_sub, int extra,
                                int detail) {
     float tau = s->now.tau_load;
     if (SCALAR_ONLY(s->inv_stick > 0.0f)) { /* the load only resists motion */
@@ -53,13 +53,13 @@ CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_su
         };
         ab_t u;
         if (detail) {
-            plant_slope_t slope = plant_slope(&s->plant, &c->y, bridge, detail);
+            plant_slope_t slope = plant_slope(&s->plant, &c->y, extra, detail);
             float T_s = (float)(s->plant.h * (double)n_sub);
             u = edges_voltage(&s->sensor, slope, c->u, u_dc, T_s, i_ab);
         } else {
             u = inverter_voltage(&s->sensor, c->u, u_dc, i_ab);
         }
-        plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, tau_load, n_sub, bridge, detail);
+        plant_step(&s->plant, &c->y, (double)u.a, (double)u.b, tau_load, n_sub, extra, detail);
     }
     c->u = u_next;
 }
@@ -123,10 +123,10 @@ CORE_INLINE void sim_sum(sim_t *s, float theta_e, float tau, float tau_twin, flo
     s->k_lost = s->lost != 0 ? s->k + 1 : 0;
 }
 
-/* One period. sensored, with_twin, n_sub, bridge, detail: those of sim_t, passed so that they can
+/* One period. sensored, with_twin, n_sub, extra, detail: those of sim_t, passed so that they can
  * be constants. Returns the inputs of the drive's controller. */
 CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int with_twin, int n_sub,
-                                  int bridge, int detail) {
+                                  int extra, int detail) {
     profile_step(&s->profile, &s->now, s->k);
     float theta_e = (float)s->drive.y.theta_e;
     float tau = (float)s->drive.y.tau;
@@ -144,7 +144,7 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
     } else {
         u = drive_step_inline(&s->control, &s->drive.x, &in);
     }
-    chain_advance(s, &s->drive, u, n_sub, bridge, detail);
+    chain_advance(s, &s->drive, u, n_sub, extra, detail);
 
     float tau_twin = 0.0f;
     float omega_m_twin = omega_m;
@@ -156,7 +156,7 @@ CORE_INLINE drive_in_t sim_period(sim_t *s, float k_s_ref, int sensored, int wit
         i_sq_twin = (float)(y->i_d * y->i_d + y->i_q * y->i_q);
         drive_in_t in_twin = sim_sample(s, &s->twin, 0.0f, detail);
         ab_t u_twin = sensored_step(&s->control, &s->twin, &in_twin, s->omega_scale, starting);
-        chain_advance(s, &s->twin, u_twin, n_sub, bridge, detail);
+        chain_advance(s, &s->twin, u_twin, n_sub, extra, detail);
     }
     sim_sum(s, theta_e, tau, tau_twin, omega_m, omega_m_twin, i_sq, i_sq_twin, k_s_was, starting,
             sensored);

@@ -8,11 +8,11 @@
 /* d flux at zero current [Vs]: secant iteration from two guesses around the magnet's flux. */
 static double flux_at_rest(const plant_params_t *p) {
     dq64_t psi = {p->map.i_f / p->map.a_d0, 0.0};
-    double i_1 = flux_map_current(&p->map, psi, p->bridge).d;
+    double i_1 = flux_map_current(&p->map, psi, p->extra).d;
     double psi_1 = psi.d;
     psi.d = 0.9 * psi_1 + 1.0e-3;
     for (int j = 0; j < 60; j++) {
-        double i_d = flux_map_current(&p->map, psi, p->bridge).d;
+        double i_d = flux_map_current(&p->map, psi, p->extra).d;
         double slope = (i_d - i_1) / (psi.d - psi_1);
         if (i_d == i_1 || !(slope > 0.0)) {
             break;
@@ -38,7 +38,7 @@ static void start_one(sim_t *s) {
         dq64_t m = magnet_harmonic(&s->plant.harmonics, sixth_power(y.cos_e, y.sin_e));
         y.psi_d += m.d;
         y.psi_q += m.q;
-        plant_output(&s->plant, &y, s->plant.bridge, 1);
+        plant_output(&s->plant, &y, s->plant.extra, 1);
     }
     float omega_e = s->omega_scale * at->omega_m;
     int seek = at->seek != 0 && s->sensored == 0;
@@ -75,14 +75,14 @@ void sim_start(sim_t *s, int32_t n) {
 /* Whether a drive does not advance any more. */
 static int over(const sim_t *s) { return (s->lost != 0 && s->go_on == 0) || s->k >= s->k_end; }
 
-/* One period; that of a lost drive changes neither sums nor verdict. Returns the inputs of the
- * drive's controller. */
-static drive_in_t advance(sim_t *s, float k_s_ref) {
+/* One period; that of a lost drive changes neither sums nor verdict. extra: that of the plant,
+ * passed so that it can be constant. Returns the inputs of the drive's controller. */
+CORE_INLINE drive_in_t advance(sim_t *s, float k_s_ref, int extra) {
     sums_t sums = s->sums;
     int32_t lost = s->lost;
     int32_t k_lost = s->k_lost;
-    drive_in_t in = sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub,
-                               s->plant.bridge, s->plant.detail);
+    drive_in_t in =
+        sim_period(s, k_s_ref, s->sensored, s->with_twin, s->plant.n_sub, extra, s->plant.detail);
     if (lost != 0) {
         s->k = (s->lost & LOST_NONFINITE) != 0 ? s->k_end : s->k;
         s->sums = sums;
@@ -92,10 +92,20 @@ static drive_in_t advance(sim_t *s, float k_s_ref) {
     return in;
 }
 
+CORE_INLINE void run_until(sim_t *s, int32_t k, float k_s_ref, int extra) {
+    while (s->k < k && !over(s)) {
+        advance(s, k_s_ref, extra);
+    }
+}
+
 /* Until period k. */
 static void run_one(sim_t *s, int32_t k, float k_s_ref) {
-    while (s->k < k && !over(s)) {
-        advance(s, k_s_ref);
+    if (s->plant.extra == EXTRA_NONE) {
+        run_until(s, k, k_s_ref, EXTRA_NONE);
+    } else if (s->plant.extra == EXTRA_BRIDGE) {
+        run_until(s, k, k_s_ref, EXTRA_BRIDGE);
+    } else {
+        run_until(s, k, k_s_ref, EXTRA_CORRECTION);
     }
 }
 
@@ -219,7 +229,7 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
         row[TRACE_U_B_HAT] = (double)s->drive.x.u_1.b;
         row[TRACE_INJ] = (double)s->drive.x.hfi.sign_1;
         float starting = s->sums.starting;
-        drive_in_t in = advance(s, k_s_ref);
+        drive_in_t in = advance(s, k_s_ref, s->plant.extra);
         const drive_state_t *x = &s->drive.x;
         row[TRACE_U_DC] = (double)in.u_dc;
         row[TRACE_I_A] = (double)in.i_a;

@@ -2,6 +2,7 @@
 
 import dataclasses
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -177,6 +178,11 @@ class SimFactory:
         template["sensor"]["carrier"] = int(design.carrier)
         self.template = template
         """One drive (1,) before its scenario; ``build`` starts from copies."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a pickle, also in a process that has not seen the machine's flux map."""
+        self.__dict__.update(state)
+        plant_record(self.motor)
 
     def build(
         self,

@@ -54,7 +54,10 @@ def record(design: DriveDesign, motor: Motor | None = None) -> dict[str, Any]:
     out = {"set": chosen(design), "design": plain(dataclasses.asdict(design))}
     if motor is None:
         return out
-    return {"machine": dataclasses.asdict(motor), **out, "gains": fingerprint(motor, design)}
+    machine = dataclasses.asdict(motor)
+    if motor.flux_correction is None:
+        machine.pop("flux_correction")
+    return {"machine": machine, **out, "gains": fingerprint(motor, design)}
 
 
 def chosen(design: DriveDesign) -> dict[str, Any]:

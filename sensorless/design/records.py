@@ -14,7 +14,7 @@ from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.design.guard import design_guard
 from sensorless.design.sound import require_finite
 from sensorless.errors import UserError
-from sensorless.machine.magnetics import flux_map_record
+from sensorless.machine.magnetics import plant_map
 from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import require_saliency
 from sensorless.machine.sane import require_sane
@@ -154,7 +154,7 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
 def plant_record(motor: Motor) -> Array:
     """``plant_params_t`` of a motor, shape ()."""
     record = np.zeros((), dtype=PLANT)
-    record["map"] = flux_map_record(motor.saturation)
+    record["map"], extra = plant_map(motor)
     fill(
         record,
         {
@@ -164,7 +164,7 @@ def plant_record(motor: Motor) -> Array:
             "B": motor.B,
             "h": motor.T_s / SUB_STEPS,
             "n_sub": SUB_STEPS,
-            "bridge": int(motor.saturation.a_b > 0.0),
+            "extra": extra,
             "k_iron": 1.0,
         },
     )

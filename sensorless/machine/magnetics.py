@@ -1,14 +1,16 @@
 """Design quantities of a machine's flux map: inverse map, inductances, cross-coupling, MTPA."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core.api import FLUX_MAP, Array
+from sensorless.core.api import FLUX_MAP, Array, lib
 from sensorless.core.machine import flux_map_currents
 from sensorless.errors import UserError
+from sensorless.machine.flux_correction import correction_key
 from sensorless.machine.motor import Motor, Saturation
 
 Floats = NDArray[np.float64]
@@ -41,9 +43,28 @@ def flux_map_record(s: Saturation) -> Array:
     return record
 
 
+def extra_terms(s: Saturation) -> int:
+    """What a saturation model has beyond saturation: a bridge or nothing, EXTRA_* of the core."""
+    return int(lib.EXTRA_BRIDGE if s.a_b > 0.0 else lib.EXTRA_NONE)
+
+
+def plant_map(motor: Motor) -> tuple[Array, int]:
+    """``flux_map_t`` of the simulated machine, shape (), and what it has beyond saturation."""
+    if motor.flux_correction is None:
+        return flux_map_record(motor.saturation), extra_terms(motor.saturation)
+    record = flux_map_record(motor.saturation).copy()
+    record["correction"] = correction_key(motor.flux_correction)
+    return record, int(lib.EXTRA_CORRECTION)
+
+
+def plant_currents(motor: Motor, psi: Floats) -> Floats:
+    """Currents (n, 2) [A] of the simulated machine at flux linkages (n, 2) [Vs]."""
+    return flux_map_currents(*plant_map(motor), psi)
+
+
 def currents(s: Saturation, psi: Floats) -> Floats:
     """Currents (n, 2) [A] at flux linkages (n, 2) [Vs]."""
-    return flux_map_currents(flux_map_record(s), s.a_b > 0.0, psi)
+    return flux_map_currents(flux_map_record(s), extra_terms(s), psi)
 
 
 SIDES = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])[:, None]
@@ -57,8 +78,13 @@ def inverse_inductance(s: Saturation, psi: Floats, step: float | None = None) ->
     """
     if step is None:
         step = 1e-6 * min(1.0, s.i_f / s.a_d0 if s.i_f > 0.0 else 1.0)
+    return slopes(lambda at: currents(s, at), psi, step)
+
+
+def slopes(of: Callable[[Floats], Floats], psi: Floats, step: float) -> Floats:
+    """Jacobian of currents over flux linkages, as ``inverse_inductance``."""
     around = (psi + step * SIDES).reshape(-1, 2)
-    i = currents(s, around).reshape(2, 2, -1, 2)
+    i = of(around).reshape(2, 2, -1, 2)
     return np.stack([(more - less) / (2.0 * step) for more, less in i], axis=-1)
 
 

@@ -15,6 +15,7 @@ else:
     import tomli as tomllib
 
 from sensorless.errors import UserError
+from sensorless.machine.flux_correction import FluxCorrection, read_correction
 from sensorless.settings import REQUIRED, derived, number, read
 from sensorless.units import rad_per_s
 
@@ -61,7 +62,8 @@ class Motor:
     """A machine with its inverter and sensors: SI units, peak values.
 
     ``L_d``, ``L_q`` and ``psi_f`` describe the machine at zero current (what a data sheet gives);
-    the simulated machine follows ``saturation``. The fields from ``emf_5`` on describe the
+    the drive is designed on ``saturation``, which the simulated machine follows with
+    ``flux_correction`` on top. The fields from ``emf_5`` on describe the
     simulated machine alone; no controller uses them. The no-load EMF of a phase is
     -omega psi_f (sin theta + emf_5 sin 5 theta + emf_7 sin 7 theta), and a second saliency of
     ``saliency_6`` times (1/L_d - 1/L_q) / 2 turns six times as fast as the rotor, seen from it.
@@ -97,6 +99,7 @@ class Motor:
     winding_per_K: float = number(0.00393, "1/K", 0, 0.01, "temperature coefficient of R_s")
     magnet_per_K: float = number(-0.0011, "1/K", -0.01, 0, "temperature coefficient of psi_f")
     saturation: Saturation = field(kw_only=True)
+    flux_correction: FluxCorrection | None = field(default=None, kw_only=True)
 
     @property
     def omega_rated(self) -> float:
@@ -151,6 +154,7 @@ class Motor:
 def _from_tables(data: dict[str, Any], where: str) -> Motor:
     tables = {key: data.pop(key, {}) for key in ("machine", "rating", "drive")}
     sat = data.pop("saturation", None)
+    correction = read_correction(data.pop("flux_correction", None), f"{where}: flux_correction")
     data.pop("source", None)
     values: dict[str, Any] = dict(data)
     for key, table in tables.items():
@@ -173,4 +177,4 @@ def _from_tables(data: dict[str, Any], where: str) -> Motor:
         raise UserError(
             f"{where}: i_trip: {numbers['i_trip']} A: must be above i_max = {numbers['i_max']} A"
         )
-    return Motor(**texts, saturation=saturation, **numbers)
+    return Motor(**texts, saturation=saturation, flux_correction=correction, **numbers)

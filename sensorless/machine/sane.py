@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from sensorless.errors import UserError
+from sensorless.machine.folds import fold
 from sensorless.machine.magnetics import currents
 from sensorless.machine.motor import Motor
 from sensorless.units import rad_per_s
@@ -45,6 +46,13 @@ def _wrong(m: Motor) -> Iterator[str]:
             f"the link has u_dc = {m.u_dc:g} V; give it in ohm, of one phase"
         )
     yield from _map(m)
+    at = fold(m)
+    if at is not None:
+        yield (
+            f"flux_correction: current does not rise with flux near i_d = {at[0]:.3g} A, i_q = "
+            f"{at[1]:.3g} A, as it does in a machine; import the flux map anew (sensorless motor "
+            "import-map), or remove [flux_correction]"
+        )
 
 
 def _map(m: Motor) -> Iterator[str]:

@@ -11,7 +11,7 @@ from sensorless.core.machine import plant_run
 from sensorless.design.records import SUB_STEPS
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
-from sensorless.machine.magnetics import Floats, flux, flux_map_record
+from sensorless.machine.magnetics import Floats, extra_terms, flux, flux_map_record
 from sensorless.plant.case import PlantCase, read_case
 from sensorless.plant.inputs import read_inputs
 
@@ -69,7 +69,7 @@ def plant_arrays(
     plant["R_s"], plant["n_p"], plant["B"] = case.R_s, case.n_p, case.B
     plant["inv_J"] = 1.0 / case.J
     plant["n_sub"], plant["h"] = sub_steps, case.T_s / (sub_steps * split)
-    plant["bridge"] = int(case.saturation.a_b > 0.0)
+    plant["extra"] = extra_terms(case.saturation)
     state = np.zeros(1, dtype=PLANT_STATE)
     psi = flux(case.saturation, np.array([[case.i_d, case.i_q]]))[0]
     state["psi_d"], state["psi_q"] = psi

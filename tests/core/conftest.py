@@ -32,6 +32,7 @@ def c(tmp_path_factory: pytest.TempPathFactory) -> Call:
         str(CORE / "sim" / "carrier.c"),
         str(CORE / "sim" / "batch.c"),
         str(CORE / "sim" / "simd.c"),
+        str(CORE / "sim" / "flux_correction.c"),
     ]
     compiler = os.environ.get("CC", "cc").split()
     subprocess.run(

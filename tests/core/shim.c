@@ -211,7 +211,7 @@ void t_edges(const sensor_params_t *p, const plant_params_t *m, const plant_stat
             (float)(x[j].cos_e * x[j].i_d - x[j].sin_e * x[j].i_q),
             (float)(x[j].sin_e * x[j].i_d + x[j].cos_e * x[j].i_q),
         };
-        plant_slope_t slope = plant_slope(m, &x[j], m->bridge, m->detail);
+        plant_slope_t slope = plant_slope(m, &x[j], m->extra, m->detail);
         ab_t out = edges_voltage(p, slope, u_ab, u_dc, (float)(m->h * (double)m->n_sub), i_ab);
         y[2 * j] = out.a;
         y[2 * j + 1] = out.b;

@@ -94,7 +94,7 @@ def test_plant_and_sensor_records(motor: Motor) -> None:
     assert [plant["R_s"], plant["n_p"], plant["B"]] == [motor.R_s, motor.n_p, motor.B]
     assert plant["inv_J"] == pytest.approx(1.0 / motor.J)
     assert plant["h"] * plant["n_sub"] == pytest.approx(motor.T_s)
-    assert plant["bridge"] == 0
+    assert plant["extra"] == 0
     assert sensor["lsb"] == pytest.approx(20.0 / 4096)
     assert sensor["noise_rms"] == pytest.approx(0.007)
     assert sensor["dead_time_share"] == pytest.approx(0.01)

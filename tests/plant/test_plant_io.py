@@ -124,8 +124,8 @@ def test_optional_parts() -> None:
         data = changed(data, f"machine.{name}", ...)
     case = case_from(data, "x")
     assert (case.saturation.i_f, case.saturation.a_b) == (2.5, 0.0)
-    assert plant_arrays(case)[0]["bridge"][0] == 0
-    assert plant_arrays(case_from(SATURATED, "x"))[0]["bridge"][0] == 1
+    assert plant_arrays(case)[0]["extra"][0] == 0
+    assert plant_arrays(case_from(SATURATED, "x"))[0]["extra"][0] == 1
 
 
 def inputs_file(folder: Path, text: str) -> Path:

@@ -22,7 +22,7 @@ ODD = {
     ("with_twin",): 0,
     ("plant", "detail"): 1,
     ("plant", "n_sub"): 2,
-    ("plant", "bridge"): 1,
+    ("plant", "extra"): 1,
     ("inv_stick",): 0.5,
     ("sensor", "carrier"): 1,
     ("control", "hfi", "scheme"): lib.HFI_STATIONARY,
