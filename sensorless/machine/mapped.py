@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from sensorless.errors import UserError
+from sensorless.machine.flux_correction import correction_table
 from sensorless.machine.magnetics import flux
 from sensorless.machine.map_fit import MapFit
 from sensorless.machine.motor import Motor, Saturation
@@ -42,14 +43,22 @@ def mapped(motor: Motor, fit: MapFit) -> Motor:
     return dataclasses.replace(motor, L_d=_six(L_d), L_q=_six(L_q), psi_f=_six(psi_f), saturation=s)
 
 
-def tables_of(motor: Motor, source: str, base: str) -> dict[str, Any]:
-    """Tables of its motor file: ``source`` of the map's numbers, ``base`` of all others."""
+def tables_of(motor: Motor, source: str, base: str, beyond: str = "") -> dict[str, Any]:
+    """Tables of its motor file.
+
+    Parameters
+    ----------
+    source, beyond, base : str
+        Where the map's numbers, its correction, and all others are from.
+    """
     from_map = ("L_d", "L_q", "psi_f")
+    more = motor.flux_correction
     return {
         "name": motor.name,
         "description": motor.description,
         **{table: {f: getattr(motor, f) for f in fields} for table, fields in TABLES.items()},
         "saturation": saturation_table(motor.saturation),
+        **({} if more is None else {"flux_correction": correction_table(more)}),
         "source": {
             **{
                 f: f"{source}, at zero current" if f in from_map else f"as in {base}"
@@ -57,6 +66,7 @@ def tables_of(motor: Motor, source: str, base: str) -> dict[str, Any]:
                 for f in fields
             },
             "saturation": source,
+            **({} if more is None else {"flux_correction": beyond}),
         },
     }
 

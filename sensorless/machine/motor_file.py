@@ -58,7 +58,10 @@ def table_lines(
 
 
 def toml_value(value: object) -> str:
-    """A number or a text as TOML writes it."""
+    """A number, a text or rows of numbers as TOML writes it."""
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)  # a TOML basic string has JSON's escapes
+    if isinstance(value, tuple):
+        rows = "".join(f"    [{', '.join(map(repr, row))}],\n" for row in value)
+        return f"[\n{rows}]"
     return repr(value)

@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sensorless.machine.magnetics import flux
+from sensorless.machine.magnetics import currents, flux, plant_currents
 from sensorless.machine.motor import Motor
+from sensorless.machine.rated_point import polar
 from sensorless.machine.saliency import LEAST, principal
 from sensorless.observers.injection_signal import LINK_SHARE, dead_time_voltage
 from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
@@ -24,6 +25,7 @@ def plausible(motor: Motor) -> Iterator[Finding]:
     yield from _per_unit(motor)
     yield from _axes(motor)
     yield from _saturation(motor)
+    yield from _correction(motor)
     yield from _inverter(motor)
 
 
@@ -68,6 +70,20 @@ def _saturation(m: Motor) -> Iterator[Finding]:
             gives = f"[saturation] gives {field} = {value:.4g} at zero current"
             text = f"{gives}, but the file says {said:g}"
             yield Finding(LIMIT, field, text)
+
+
+def _correction(m: Motor) -> Iterator[Finding]:
+    if m.flux_correction is None:
+        return
+    i = polar(m)
+    beyond = plant_currents(m, psi := flux(m.saturation, i)) - currents(m.saturation, psi)
+    most = 100.0 * float(np.abs(beyond[np.hypot(*i.T) <= m.i_rated]).max()) / m.i_rated
+    yield Finding(
+        NOTE,
+        "flux_correction",
+        f"the simulated machine differs from [saturation], on which the drive is designed, by up "
+        f"to {most:.2g} % of rated current within it; this table knows the latter alone",
+    )
 
 
 def _inverter(m: Motor) -> Iterator[Finding]:

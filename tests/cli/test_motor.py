@@ -1,6 +1,7 @@
 """From a data sheet to a checked motor file, and what the check says on screen and page."""
 
 import inspect
+import json
 import math
 import re
 import sys
@@ -28,7 +29,7 @@ from sensorless.machine.magnetics import Floats
 from sensorless.machine.map_fit import MapFit
 from sensorless.machine.motor import MOTORS, Motor, Saturation
 from tests.helpers.command import run
-from tests.helpers.machines import MEASURED_MAP
+from tests.helpers.machines import MEASURED_MAP, knee_map
 
 DATA = Path(__file__).parents[1] / "data"
 SHEET = {
@@ -158,6 +159,27 @@ def test_a_flux_map_becomes_a_motor_file(
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
     again = run("motor", "check", "made.toml", "--size", "0", cwd=tmp_path)
     assert "suitable: yes" in again.stdout
+
+
+def test_a_map_that_no_model_fits_becomes_a_correction(tmp_path: Path) -> None:
+    """One file to copy: the correction is in it, the check says so, a drive runs on it."""
+    i, psi = knee_map()
+    head = "i_d [A],i_q [A],psi_d [Vs],psi_q [Vs]"
+    np.savetxt(tmp_path / "knee.csv", np.c_[i, psi], delimiter=",", header=head, comments="")
+    words = ["knee.csv", "--motor", "pmsyrm_5600w", "--plot", "fit.png", "--json"]
+    done = run("motor", "import-map", *words, "--out", "made.toml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert max(found["within_rated_current"]["rms_percent"]) > 1.0
+    assert max(found["corrected"]["rms_percent"]) < 0.5
+    made = Motor.load(tmp_path / "made.toml")
+    assert made.flux_correction is not None
+    text = (tmp_path / "made.toml").read_text(encoding="utf-8")
+    assert 'flux_correction = "flux map knee.csv: what [saturation] leaves' in text
+    again = run("motor", "check", "made.toml", "--size", "0", cwd=tmp_path)
+    assert "note: flux_correction" in again.stdout
+    ran = run("simulate", "--motor", "made.toml", "--duration", "0.05", cwd=tmp_path)
+    assert ran.returncode == 0, ran.stderr
 
 
 def test_the_list_has_every_shipped_motor(tmp_path: Path) -> None:
