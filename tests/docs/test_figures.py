@@ -18,11 +18,13 @@ from sensorless.evaluation.trace import trace
 from sensorless.evaluation.trace_summary import plateaus
 from sensorless.export import judge
 from sensorless.machine.motor import Motor
+from sensorless.machine.saliency import LEAST
 from sensorless.observers.coupled_design import LAYER_SPEED, Bandwidths, bandwidths
 from sensorless.observers.start_design import peaks, polarity_pulse
 from sensorless.observers.tracking import voltage_drift
 from sensorless.policies.bench import bench
 from sensorless.policies.registry import make_policy
+from sensorless.suitability import seen
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -135,6 +137,13 @@ def test_poles_of_the_coupled_observer(name: str) -> None:
     for real, imaginary in told:
         assert any(near(real, -p.real) and near(imaginary, abs(p.imag)) for p in poles), real
     assert np.all(-poles.real / np.abs(poles) > 0.6)
+
+
+def test_saliency_that_a_check_asks_for() -> None:
+    limit, no = seen.RATIO
+    page = text(DOCS / "bring-a-motor.md")
+    assert f"a ratio below {limit:g} somewhere is a limit, below {no:g} within rated" in page
+    assert f"machine with L_q/L_d below {LEAST:g} is refused" in page
 
 
 def test_pulse_of_the_start() -> None:
