@@ -195,6 +195,13 @@ def test_the_tree_has_every_folder() -> None:
     assert packages - links <= told, "add a line to the tree of docs/layout.md"
 
 
+def test_the_list_of_the_firmware_has_every_file() -> None:
+    page = (ROOT / "firmware" / "README.md").read_text(encoding="utf-8")
+    files = {path.name for path in (ROOT / "firmware").iterdir()} - {"README.md"}
+    missing = {n for n in files if f"`{n}`" not in page and f"`{n}/`" not in page}
+    assert not missing, "list them in firmware/README.md"
+
+
 def test_the_citation_has_the_version() -> None:
     version = re.findall(r'^version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)
     assert re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.M) == version

@@ -11,6 +11,7 @@ from sensorless.design.new_motor import LOW_VOLTAGE
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.errors import UserError
+from sensorless.identify.machine.electric import Sensors
 from sensorless.identify.machine.log import Part
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.source import Command, Gains
@@ -60,8 +61,7 @@ class Simulated:
         rows = commission_run(self._sim, _records(commands, self._plate.T_s), limit)
         part = Part(stage, rows)
         self.parts.append(part)
-        i = part["i_a"][-1] + 1j * (part["i_a"][-1] + 2.0 * part["i_b"][-1]) / np.sqrt(3.0)
-        if abs(i) > limit:
+        if abs(Sensors().current(part)[-1]) > limit:
             raise UserError(
                 f"stage {stage}: current above {limit:.3g} A; check the name plate's rated current "
                 "and voltage"
