@@ -93,7 +93,11 @@ def suggested_injection(motor: Motor, pll_hz: float) -> float:
         DEAD_TIME_SHARE * dead_time_voltage(motor),
     )
     most = min(LINK_SHARE * motor.u_dc, RIPPLE_SHARE * motor.i_rated / one.amplitude)
-    return float(f"{min(wanted, most):.2g}")
+    volt = min(wanted, most)
+    rounded = float(f"{volt:.2g}")
+    if rounded > most:
+        rounded -= 10.0 ** (math.floor(math.log10(volt)) - 1)
+    return float(f"{rounded:.2g}")
 
 
 def dead_time_voltage(motor: Motor) -> float:

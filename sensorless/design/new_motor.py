@@ -73,7 +73,8 @@ def new_motor(
     numbers["u_dc"] = Number(u_dc, "given")
     numbers |= _inverter(i_rated, u_dc, 1.0 / pwm_hz, adc_range, adc_bits, dead_time)
     numbers["u_inj"] = Number(u_inj if u_inj is not None else 0.1 * u_dc, "given")
-    what = f"{tau * omega:.3g} W at {sheet.speed_rpm:g} r/min, from data-sheet numbers, linear"
+    power = f"{tau * omega:.3g} W" if tau * omega < 1e3 else f"{tau * omega / 1e3:.3g} kW"
+    what = f"{power} at {sheet.speed_rpm:g} r/min, from data-sheet numbers, linear"
     motor = Motor.from_tables(plain(tables(name, what, numbers)), name)
     require_saliency(motor)
     if u_inj is None:

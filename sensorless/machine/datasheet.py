@@ -126,7 +126,8 @@ def _inductances(s: Datasheet) -> tuple[Number, Number]:
         )
     if s.L is None or s.ratio is None or s.L_d is not None or s.L_q is not None:
         raise UserError(
-            "inductance: incomplete; give l-d and l-q, or the average l and ratio = L_q / L_d"
+            "inductance: incomplete; give l-d and l-q, or the average l and ratio = L_q / L_d; a "
+            "sheet that has one inductance alone is usually that of surface magnets, ratio 1"
         )
     if s.ratio <= 0.0:
         raise UserError(f"ratio: {s.ratio:g}; give L_q / L_d, above 1 for buried magnets")

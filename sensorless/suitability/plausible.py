@@ -14,6 +14,8 @@ from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 
 BEYOND = 3.0
 """A value this factor outside its usual range is an error, not an unusual machine."""
+AT_SPEED = ("psi_f", "L_d", "L_q")
+"""Numbers whose voltage is that at rated speed."""
 TURN = (20.0, 8.0)
 """PWM periods per electrical turn at rated speed below which a drive is limited, or unable."""
 SAME = 0.05
@@ -34,22 +36,42 @@ def _per_unit(m: Motor) -> Iterator[Finding]:
     u, w = m.u_dc / math.sqrt(3.0), m.omega_rated
     z = u / m.i_rated
     start = m.J * w / m.n_p / m.tau_rated
-    for field, value, low, high, what in (
-        ("psi_f", w * m.psi_f / u, 0.1, 1.6, "no-load EMF at rated speed over the DC link's"),
-        ("R_s", m.R_s / z, 3e-4, 0.25, "voltage of rated current in R_s over the DC link's"),
-        ("L_d", w * m.L_d / z, 0.02, 1.5, "voltage of rated current in L_d over the DC link's"),
-        ("L_q", w * m.L_q / z, 0.03, 4.0, "voltage of rated current in L_q over the DC link's"),
-        ("J", start, 0.004, 15.0, "seconds from rest to rated speed at rated torque"),
-    ):  # fmt: skip
-        if low <= value <= high:
-            continue
-        far = max(low / value, value / high) > BEYOND
+    found = {
+        field: (value, low, high, what)
+        for field, value, low, high, what in (
+            ("psi_f", w * m.psi_f / u, 0.1, 1.6, "no-load EMF at rated speed over the DC link's"),
+            ("R_s", m.R_s / z, 3e-4, 0.25, "voltage of rated current in R_s over the DC link's"),
+            ("L_d", w * m.L_d / z, 0.02, 1.5, "voltage of rated current in L_d over the DC link's"),
+            ("L_q", w * m.L_q / z, 0.03, 4.0, "voltage of rated current in L_q over the DC link's"),
+            ("J", start, 0.004, 15.0, "seconds from rest to rated speed at rated torque"),
+        )
+        if not low <= value <= high
+    }  # fmt: skip
+    if found.keys() >= set(AT_SPEED):
+        shared = [found[field] for field in AT_SPEED]
+        sides = {value > high for value, _, high, _ in shared}
+        if len(sides) == 1:  # what they share is wrong
+            found = {field: found[field] for field in found if field not in AT_SPEED}
+            yield Finding(
+                NO if any(_far(*x[:3]) for x in shared) else LIMIT,
+                "u_dc",
+                f"u_dc = {m.u_dc:g} V, n_rated_rpm = {m.n_rated_rpm:g}: no-load EMF, and rated "
+                f"current in L_d and L_q, take {', '.join(f'{x[0]:.3g}' for x in shared)} times "
+                f"the DC link's voltage, all too {'much' if sides == {True} else 'little'}: wrong "
+                "DC link, rated speed or pole pairs?",
+            )
+    for field, (value, low, high, what) in found.items():
         yield Finding(
-            NO if far and field != "J" else LIMIT,
+            NO if _far(value, low, high) and field != "J" else LIMIT,
             field,
             f"{field} = {getattr(m, field):g}: {what} is {value:.3g}, usually {low:g} to {high:g}: "
             "wrong unit, factor or pole pairs?",
         )
+
+
+def _far(value: float, low: float, high: float) -> bool:
+    """Whether a value is so far outside that no machine has it."""
+    return max(low / value, value / high) > BEYOND
 
 
 def _axes(m: Motor) -> Iterator[Finding]:

@@ -64,6 +64,7 @@ def test_suggestion_is_near_what_was_chosen_by_hand_and_scales() -> None:
 def test_limits_of_the_suggestion() -> None:
     """Never beyond a fifth of the link; above the voltage that dead time takes."""
     assert suggested_injection(replace(PAPER, u_dc=100.0), 15.0) == pytest.approx(20.0)
+    assert suggested_injection(replace(PAPER, u_dc=88.0), 15.0) == pytest.approx(17.0)  # not 17.6
     late = replace(PAPER, dead_time=12e-6)
     assert dead_time_voltage(late) == pytest.approx(32.4)
     assert suggested_injection(late, 15.0) == pytest.approx(65.0)

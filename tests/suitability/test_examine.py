@@ -64,6 +64,16 @@ def test_slips_are_found(changes: dict[str, Any], word: str, said: str) -> None:
     assert any(said in text for text in texts), texts
 
 
+@pytest.mark.parametrize(
+    ("changes", "said"), [({"u_dc": 24.0}, "too much"), ({"n_rated_rpm": 15.0}, "too little")]
+)
+def test_what_all_voltages_share_is_named_once(changes: dict[str, Any], said: str) -> None:
+    e = changed(LINEAR, **changes)
+    (found,) = (f for f in e.findings if f.field in ("u_dc", "psi_f", "L_d", "L_q"))
+    assert found.field == "u_dc" and found.weight == NO
+    assert f"all {said}: wrong DC link, rated speed or pole pairs?" in found.text
+
+
 def test_inductances_that_contradict_the_flux_map() -> None:
     e = changed(PAPER, L_q=0.35)
     said = "[saturation] gives L_q = 0.286 at zero current, but the file says 0.35"
