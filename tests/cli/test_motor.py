@@ -75,6 +75,16 @@ def test_real_machines_pass_or_are_refused_for_a_reason(name: str, tmp_path: Pat
     assert (f"suitable: {sheet['verdict']}" if judged else sheet["verdict"]) in said
 
 
+def test_the_page_tells_every_sheet_and_its_verdict() -> None:
+    text = (DATA.parents[1] / "docs" / "bring-a-motor.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines()]
+    told = {row[1].split("`")[1]: row[4] for row in rows if len(row) == 8 and "`" in row[1]}
+    assert set(told) >= set(sheets())
+    for name, sheet in sheets().items():
+        word = sheet["verdict"].split(",")[0]
+        assert told[name].startswith("refused" if word == "saliency" else word), name
+
+
 def test_what_is_missing_is_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     given = words(poles=None, ke=None, torque=None, size="0")
