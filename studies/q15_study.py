@@ -152,7 +152,7 @@ def main() -> None:
         console.print(show(word, found[word]))
     setting = {name: getattr(options, name) for name in ("suite", "seed", "size")}
     record = {**setting, "motor": motor.name, "versions": versions(), "policies": found}
-    write_atomic(options.out, json.dumps(record, indent=1) + "\n")
+    write_atomic(options.out, json.dumps(record) + "\n")
     console.print(f"wrote {options.out}")
 
 
