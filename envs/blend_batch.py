@@ -273,7 +273,13 @@ class BlendBatch:
         )
 
     def restore(self, state: BatchState) -> None:
-        """Continue from a copy that `state` made on a batch of the same size."""
+        """Continue from a copy that `state` made on a batch of the same size.
+
+        Raises
+        ------
+        UserError
+            It is of a batch of another size.
+        """
         if len(state.sims) != len(self):
             raise UserError(f"state: {len(state.sims)} drives; restore one of {len(self)} drives")
         self._sims[:] = state.sims

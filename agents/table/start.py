@@ -68,6 +68,11 @@ def grid(text: str, ramp: Axis | None = None) -> tuple[Axis, ...]:
     text : str
     ramp : Axis, optional
         Linear rule whose ends ``speed:NODES`` puts on nodes.
+
+    Raises
+    ------
+    UserError
+        The text cannot be read.
     """
     try:
         words = [word.split(":") for word in text.split(",")]

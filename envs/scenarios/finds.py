@@ -70,7 +70,13 @@ def keys(suite: str, motor: Motor) -> tuple[tuple[int, int], ...]:
 
 
 def drawn(suite: str, motor: Motor, seeds: Seeds, units: Floats) -> Scenarios:
-    """Scenarios of a suite from ``units`` (n, numbers)."""
+    """Scenarios of a suite from ``units`` (n, numbers).
+
+    Raises
+    ------
+    UserError
+        The suite draws another number of numbers.
+    """
     names = keys(suite, motor)
     if units.shape[1] != len(names):
         raise UserError(

@@ -103,6 +103,11 @@ def plan_from(
         Truth minus the drive's first angle, electrical [deg].
     spin : float
         Speed of the shaft at the beginning [r/min].
+
+    Raises
+    ------
+    UserError
+        A plan cannot be read or has too many times, or a number is out of range.
     """
     if not -180.0 <= theta_err <= 180.0:
         raise UserError(f"theta_err: {theta_err:g}; give -180 to 180 degrees")

@@ -59,7 +59,13 @@ def cross_curve(motor: Motor, line: Floats, cross: str, share: float) -> Floats:
 
 
 def load(path: Path, motor: Motor, i_q: Floats) -> Floats:
-    """Table of an identified cross-coupling [rad] at ``i_q`` >= 0 [A]; see ``cross_curve``."""
+    """Table of an identified cross-coupling [rad] at ``i_q`` >= 0 [A]; see ``cross_curve``.
+
+    Raises
+    ------
+    UserError
+        The file cannot be read, is damaged, or is of another machine.
+    """
     try:
         data: Any = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:

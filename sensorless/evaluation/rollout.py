@@ -89,6 +89,11 @@ def rollout(
 
     Drives stop when they are lost. With ``go_on`` they go on, so that ``lock`` can say what they
     do about it; all else is the same.
+
+    Raises
+    ------
+    ValueError
+        The policy gives weights of another shape.
     """
     n = len(scenarios)
     periods = decision_periods(factory.motor)

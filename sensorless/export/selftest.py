@@ -24,7 +24,13 @@ class SelfTest:
 
 
 def find_compiler() -> list[str] | None:
-    """Command of the C compiler: ``$CC``, else cc, gcc or clang; None without one."""
+    """Command of the C compiler: ``$CC``, else cc, gcc or clang; None without one.
+
+    Raises
+    ------
+    UserError
+        ``$CC`` cannot be read as a command.
+    """
     try:
         named = shlex.split(os.environ.get("CC", ""))
     except ValueError as error:

@@ -86,6 +86,11 @@ def lockstep(
         PWM periods from one decision to the next.
     plain : bool
         The host runs drive by drive instead of in blocks of vector code.
+
+    Raises
+    ------
+    ValueError
+        No drives, or more than ``DRIVES``.
     """
     n = len(sims)
     if not 1 <= n <= DRIVES:

@@ -68,7 +68,13 @@ def read_case(path: str | Path) -> PlantCase:
 
 
 def case_from(data: Any, where: str) -> PlantCase:
-    """Check the parsed JSON field by field; ``where`` opens every message."""
+    """Check the parsed JSON field by field; ``where`` opens every message.
+
+    Raises
+    ------
+    UserError
+        A field is missing, unknown or out of range.
+    """
     if not isinstance(data, dict):
         raise UserError(f"{where}: give an object with T_s, machine, mechanics and init")
     top = {key: value for key, value in data.items() if key not in NOTES}

@@ -156,7 +156,13 @@ def python_policy(spec: str, motor: Motor) -> PythonPolicy:
 
 @contextmanager
 def told(spec: str, where: str) -> Iterator[None]:
-    """Make an error of a user's code one that names file and line."""
+    """Make an error of a user's code one that names file and line.
+
+    Raises
+    ------
+    UserError
+        In the place of whatever the code raised.
+    """
     try:
         yield
     except UserError:

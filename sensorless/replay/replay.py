@@ -149,7 +149,13 @@ def load(
     delay: int = 0,
     names: Mapping[str, str] | None = None,
 ) -> Log:
-    """Read a log for a drive; see ``sensorless.replay.log.read_log``."""
+    """Read a log for a drive; see ``sensorless.replay.log.read_log``.
+
+    Raises
+    ------
+    UserError
+        The delay is out of range, or as there.
+    """
     if not 0 <= delay <= 2:
         raise UserError(f"delay: {delay}; give 0, 1 or 2 rows")
     control = control_record(motor, design)["control"]

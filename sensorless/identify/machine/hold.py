@@ -163,7 +163,13 @@ def _turned(
 
 
 def fit_resistance(means: Floats, sensors: Sensors, plate: Nameplate) -> Resistance:
-    """Least squares over means (n, 3) of voltage and both channels; ``i_zero`` is searched."""
+    """Least squares over means (n, 3) of voltage and both channels; ``i_zero`` is searched.
+
+    Raises
+    ------
+    UserError
+        The resistance found is not above zero.
+    """
     u = means[:, 0]
     a, b = means[:, 1] - sensors.offset[0], means[:, 2] - sensors.offset[1]
     sensors = Sensors(sensors.offset, float(-2.0 * (a @ b) / (a @ a)))
