@@ -13,11 +13,13 @@ from sensorless.observers.injection_signal import (
     injection_signal,
     suggested_injection,
 )
-from sensorless.suitability.finding import LIMIT, NO, Finding
+from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 from sensorless.suitability.plausible import TURN
 
 RATIO = (1.15, 1.05)
 """Inductance ratio under load below which the drive is limited, or gets no useful signal."""
+ROOM = 1.3
+"""Inductance ratio below which errors of the machine's parameters cost most, worth a note."""
 NOISE = (3.0, 10.0)
 """RMS angle noise above which the drive is limited, or unable [deg]."""
 CROSS = (25.0, 40.0)
@@ -64,6 +66,10 @@ def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
         bound = "at least" if field == "L_q" else "at most"
         text = f"{what} {abs(top):.3g}{unit} {where}; needed: {bound} {abs(limit):g}"
         yield Finding(weight, field, text)
+    least = float(s.ratio.min())
+    if RATIO[0] <= least < ROOM:
+        text = f"inductance ratio {least:.3g}: below {ROOM:g} is little room for a wrong model"
+        yield Finding(NOTE, "L_q", text)
     if s.amplitude > 2.5 * RIPPLE_SHARE * motor.i_rated:
         text = f"injected current {s.amplitude:.3g} A is {s.amplitude / motor.i_rated:.0%} of rated"
         yield Finding(LIMIT, "u_inj", text)

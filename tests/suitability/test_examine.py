@@ -93,7 +93,7 @@ def test_cross_coupling_beyond_a_current_asks_for_a_lower_limit() -> None:
     assert np.interp(at, size, np.abs(e.seen.cross_deg)) == pytest.approx(25.0, abs=4.0)
 
 
-@pytest.mark.parametrize(("ratio", "weight"), [(1.04, NO), (1.1, LIMIT), (1.2, None)])
+@pytest.mark.parametrize(("ratio", "weight"), [(1.04, NO), (1.1, LIMIT), (1.2, NOTE), (1.35, None)])
 def test_weak_saliency_weighs(ratio: float, weight: str | None) -> None:
     e = changed(LINEAR, L_q=ratio * LINEAR.L_d, u_inj=108.0)
     found = [f for f in e.findings if f.text.startswith("inductance ratio")]
