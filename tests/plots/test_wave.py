@@ -12,9 +12,11 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.words import plan_from
 from sensorless.evaluation.trace import Trace, trace
 from sensorless.machine.motor import Motor
+from sensorless.plots.replayed import replayed
 from sensorless.plots.wave import FOLDED, Curve, faults, merged, wave
 from sensorless.plots.waveforms import waveforms
 from sensorless.policies.registry import make_policy
+from sensorless.replay.replay import SAMPLE, load, replay
 from sensorless.report.picture import write_waves
 
 MOTOR = Motor.load("paper")
@@ -65,3 +67,12 @@ def test_the_name_of_the_file_says_what_it_becomes(lost: Trace, tmp_path: Path, 
     write_waves([wave("run & more", lost)], tmp_path / name, "sensorless simulate")
     head = (tmp_path / name).read_bytes()[:15]
     assert head.startswith(b"\x89PNG" if name.endswith("png") else b"<!DOCTYPE html>")
+
+
+def test_of_a_replay_the_noisy_curve_lies_below_the_others() -> None:
+    design = DriveDesign()
+    run = replay(load(SAMPLE, MOTOR, design), MOTOR, design, make_policy("eq25", MOTOR))
+    for pane in replayed(run, "sample").panes[:2]:
+        known = [c for c in pane.curves if "encoder" not in c.name]
+        noise = [float(np.nanstd(np.diff(curve.values))) for curve in known]
+        assert noise[0] == max(noise), pane.key
