@@ -84,3 +84,40 @@ def test_rated_torque_at_standstill() -> None:
         assert ("limit cycle" in cells) == any(
             found[j]["limit_cycle"] for j in ("J x 1", "J x 0.5")
         )
+
+
+def test_drives_that_know_that_they_are_lost() -> None:
+    found = {(f["motor"], f["estimator"], f["lost_lock"]): f for f in record("lock")["found"]}
+    page, names = text("lock.md"), {"coupled": "coupled", "SMO": "smo", "flux": "flux"}
+    rows = re.findall(r"^\| `(\w+)`, (coupled|SMO|flux) \|(.*)\|$", page, re.MULTILINE)
+    back = possible = 0
+    for motor, label, cells in rows:
+        report, restart, truth = (
+            found[motor, names[label], action] for action in ("report", "restart", "truth")
+        )
+        count = report["lock_counts"]
+        back, possible = back + truth["possible_recovered"], possible + truth["possible"]
+        assert [cell.strip() for cell in cells.split("|")] == [
+            f"{report['held_s']:.0f}",
+            f"{count['false_alarms']}" + f" ({count['near_losses']})" * bool(count["false_alarms"]),
+            f"{count['lost']}",
+            f"{100 * report['detected_rate']:.0f} %",
+            f"{100 * report['recovered_rate']:.0f} / {100 * restart['recovered_rate']:.0f} % of "
+            f"{count['could_recover']}",
+            f"{truth['possible_recovered']} of {truth['possible']}",
+        ]
+    assert len(rows) == 7
+    assert f"So {back} of the {possible} losses that a perfect search" in page
+
+
+def test_share_of_the_headroom() -> None:
+    found = record("clairvoyant")
+    page = text("judge-a-schedule.md")
+    (row,) = re.findall(r"^\| deviation, ripple of Eq\. 25 and .*?\|(.*)\|$", page, re.MULTILINE)
+    eq25 = {"coupled": "eq25", "smo": "sliding_mode", "flux": "flux_observer"}
+    for cell, (name, rule) in zip(row.split("|"), eq25.items(), strict=True):
+        at, bound = found[name]["policies"][rule], found[name]
+        values = [100 * x[y] for x in (at, bound) for y in ("deviation", "ripple")]
+        assert all(map(near, re.findall(r"[\d.]+", cell), values)), name
+    last = [1 - x["after_generations"][-1] / x["after_generations"][-11] for x in found.values()]
+    assert f"by {100 * min(last):.1f} to {100 * max(last):.1f} %." in page
