@@ -32,7 +32,7 @@ def mapped(motor: Motor, fit: MapFit) -> Motor:
     if psi_f <= 0.0 or L_d >= L_q:
         raise UserError(
             f"map: L_d = {L_d:.4g} H, L_q = {L_q:.4g} H, psi_d = {psi_f:.4g} Vs at zero current; "
-            "L_q must exceed L_d with the magnet along d: try --turn"
+            "the magnet must lie along d, and L_q exceed L_d: add --turn, or leave it out if given"
         )
     low, high = principal(motor, zero)[0] * (0.2, 5.0)
     if not (low < L_d < high and low < L_q < high):
