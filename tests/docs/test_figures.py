@@ -143,6 +143,7 @@ def test_saliency_that_a_check_asks_for() -> None:
     limit, no = seen.RATIO
     page = text(DOCS / "bring-a-motor.md")
     assert f"a ratio below {limit:g} somewhere is a limit, below {no:g} within rated" in page
+    assert f"Only above about {seen.ROOM:g} is there room" in page
     assert f"machine with L_q/L_d below {LEAST:g} is refused" in page
 
 
