@@ -67,7 +67,7 @@ class Case:
     gains: Mapping[str, Sequence[float]] = field(default_factory=dict)
     """Rules that set gains too, to be tuned, by name: speeds of ``tune_with_gains``"""
     start: str = "eq25"
-    """Schedule that training starts from; one of ``gains``: the best rule of that name"""
+    """Schedule that training starts from"""
 
 
 CASES = {
@@ -94,9 +94,9 @@ CASES = {
         4.0,
         ((1.0, {}),),
         10_000_000,
-        ("eq25", RULE),
+        ("eq25", RULE, "tuned-smo-gains"),
         {"static": STATIC, "scheduled": SCHEDULED},
-        "scheduled",
+        "tuned-smo-gains",
     ),
     "coupled": Case(
         "coupled",
@@ -114,10 +114,10 @@ CASES = {
 
 
 def trained(
-    name: str, case: Case, seed: int, factory: SimFactory, work: Path, steps: int, start: str
+    name: str, case: Case, seed: int, factory: SimFactory, work: Path, steps: int
 ) -> Policy:
-    """Schedule of one seed of PPO, from a start on."""
-    axes = case.train["axes"]
+    """Schedule of one seed of PPO from the start of its case."""
+    start, axes = case.start, case.train["axes"]
     for i, (share, stage) in enumerate(case.stages):
         run = work / f"{name}-seed-{seed}-{i}"
         config = TrainConfig(
@@ -131,16 +131,11 @@ def trained(
     return load_run(run, factory.motor)
 
 
-def tuned_gains(name: str, kind: str, seed: int, work: Path) -> Path:
-    """File of a rule with gains."""
-    return work / f"{name}-{kind}-{seed}.json"
-
-
 def tuned(
     name: str, kind: str, case: Case, seed: int, factory: SimFactory, work: Path, budget: float
 ) -> Policy:
     """Rule of one seed of CMA-ES with one kind of the gains of the case."""
-    motor, path = factory.motor, tuned_gains(name, kind, seed, work)
+    motor, path = factory.motor, work / f"{name}-{kind}-{seed}.json"
     if not path.is_file():
         ranges = TrainConfig(**case.train).gain_ranges
         start = Tuned.load(tuned_file(RULE)).parameters
@@ -190,21 +185,19 @@ def study(name: str, words: argparse.Namespace) -> dict[str, Any]:
     factory = SimFactory(Motor.load("paper"), DriveDesign(estimator=case.estimator))
     words.work.mkdir(parents=True, exist_ok=True)
     steps = words.steps or case.steps
+    agents = {s: trained(name, case, s, factory, words.work, steps) for s in words.seeds}
     policies = {word: make_policy(word, factory.motor) for word in case.beside}
-    values: dict[str, dict[int, float]] = {}
-    start = case.start
+    values = {"ppo": validated(agents, factory, case.ripple_weight, words.validate)}
+    if case.gains:
+        shipped = {0: policies[f"tuned-{name}"]}
+        values["shipped"] = validated(shipped, factory, case.ripple_weight, words.validate)
     for kind in case.gains:
         rules = {
             s: tuned(name, kind, case, s, factory, words.work, words.budget)
             for s in words.rule_seeds
         }
         values[kind] = validated(rules, factory, case.ripple_weight, words.validate)
-        best = least(values[kind])
-        policies[kind] = rules[best]
-        if kind == case.start:
-            start = str(tuned_gains(name, kind, best, words.work))
-    agents = {s: trained(name, case, s, factory, words.work, steps, start) for s in words.seeds}
-    values["ppo"] = validated(agents, factory, case.ripple_weight, words.validate)
+        policies[kind] = rules[least(values[kind])]
     policies |= {f"ppo seed {s}": p for s, p in agents.items()}
     names = [f"ppo seed {s}" for s in agents]
     found = judge(policies, names, factory, words.suites, words.size)
@@ -221,13 +214,14 @@ def least(values: Mapping[int, float]) -> int:
 
 
 def publish(name: str, found: Mapping[str, Any], work: Path) -> None:
-    """Ship the best agent, and the best rule with gains."""
+    """Ship the best agent, and the best rule with gains if it is better than the one shipped."""
     values = dict(found["validated"])
     last = len(CASES[name].stages) - 1
     source = {f"ppo-{name}": work / f"{name}-seed-{least(values.pop('ppo'))}-{last}/table.json"}
     if values:
         kind = min(values, key=lambda kind: min(values[kind].values()))
-        source[f"tuned-{name}"] = tuned_gains(name, kind, least(values[kind]), work)
+        if kind != "shipped":
+            source[f"tuned-{name}"] = work / f"{name}-{kind}-{least(values[kind])}.json"
     for policy, path in source.items():
         to = FOLDER / "learned" / f"{policy}.json"
         to.parent.mkdir(exist_ok=True)
