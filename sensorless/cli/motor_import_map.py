@@ -140,5 +140,6 @@ def import_map_command(
         from sensorless.plots.figure import save
         from sensorless.plots.map_fit import map_fit
 
-        save(map_fit(machine.name, fit), plot)
+        what = "simulated machine" if beyond else "reciprocal model"
+        save(map_fit(machine.name, fit, what), plot)
         say_wrote(plot)

@@ -25,9 +25,10 @@ ENOUGH = 0.5
 """RMS error within rated current at which no finer grid is tried [% of rated current]."""
 MARGINS = (0.25, 0.5)
 """How far the grid reaches beyond the map's flux linkages, over their range: there it fades."""
-SMOOTH = (0.01, 0.03)
-"""Weight of a slope over the range of psi_d, against an error of the current."""
-CHUNK = 2000
+SMOOTH = (6e-4, 2e-3)
+"""Weight of a slope over the range of psi_d, against the RMS error of the current."""
+MOST = 4000
+"""Points of a map that are used; of a larger one, so many at random."""
 
 
 def corrected(motor: Motor, i: Floats, psi: Floats) -> Motor:
@@ -45,11 +46,13 @@ def corrected(motor: Motor, i: Floats, psi: Floats) -> Motor:
     UserError
         Somewhere within the map the machine would have no inductance.
     """
-    use = np.hypot(*i.T) <= (1.0 + 1e-9) * motor.i_max
+    use = np.flatnonzero(np.hypot(*i.T) <= (1.0 + 1e-9) * motor.i_max)
+    if len(use) > MOST:
+        use = np.sort(np.random.default_rng(0).choice(use, MOST, replace=False))
     i, psi = i[use], psi[use]
     left = i - currents(motor.saturation, psi)
     rated = np.hypot(*i.T) <= motor.i_rated
-    weight = np.where(rated, 1.0, OUTSIDE)
+    weight = np.where(rated, 1.0, OUTSIDE) / np.sqrt(len(i))
     best: tuple[float, Motor] | None = None
     for smooth, grid, margin in product(SMOOTH, GRIDS, MARGINS):
         made = dataclasses.replace(
@@ -95,14 +98,10 @@ def _fit(
         for unit in np.eye(n).reshape(n, *grid)
     ]
     bend = smooth * (high - low) * _slopes(units[0], *grid)
-    matrix, wanted = bend.T @ bend, np.zeros(n)
-    for at in range(0, len(psi), CHUNK):
-        part = slice(at, at + CHUNK)
-        columns = np.stack([flux_correction_currents(unit, psi[part]) for unit in units], axis=-1)
-        rows = (weight[part, None, None] * columns).reshape(-1, n)
-        matrix += rows.T @ rows
-        wanted += rows.T @ (weight[part, None] * left[part]).reshape(-1)
-    c = np.linalg.solve(matrix, wanted).reshape(grid)
+    columns = np.stack([flux_correction_currents(unit, psi) for unit in units], axis=-1)
+    rows = (weight[:, None, None] * columns).reshape(-1, n)
+    wanted = rows.T @ (weight[:, None] * left).reshape(-1)
+    c = np.linalg.solve(rows.T @ rows + bend.T @ bend, wanted).reshape(grid)
     return rounded(FluxCorrection(**box, energy=tuple(map(tuple, c.tolist()))))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import FLUX_MAP, Array, lib
-from sensorless.core.machine import flux_map_currents
+from sensorless.core.machine import flux_correction_currents, flux_map_currents
 from sensorless.errors import UserError
 from sensorless.machine.flux_correction import correction_key
 from sensorless.machine.motor import Motor, Saturation
@@ -59,7 +59,10 @@ def plant_map(motor: Motor) -> tuple[Array, int]:
 
 def plant_currents(motor: Motor, psi: Floats) -> Floats:
     """Currents (n, 2) [A] of the simulated machine at flux linkages (n, 2) [Vs]."""
-    return flux_map_currents(*plant_map(motor), psi)
+    own = currents(motor.saturation, psi)
+    if motor.flux_correction is None:
+        return own
+    return np.asarray(own + flux_correction_currents(motor.flux_correction.record, psi))
 
 
 def currents(s: Saturation, psi: Floats) -> Floats:

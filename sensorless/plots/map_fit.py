@@ -11,15 +11,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def map_fit(name: str, fit: MapFit) -> "Figure":
-    """Map and model, current over flux, and where over the currents the model errs."""
+def map_fit(name: str, fit: MapFit, what: str = "reciprocal model") -> "Figure":
+    """Map and model, or ``what`` the errors are of: current over flux, and where it errs."""
     figure, axes = new_figure((10.0, 8.0), rows=2, columns=2)
     model = fit.i + fit.error
     inside = fit.inside(fit.i_max)
     for k, (axis, letter) in enumerate(zip(axes[0], "dq", strict=True)):
         psi = fit.psi[inside, k]
         axis.plot(psi, fit.i[inside, k], "o", ms=3, color=COLOURS["hfi"], label="map")
-        axis.plot(psi, model[inside, k], ".", ms=3, color=COLOURS["smo"], label="model")
+        axis.plot(psi, model[inside, k], ".", ms=3, color=COLOURS["smo"], label=what)
         axis.set_xlabel(f"$\\psi_{letter}$ [Vs]")
         axis.set_ylabel(f"$i_{letter}$ [A]")
         axis.grid(alpha=0.3)
@@ -39,5 +39,5 @@ def map_fit(name: str, fit: MapFit) -> "Figure":
         axis.set_ylabel("$i_q$ [A]")
         axis.set_aspect("equal")
         figure.colorbar(points, ax=axis, label="% of rated current")
-    figure.suptitle(f"{name}: flux map and reciprocal model")
+    figure.suptitle(f"{name}: flux map and {what}")
     return figure

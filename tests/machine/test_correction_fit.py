@@ -65,6 +65,16 @@ def test_the_measured_map_on_the_published_model() -> None:
     assert percent(half, i[1::2], psi[1::2]).max() < 0.5
 
 
+def test_half_a_map_gives_the_same_machine() -> None:
+    """A machine is the same for both signs of i_q, so either half will do."""
+    i, psi = load_map(MEASURED_MAP)
+    halves = [corrected(MOTOR, i[side], psi[side]) for side in (i[:, 1] >= 0.0, i[:, 1] <= 0.0)]
+    for made in halves:
+        found = plant_currents(made, psi) - plant_currents(measured_machine(), psi)
+        rated = np.hypot(*i.T) <= MOTOR.i_rated
+        assert np.sqrt(np.mean(found[rated] ** 2)) < 0.003 * MOTOR.i_rated
+
+
 def test_a_map_that_the_model_cannot_fit() -> None:
     """An abrupt knee and another coupling: the model misses it, the simulated machine does not."""
     i, psi = knee_map()

@@ -106,6 +106,7 @@ def test_the_plant_has_model_and_correction(map_currents: Map) -> None:
     psi = points(motor.flux_correction or GRID)
     i = map_currents(motor.saturation, psi) + by_scipy(motor.flux_correction or GRID, psi)
     assert plant_currents(motor, psi) == pytest.approx(i, abs=1e-9)
+    assert flux_map_currents(*plant_map(motor), psi) == pytest.approx(i, abs=1e-9)
 
 
 @pytest.mark.parametrize("details", [{}, {"emf_5": 0.04, "emf_7": -0.025, "saliency_6": 0.06}])
