@@ -15,7 +15,8 @@ ROOT = Path(__file__).parents[2]
 if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
-from docs.site.pages import MADE  # noqa: E402  (the repository is not installed)
+from docs.site import notebooks  # noqa: E402  (the repository is not installed)
+from docs.site.pages import MADE  # noqa: E402
 
 FROM_OUTSIDE = {
     "CHANGELOG.md": "changelog.md",
@@ -27,7 +28,13 @@ FROM_OUTSIDE = {
 }
 """Page of the repository, and where it stands on the site."""
 HOME = {page: place for place, page in FROM_OUTSIDE.items()}
-ON_SITE = {**FROM_OUTSIDE, "README.md": "index.md"}
+ON_SITE = {
+    **FROM_OUTSIDE,
+    "README.md": "index.md",
+    "docs/site/environment.md": "environment.md",
+    **{f"notebooks/{path.name}": place for place, path in notebooks.PAGES.items()},
+}
+"""File of the repository that a page may link to, and the page that stands for it on the site."""
 
 SHIM = "https://unpkg.com/iframe-worker/shim"
 """Script that the plugin ``offline`` wants from another host; ours stands beside this file."""

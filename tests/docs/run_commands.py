@@ -121,6 +121,7 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "harmonics.toml").write_text(changed, encoding="utf-8")
     for line in (
         ["motor", "new", "--name", "mine", "--out", "mine.toml"],
+        ["simulate", "--motor", "mine.toml", "--log", "mylog.csv"],
         ["train", "--name", "first"],
     ):
         done = run(*smaller(line), cwd=folder)

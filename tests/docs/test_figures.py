@@ -11,13 +11,15 @@ import pytest
 from sensorless.core.api import SIM, ffi, lib
 from sensorless.design.derived import Derived, derive
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.envs.scenarios.words import plan_from
 from sensorless.evaluation import compare
+from sensorless.evaluation.compare import outcomes
 from sensorless.evaluation.trace import trace
 from sensorless.evaluation.trace_summary import plateaus
 from sensorless.export import judge
-from sensorless.machine.motor import Motor
+from sensorless.machine.motor import MOTORS, Motor
 from sensorless.machine.saliency import LEAST
 from sensorless.observers.coupled_design import LAYER_SPEED, Bandwidths, bandwidths
 from sensorless.observers.start_design import peaks, polarity_pulse
@@ -62,8 +64,61 @@ def test_memory_of_a_drive_with_its_schedule(name: str) -> None:
     assert f"at most {state} bytes of RAM" in text(ROOT / name)
 
 
+def test_estimated_time_of_a_period() -> None:
+    page = text(DOCS / "index.md")
+    told = re.search(
+        r"at ([\d.]+) to (\d+) cycles an instruction .* (\d+) take .* at (\d+) MHz", page
+    )
+    assert told is not None
+    low, high, instructions, megahertz = map(float, told.groups())
+    assert f"at most {instructions:.0f} instructions" in page
+    first, last = (f"{cycles * instructions / megahertz:.0f}" for cycles in (low, high))
+    for name in ("README.md", "docs/index.md"):
+        assert f"{first} to {last} µs at {megahertz:.0f} MHz" in text(ROOT / name)
+
+
+def test_shaft_that_a_load_moves_before_the_rotor_is_found() -> None:
+    motor = Motor.load("paper")
+    plan = plan_from("0:0", "0:14", None, 0.5, motor, 0, start=True, theta_err=180.0)
+    run = trace(make_policy("eq25", motor), plan, motor, DriveDesign())
+    speed = np.abs(run["omega_m"]) * 30.0 / math.pi
+    found = np.flatnonzero(run["starting"])[-1]
+    page = text(DOCS / "index.md")
+    assert f"at {speed[found]:.0f} r/min when it is found, and at {speed.max():.0f} before" in page
+
+
+def test_what_none_lost_of_many_means() -> None:
+    """Exact upper end of the 95 % interval (Clopper and Pearson)."""
+    (size, told) = re.findall(r"0 of (\d+) means less than ([\d.]+) %", text(DOCS / "index.md"))[0]
+    assert near(told, 100.0 * (1.0 - 0.025 ** (1.0 / int(size))))
+
+
+def test_power_of_the_motors_that_are_named() -> None:
+    named = re.findall(r"`(\w+)` \(([\d.]+) kW\)", text(DOCS / "index.md"))
+    assert len(named) == 3
+    for name, told in named:
+        motor = Motor.load(name)
+        assert near(told, motor.tau_rated * motor.omega_rated / motor.n_p / 1000.0), name
+
+
+def test_losses_of_the_weakest_motor(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compare, "suite", suite)
+    lost = {}
+    for path in MOTORS.glob("*.toml"):
+        motor = Motor.load(path.stem)
+        made = SimFactory(motor, DriveDesign())
+        lost[path.stem] = int(
+            outcomes(make_policy("eq25", motor), [made], "stress", 1, 200).lost.sum()
+        )
+    (worst,) = (name for name in lost if lost[name])
+    told = f"on six of the seven motors, and {lost[worst]} ({lost[worst] / 2:.0f} %) on `{worst}`"
+    assert len(lost) == 7 and told in text(DOCS / "index.md")
+
+
 def test_memory_of_gains_and_time_of_a_whole_check() -> None:
-    assert f"({ffi.sizeof('drive_params_t')} bytes more)" in text(DOCS / "firmware-engineers.md")
+    more = ffi.sizeof("drive_params_t")
+    assert f"({more} bytes more)" in text(DOCS / "firmware-engineers.md")
+    assert f"bytes of RAM; {more} more if" in text(DOCS / "index.md")
     periods = math.ceil(ffi.sizeof("drive_state_t") / 4 / lib.CHECK_WORDS)
     assert f"piece by piece within {periods} periods" in text(DOCS / "integrate-the-table.md")
 
@@ -142,9 +197,10 @@ def test_poles_of_the_coupled_observer(name: str) -> None:
 def test_saliency_that_a_check_asks_for() -> None:
     limit, no = seen.RATIO
     page = text(DOCS / "bring-a-motor.md")
-    assert f"a ratio below {limit:g} somewhere is a limit, below {no:g} within rated" in page
-    assert f"Only above about {seen.ROOM:g} is there room" in page
-    assert f"machine with L_q/L_d below {LEAST:g} is refused" in page
+    assert f"only above about {seen.ROOM:g} is there room" in page
+    assert f"{limit:g} to {seen.ROOM:g} gets a note, below {limit:g} somewhere is a limit" in page
+    assert f"below {no:g} within rated current is *no*" in page
+    assert f"a machine below {LEAST:g} at zero current is refused" in page
 
 
 def test_pulse_of_the_start() -> None:
