@@ -13,7 +13,6 @@ from typer.testing import CliRunner
 
 pytest.importorskip("matplotlib")
 
-from sensorless.baselines.linear import linear_table
 from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines_suite import on_machine
@@ -288,13 +287,6 @@ def test_cases_are_the_worst_and_a_typical_hand_over() -> None:
 def test_where_the_weight_never_moves_there_is_no_hand_over() -> None:
     results = evaluate(MOTOR, DESIGN, "handoff", 7, 3, make_policies(["hfi", "eq25"], MOTOR))
     assert not any("hand-over" in case.what for case in cases(results, "hfi", "eq25"))
-
-
-def test_tables_of_one_axis_are_drawn() -> None:
-    from sensorless.plots.schedule import schedule_maps
-
-    table = linear_table(0.2, 0.3)
-    assert len(schedule_maps("eq25", table, table, MOTOR).axes) == 3
 
 
 def test_a_report_needs_no_library_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
