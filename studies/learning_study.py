@@ -10,6 +10,7 @@ What is in the work folder is not made again.
 
 import argparse
 import json
+import shutil
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -125,6 +126,7 @@ def trained(
             steps=round(share * steps), ripple_weight=case.ripple_weight,
         )  # fmt: skip
         if not (run / "done").is_file():
+            shutil.rmtree(run, ignore_errors=True)  # a training that was interrupted starts again
             train(config, factory.design, run, table_named(start, factory.motor))
             write_atomic(run / "done", "")
         start, axes = str(run), "start"
@@ -189,7 +191,7 @@ def study(name: str, words: argparse.Namespace) -> dict[str, Any]:
     policies = {word: make_policy(word, factory.motor) for word in case.beside}
     values = {"ppo": validated(agents, factory, case.ripple_weight, words.validate)}
     if case.gains:
-        shipped = {0: policies[f"tuned-{name}"]}
+        shipped = {0: policies[case.start]}
         values["shipped"] = validated(shipped, factory, case.ripple_weight, words.validate)
     for kind in case.gains:
         rules = {

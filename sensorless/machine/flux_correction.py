@@ -23,6 +23,8 @@ LEAST = 4
 """Fewest of either."""
 LARGEST = 1e6
 """Largest flux linkage [Vs] and energy [Vs A]: beyond any machine."""
+NARROWEST = 1e-9
+"""Least width of the grid [Vs]: below any machine, and its inverse is a number."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class FluxCorrection:
 
     psi_d_from: float = number(REQUIRED, "Vs", -LARGEST, LARGEST, "d flux where it begins")
     psi_d_to: float = number(REQUIRED, "Vs", -LARGEST, LARGEST, "d flux where it ends")
-    psi_q_to: float = number(REQUIRED, "Vs", 0, LARGEST, "q flux where it ends", above=True)
+    psi_q_to: float = number(REQUIRED, "Vs", NARROWEST, LARGEST, "q flux where it ends")
     energy: tuple[tuple[float, ...], ...] = ()
     """(n_d, n_q) coefficients [Vs A], psi_d along the rows; 3/2 of them are joules."""
 
@@ -70,10 +72,10 @@ def read_correction(table: object, where: str) -> FluxCorrection | None:
     values = dict(table)
     energy = _rows(values.pop("energy", None), where)
     numbers: dict[str, Any] = read(FluxCorrection, values, f"{where}: ")
-    if numbers["psi_d_to"] <= numbers["psi_d_from"]:
+    if numbers["psi_d_to"] < numbers["psi_d_from"] + NARROWEST:
         raise UserError(
             f"{where}: psi_d_to: {numbers['psi_d_to']:g} Vs: must be above psi_d_from = "
-            f"{numbers['psi_d_from']:g} Vs"
+            f"{numbers['psi_d_from']:g} Vs by at least {NARROWEST:g} Vs"
         )
     return FluxCorrection(**numbers, energy=energy)
 

@@ -121,3 +121,30 @@ def test_share_of_the_headroom() -> None:
         assert all(map(near, re.findall(r"[\d.]+", cell), values)), name
     last = [1 - x["after_generations"][-1] / x["after_generations"][-11] for x in found.values()]
     assert f"by {100 * min(last):.1f} to {100 * max(last):.1f} %." in page
+
+
+def test_learning_with_gains() -> None:
+    """Both tables of five seeds, and what is lost on the harder suites."""
+    page = text("results.md").split("### With gains\n")[1].split("\n## ")[0]
+    judged = record("learning")["smo-gains"]["judged"]
+    rows = re.findall(r"^\| .* \|$", page, re.MULTILINE)
+    found = [judged[f"stress-1:{seed}"]["policies"] for seed in (11, 12)]
+    for row, name in zip(rows[1:11], found[0], strict=True):
+        runs = [x[name] for x in found]
+        kept = [x["of"] - x["lost"] for x in runs]
+        metrics = ("torque_dev_rms", "torque_ripple_rms", "overshoot_excess_pct", "injection_share")
+        values = [np.average([x[m] for x in runs], weights=kept) for m in metrics]
+        scaled = np.array(values) * (100.0, 100.0, 1.0, 100.0)
+        cells = [cell.strip() for cell in row.split("|")[2:-1]]
+        assert int(cells[0]) == sum(x["lost"] for x in runs), name
+        assert all(map(near, cells[1:], scaled)), name
+    for row, changes in zip(
+        rows[12:], judged["stress-1:11"]["agents against"].values(), strict=True
+    ):
+        values = [x for m in metrics[:3] for x in changes[m].values()]
+        told = re.findall(r"[-+]?\d+\.\d", row.split("|", 2)[2].replace("−", "-"))
+        assert [float(t) for t in told] == pytest.approx(values, abs=0.051)
+    for suite in ("hard", "low-inertia", "mismatch"):
+        lost = {name: x["lost"] for name, x in judged[f"{suite}:11"]["policies"].items()}
+        seeds = [n for name, n in lost.items() if name.startswith("ppo")]
+        assert f" {min(seeds)} to {max(seeds)} " in " ".join(page.split()), suite
