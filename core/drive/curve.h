@@ -26,17 +26,26 @@ CORE_INLINE curve_pos_t curve_locate(float i_q, float inv_step) {
     return pos;
 }
 
+/* The values at both ends of an interval. */
+typedef struct {
+    float y0;
+    float y1;
+} curve_ends_t;
+
+CORE_INLINE curve_ends_t curve_ends(const curve_t *c, curve_pos_t pos) {
+    curve_ends_t x = {PICK_F(c->y, 0, pos.j, CURVE_N - 1), PICK_F(c->y, 1, pos.j, CURVE_N - 1)};
+    return x;
+}
+
 CORE_INLINE float curve_at(const curve_t *c, curve_pos_t pos) {
-    float y0 = pick_f(c->y, pos.j, CURVE_N - 1);
-    float y1 = pick_f(c->y + 1, pos.j, CURVE_N - 1);
-    return y0 + pos.f * (y1 - y0);
+    curve_ends_t x = curve_ends(c, pos);
+    return x.y0 + pos.f * (x.y1 - x.y0);
 }
 
 /* d(|i_q| y) / d|i_q|: turns an apparent inductance into the incremental one. */
 CORE_INLINE float curve_incremental(const curve_t *c, curve_pos_t pos) {
-    float y0 = pick_f(c->y, pos.j, CURVE_N - 1);
-    float y1 = pick_f(c->y + 1, pos.j, CURVE_N - 1);
-    return y0 + ((float)pos.j + 2.0f * pos.f) * (y1 - y0);
+    curve_ends_t x = curve_ends(c, pos);
+    return x.y0 + ((float)pos.j + 2.0f * pos.f) * (x.y1 - x.y0);
 }
 
 #endif

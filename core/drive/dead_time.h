@@ -6,7 +6,13 @@
 
 /* Share of the full dead-time voltage at current i of a leg [A], -1 ... 1; inv_i: slope of the
  * transition through zero current [1/A]. */
-CORE_INLINE float dead_time_share(float i, float inv_i) { return bound_f(i * inv_i, 1.0f); }
+CORE_INLINE float dead_time_share(float i, float inv_i) { return clamp_f(i * inv_i, -1.0f, 1.0f); }
+
+/* Difference of two shares at current i of a leg: both have its sign. */
+CORE_INLINE float dead_time_difference(float i, float inv_i, float inv_i_less) {
+    float most = min_f(abs_f(i) * inv_i, 1.0f) - min_f(abs_f(i) * inv_i_less, 1.0f);
+    return i < 0.0f ? -most : most;
+}
 
 /* Leg voltages u a, u b, u c in the stator frame; the part common to all legs drops out. */
 CORE_INLINE ab_t dead_time_to_ab(float u, float a, float b, float c) {
@@ -27,10 +33,9 @@ CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
 CORE_INLINE ab_t dead_time_excess(float u_dt, float inv_i, float inv_i_true, ab_t i_ab) {
     float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
     float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
-    return dead_time_to_ab(u_dt,
-                           dead_time_share(i_ab.a, inv_i) - dead_time_share(i_ab.a, inv_i_true),
-                           dead_time_share(i_b, inv_i) - dead_time_share(i_b, inv_i_true),
-                           dead_time_share(i_c, inv_i) - dead_time_share(i_c, inv_i_true));
+    return dead_time_to_ab(u_dt, dead_time_difference(i_ab.a, inv_i, inv_i_true),
+                           dead_time_difference(i_b, inv_i, inv_i_true),
+                           dead_time_difference(i_c, inv_i, inv_i_true));
 }
 
 #endif

@@ -7,15 +7,17 @@
 /* Replaces bad values and sets their fault bits. */
 CORE_INLINE drive_in_t drive_guard(const guard_params_t *p, drive_state_t *x,
                                    const drive_in_t *in) {
+    drive_in_t y = {in->i_a, in->i_b, in->u_dc, in->omega_ref, in->k_s_ref};
+    if (SHORTCUT(abs_f(y.i_a) <= p->i_sample && abs_f(y.i_b) <= p->i_sample &&
+                 y.u_dc >= p->u_dc_min && y.u_dc <= p->u_dc_max && abs_f(y.omega_ref) <= p->omega &&
+                 y.k_s_ref <= 1.0f && y.k_s_ref >= 0.0f)) {
+        return y;
+    }
     int a = abs_f(in->i_a) <= p->i_sample;
     int b = abs_f(in->i_b) <= p->i_sample;
     int link = in->u_dc >= p->u_dc_min && in->u_dc <= p->u_dc_max;
     int speed = abs_f(in->omega_ref) <= p->omega;
     int weight = in->k_s_ref <= 1.0f && in->k_s_ref >= 0.0f;
-    if (SHORTCUT(a && b && link && speed && weight)) {
-        return *in;
-    }
-    drive_in_t y;
     y.i_a = a ? in->i_a : 0.0f;
     y.i_b = b ? in->i_b : 0.0f;
     y.u_dc = max_f(sane_f(in->u_dc, p->u_dc_max), 0.0f);

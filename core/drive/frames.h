@@ -9,6 +9,8 @@
 #ifndef SENSORLESS_FRAMES_H
 #define SENSORLESS_FRAMES_H
 
+#include <stdint.h>
+
 #include "vector.h"
 
 #define PI_F 3.14159265358979f
@@ -62,6 +64,16 @@ CORE_INLINE float sane_f(float x, float limit) { return abs_f(x) <= limit ? x : 
 /* Square root: the only library function in use; correctly rounded on every IEEE-754 machine, and a
  * single instruction (no call, no errno) with -fno-math-errno. */
 CORE_INLINE float sqrt_f(float x) { return CORE_SQRTF(x); }
+
+/* The bits of a float without breaking the aliasing rules. */
+CORE_INLINE uint32_t bits_of(float x) {
+    union {
+        float f;
+        uint32_t u;
+    } y;
+    y.f = x;
+    return y.u;
+}
 
 /* Wraps an angle in (-3 pi, 3 pi), such as a sum of two wrapped angles, to [-pi, pi]. */
 CORE_INLINE float wrap_pi(float x) {

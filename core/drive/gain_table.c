@@ -126,9 +126,22 @@ CORE_INLINE float mix_cell(const void *v, const float *f, const uint32_t *step, 
     }
 }
 
+/* Mean over the cell of two and of three axes, which are the usual ones; node values are floats. */
+CORE_INLINE float mean_2(const ks_table_t *t, const void *values, uint32_t at, const float *f) {
+    return mix_2(ahead(values, at, 0), f, &t->axis[1].n, 0);
+}
+
+CORE_INLINE float mean_3(const ks_table_t *t, const void *values, uint32_t at, const float *f) {
+    uint32_t step[2] = {t->axis[1].n * t->axis[2].n, t->axis[2].n};
+    return mix_3(ahead(values, at, 0), f, step, 0);
+}
+
 float ks_table_at(const ks_table_t *t, const void *values, const ks_cell_t *cell) {
-    if (t->kind == 2) { /* the usual one first */
-        return weight(t, mix_2(ahead(values, cell->at, 0), cell->f, &t->axis[1].n, 0), 0);
+    if (t->kind == 3) {
+        return weight(t, mean_3(t, values, cell->at, cell->f), 0);
+    }
+    if (t->kind == 2) {
+        return weight(t, mean_2(t, values, cell->at, cell->f), 0);
     }
     uint32_t step[KS_TABLE_AXES] = {0};
     int q15 = is_q15(t);
@@ -141,8 +154,11 @@ float ks_table_at(const ks_table_t *t, const void *values, const ks_cell_t *cell
 float gain_table_at(const gain_table_t *t, const ks_table_t *axes, const void *values,
                     const ks_cell_t *cell, uint32_t g) {
     uint32_t at = g * t->n_nodes + cell->at;
-    if (axes->kind == 2) { /* the usual one first */
-        return mix_2(ahead(values, at, 0), cell->f, &axes->axis[1].n, 0);
+    if (axes->kind == 3) {
+        return mean_3(axes, values, at, cell->f);
+    }
+    if (axes->kind == 2) {
+        return mean_2(axes, values, at, cell->f);
     }
     uint32_t step[KS_TABLE_AXES] = {0};
     int q15 = is_q15(axes);

@@ -68,7 +68,8 @@ CORE_INLINE void hfi_demodulate(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab
     x->amplitude = sqrt_f(x_d * x_d + x_q * x_q);
     x->err = valid ? x_q / max_f(x->amplitude, p->i_floor) : 0.0f;
     x->valid = valid ? 1.0f : 0.0f;
-    x->i_2 = x->i_1;
+    x->i_2.d = x->i_1.d;
+    x->i_2.q = x->i_1.q;
     x->i_1 = i;
 }
 

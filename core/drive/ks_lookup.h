@@ -5,16 +5,6 @@
 #include "ks_types.h"
 #include "signals.h"
 
-/* The bits of a float without breaking the aliasing rules. */
-CORE_INLINE uint32_t bits_of(float x) {
-    union {
-        float f;
-        uint32_t u;
-    } y;
-    y.f = x;
-    return y.u;
-}
-
 /* The float that has these bits. */
 CORE_INLINE float float_of(uint32_t u) {
     union {

@@ -10,14 +10,19 @@
 
 #include "frames.h"
 
+/* 1.5 * 2^23: a float near it has no fraction, and its last bits are those of the integer that is
+ * its distance. */
+#define ROUNDER_F 12582912.0f
+
 /* Cosine and sine of x [rad], |x| <= 8; absolute error below 2e-7.
  * Reduction to a quarter turn with pi/2 split in two floats, then minimax polynomials of degree 7
- * and 8 (coefficients of the Cephes library's sinf and cosf). Beyond the range the result is still
- * finite for finite x up to 1e9. */
+ * and 8 (coefficients of the Cephes library's sinf and cosf). A sum with ROUNDER_F rounds to the
+ * nearest number of quarter turns, without a conversion, which C does not define for every float.
+ * Beyond the range the result is still finite for finite x up to 1e9. */
 CORE_INLINE rot_t rot_of(float x) {
-    float t = bound_f(x * 0.636619772367581f, 1.0e9f);
-    int32_t n = (int32_t)(t + (t < 0.0f ? -0.5f : 0.5f));
-    float k = (float)n;
+    float t = x * 0.636619772367581f + ROUNDER_F;
+    uint32_t n = bits_of(t);
+    float k = t - ROUNDER_F;
     float r = (x - k * 1.5707963705062866f) + k * 4.371139000186241e-8f;
     float r2 = r * r;
     float s = r + r * r2 * ((-1.9515295891e-4f * r2 + 8.3321608736e-3f) * r2 - 1.6666654611e-1f);
@@ -25,9 +30,9 @@ CORE_INLINE rot_t rot_of(float x) {
         1.0f - 0.5f * r2 +
         r2 * r2 *
             ((2.443315711809948e-5f * r2 - 1.388731625493765e-3f) * r2 + 4.166664568298827e-2f);
-    float sc = (n & 1) != 0 ? s : c;
-    float ss = (n & 1) != 0 ? c : s;
-    rot_t y = {((n + 1) & 2) != 0 ? -sc : sc, (n & 2) != 0 ? -ss : ss};
+    float sc = (n & 1U) != 0U ? s : c;
+    float ss = (n & 1U) != 0U ? c : s;
+    rot_t y = {((n + 1U) & 2U) != 0U ? -sc : sc, (n & 2U) != 0U ? -ss : ss};
     return y;
 }
 

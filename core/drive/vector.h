@@ -4,7 +4,7 @@
  * and must give the same bits (core/sim/block.h). Loops over drives become vector instructions only
  * if all drives take the same path:
  *   - a choice is a select (x ? a : b), not a jump;
- *   - an element of an array is read by pick_f, not by an index;
+ *   - an element of an array is read by pick_f or PICK_F, not by an index;
  *   - code for only some drives is in `if (SCALAR_ONLY(condition))`, which is never true in vector
  *     code; batch_fits of core/sim/batch.c must keep drives with that condition out;
  *   - `if (SHORTCUT(condition))` leads round work that would change nothing; vector code does it.
@@ -37,5 +37,13 @@ CORE_INLINE float pick_f(const float *y, int j, int n) {
     return y[j];
 #endif
 }
+
+/* y[first + j] of an array, one of n values. As an element of an array, not behind a pointer, so that
+ * all arrays of a structure that are read at j share one address. */
+#ifdef CORE_VECTOR
+#define PICK_F(y, first, j, n) pick_f((y) + (first), j, n)
+#else
+#define PICK_F(y, first, j, n) ((y)[(first) + (j)])
+#endif
 
 #endif
