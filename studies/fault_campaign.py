@@ -5,8 +5,9 @@
 Every fault of ``FAULTS`` with every size, for every duration of ``DURATIONS``, on every estimator,
 each in several scenarios of ``stress-1``; Eq. 25 is the schedule. Scenarios in which the drive is
 lost without a fault are left out. The bridge opens when the drive says over-current, and when the
-hardware trips at ``i_trip``, which needs no software: ``lost`` counts wrong angles, ``tripped``
-trips of the hardware. Either is unseen if no fault bit of the drive comes within ``LATEST`` of it.
+hardware trips at ``i_trip``, which needs no software and which the firmware passes on
+(``drive_trip``): ``lost`` counts wrong angles, ``tripped`` trips of the hardware. A loss is unseen
+if no fault bit comes within ``LATEST`` of it, a trip if the drive had none before.
 ``unseen peak`` is the largest current before the first bit. Writes
 ``results/studies/fault_campaign.json``.
 """
@@ -126,7 +127,7 @@ def summary(end: Array, plan: list[Case], T_s: float) -> dict[str, dict[str, Any
             "lost": int(harmed(rows, lib.LOST_ANGLE).sum()),
             "lost_unseen": int((harmed(rows, lib.LOST_ANGLE) & unseen(rows, T_s)).sum()),
             "tripped": int(harmed(rows, lib.LOST_CURRENT).sum()),
-            "tripped_unseen": int((harmed(rows, lib.LOST_CURRENT) & unseen(rows, T_s)).sum()),
+            "tripped_unseen": int(rows["by_trip"].sum()),
             "peak_A": float(rows["i_peak"].max()),
             "unseen_peak_A": float(rows["i_unseen"].max()),
         }

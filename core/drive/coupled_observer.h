@@ -53,7 +53,7 @@ typedef struct {
 
 typedef struct {
     ab_t psi;            /* estimated stator flux [Vs] */
-    ab_t i_1;            /* sample k-1 [A] */
+    ab_t i_1;            /* sample k-1, whichever observer is in use [A] */
     float load;          /* acceleration by load and friction [rad/s^2] */
     float drift;         /* turn of the flux that offsets constant voltage errors [rad/s] */
     float eps_f;         /* low-passed error across the auxiliary flux [rad] */

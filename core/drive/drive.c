@@ -126,6 +126,11 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
     x->start.phase = START_DONE;
 }
 
+CORE_COLD void drive_trip(drive_state_t *x) {
+    x->fault |= FAULT_OVER_CURRENT | FAULT_STOPPED;
+    start_enter(&x->start, START_STOPPED);
+}
+
 CORE_COLD ab_t drive_mend(const drive_params_t *p, drive_state_t *x) {
     int fault = x->fault & FAULT_ALL; /* the word itself may be damaged */
     int stopped = x->start.phase == START_STOPPED || (fault & FAULT_STOPPED) != 0;

@@ -41,9 +41,12 @@ CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
     drive_guard_current(&p->guard, x, i_ab);
     x->check = check_next(x->check);
     if (SCALAR_ONLY(x->start.phase != START_DONE)) {
+        x->coupled.i_1 = i_ab;
         return drive_checked(p, x, drive_seek(p, x, &in, i_ab));
     }
+    drive_guard_step(&p->guard, x, i_ab);
     rot_t r = drive_observe(p, x, i_ab, in.k_s_ref);
+    x->coupled.i_1 = i_ab;
     float s = hfi_inject(&p->hfi, &x->hfi, x->k_s > 0.0f || in.k_s_ref > 0.0f);
     ab_t u = drive_actuate(p, x, &in, i_ab, x->est, r, s);
     drive_signals(&p->signal, x, in.omega_ref);
@@ -66,6 +69,10 @@ ab_t drive_step(const drive_params_t *p, drive_state_t *x, const drive_in_t *in)
  * beyond guard.omega that limit, or 0 if not finite, a weight beyond [0, 1] its nearest end, or 1 if
  * it is NaN. */
 void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float omega, float k_s);
+
+/* Tells the drive that hardware opened the bridge, which samples need not show: no voltage any more,
+ * FAULT_OVER_CURRENT and FAULT_STOPPED, until drive_init. Not while drive_step runs. */
+void drive_trip(drive_state_t *x);
 
 #ifdef __cplusplus
 }

@@ -37,4 +37,15 @@ CORE_INLINE void drive_guard_current(const guard_params_t *p, drive_state_t *x, 
     x->fault |= fine ? 0 : FAULT_OVER_CURRENT;
 }
 
+/* Sets the fault of samples k-1 and k that no voltage brings that far apart; i_ab: sample k [A]. */
+CORE_INLINE void drive_guard_step(const guard_params_t *p, drive_state_t *x, ab_t i_ab) {
+    float a = i_ab.a - x->coupled.i_1.a;
+    float b = i_ab.b - x->coupled.i_1.b;
+    int fine = a * a + b * b <= p->i_step_sq;
+    if (SHORTCUT(fine)) {
+        return;
+    }
+    x->fault |= fine ? 0 : FAULT_CURRENT;
+}
+
 #endif

@@ -19,11 +19,11 @@
 
 /* Bits of drive_state_t.fault. */
 enum {
-    FAULT_CURRENT = 1,       /* a current sample was not finite or beyond what can be measured */
-    FAULT_U_DC = 2,          /* the DC-link voltage was not finite, too low or too high */
-    FAULT_COMMAND = 4,       /* speed reference, k_s or an argument of drive_init out of range */
-    FAULT_POLE = 8,          /* the start sequence was not sure of the north pole */
-    FAULT_OVER_CURRENT = 16, /* the current vector was beyond the limit: open the bridge */
+    FAULT_CURRENT = 1, /* a current sample was not finite, too large or too far from the last one */
+    FAULT_U_DC = 2,    /* the DC-link voltage was not finite, too low or too high */
+    FAULT_COMMAND = 4, /* speed reference, k_s or an argument of drive_init out of range */
+    FAULT_POLE = 8,    /* the start sequence was not sure of the north pole */
+    FAULT_OVER_CURRENT = 16, /* a current vector beyond the limit, or drive_trip: open the bridge */
     FAULT_LOCK = 32,    /* the estimate is not the rotor's; lock.reason has the tests that failed */
     FAULT_STOPPED = 64, /* no voltage any more, lost lock or state: start again with drive_init */
     FAULT_STATE = 128, /* the state was damaged: the drive started anew, without voltage at first */
@@ -32,12 +32,14 @@ enum {
 
 /* What inputs of a period may be. */
 typedef struct {
-    float i_sample;  /* largest plausible sample of a phase current [A] */
-    float i_over_sq; /* square of the largest current vector [A^2] */
-    float u_dc_min;  /* least DC-link voltage that sets no fault [V] */
-    float u_dc_max;  /* largest plausible DC-link voltage [V] */
-    float omega;     /* largest plausible speed, electrical [rad/s] */
-    float u_out;     /* largest voltage of a component that the drive can compute [V] */
+    float i_sample;   /* largest plausible sample of a phase current [A] */
+    float i_over_sq;  /* square of the largest current vector [A^2] */
+    float i_step_sq;  /* square of the largest change of the current vector in a period [A^2] */
+    float u_dc_min;   /* least DC-link voltage that sets no fault [V] */
+    float u_dc_max;   /* largest plausible DC-link voltage [V] */
+    float omega;      /* largest plausible speed, electrical [rad/s] */
+    float u_out;      /* largest voltage of a component that the drive can compute [V] */
+    int32_t reserved; /* an even number of 4-byte fields */
 } guard_params_t;
 
 typedef struct {

@@ -105,6 +105,13 @@ static int period(sim_t *s, const faulty_t *f, const ks_schedule_params_t *sched
     return (x->fault & FAULT_OVER_CURRENT) == 0;
 }
 
+/* The hardware has opened the bridge, and the firmware passes that on. */
+static void trip(sim_t *s, faulty_end_t *end) {
+    end->by_trip = end->k_flag < 0;
+    end->k_flag = end->by_trip ? s->k : end->k_flag;
+    drive_trip(&s->drive.x);
+}
+
 /* Counts what the judge counts; the current vector [A]. */
 static float judge(sim_t *s, faulty_end_t *end) {
     const chain_t *c = &s->drive;
@@ -121,6 +128,9 @@ static float judge(sim_t *s, faulty_end_t *end) {
     end->i_unseen = end->k_flag < 0 ? max_f(end->i_unseen, i) : end->i_unseen;
     end->err_end =
         end->k_flag < 0 && 4 * s->k > 3 * s->k_end ? max_f(end->err_end, err) : end->err_end;
+    if ((s->lost & LOST_CURRENT) != 0) {
+        trip(s, end);
+    }
     return i;
 }
 

@@ -33,14 +33,14 @@ typedef struct {
 
 /* What came of it; periods are -1 for never. */
 typedef struct {
-    int32_t k_flag;   /* first period with a fault bit of the drive */
-    int32_t k_lost;   /* period in which the judge of sim.h counts the drive as lost */
-    int32_t lost;     /* LOST_* bits */
-    int32_t fault;    /* fault bits of the drive at the end */
-    float i_peak;     /* largest current vector until the bridge is open [A] */
-    float i_unseen;   /* largest current vector before the first fault bit [A] */
-    float err_end;    /* largest angle error over the last quarter without a flag [rad] */
-    int32_t reserved; /* 0 */
+    int32_t k_flag;  /* first period with a fault bit of the drive */
+    int32_t k_lost;  /* period in which the judge of sim.h counts the drive as lost */
+    int32_t lost;    /* LOST_* bits */
+    int32_t fault;   /* fault bits of the drive at the end */
+    float i_peak;    /* largest current vector until the bridge is open [A] */
+    float i_unseen;  /* largest current vector before the first fault bit [A] */
+    float err_end;   /* largest angle error over the last quarter without a flag [rad] */
+    int32_t by_trip; /* 1: the first fault bit is that of the hardware's trip, by drive_trip */
 } faulty_end_t;
 
 /* Runs each of n drives to its end with the built-in rule of `schedule`. The bridge opens at

@@ -26,6 +26,7 @@
 #define GPIOB_AFRH REG(0x40020424u)
 #define TIM1_CR1 REG(0x40010000u)
 #define TIM1_CR2 REG(0x40010004u)
+#define TIM1_SR REG(0x40010010u)
 #define TIM1_EGR REG(0x40010014u)
 #define TIM1_CCMR1 REG(0x40010018u)
 #define TIM1_CCMR2 REG(0x4001001Cu)
@@ -119,6 +120,9 @@ void adc_interrupt(void) {
         }
     } else if (mode == MODE_RUN) {
         u = control(i_a, i_b, u_dc);
+        if ((TIM1_SR & 1u << 7) != 0) { /* BIF: the break input has opened the bridge */
+            drive_trip(&drive);
+        }
         reported |= drive.fault;
         mode = (drive.fault & FAULT_OVER_CURRENT) != 0 ? MODE_TRIPPED : MODE_RUN;
     }

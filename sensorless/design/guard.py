@@ -10,6 +10,10 @@ a full reading by a few percent, and no channel reads more."""
 IN_RANGE = 0.98
 """Over-current limit over the converter's range: a channel that stands at its end, less an offset
 of 2 %, measures no more, so the current is unknown and may be anything above."""
+STEP = 4.0 / 3.0 * 1.15
+"""Voltage over the nominal DC link that changes the current most: from one corner of the inverter's
+hexagon to the opposite one, at a link 15 % above, on L_d. Of 2000 drives
+of ``stress`` on three shipped machines none that holds comes to it."""
 LINK = (0.5, 1.5)
 """Least and largest DC-link voltage over the nominal one. A rectified mains within its tolerance
 stays within 0.85 and 1.15, a brake chopper works below 1.4; below half, the drive has a quarter of
@@ -29,8 +33,10 @@ def design_guard(motor: Motor, omega_max: float) -> dict[str, Any]:
     return {
         "i_sample": ABOVE_RANGE * motor.adc_range,
         "i_over_sq": min(motor.i_trip, IN_RANGE * motor.adc_range) ** 2,
+        "i_step_sq": (STEP * motor.u_dc * motor.T_s / motor.L_d) ** 2,
         "u_dc_min": LINK[0] * motor.u_dc,
         "u_dc_max": LINK[1] * motor.u_dc,
         "u_out": OUTPUT * LINK[1] * motor.u_dc,
         "omega": min(max(omega_max, SPEED * motor.omega_rated), SPEED_MOST),
+        "reserved": 0,
     }

@@ -9,13 +9,13 @@ from sensorless.export.core_files import core_files
 _BIT = re.compile(r"\b(\w*FAULT_\w+) = (\d+),?\s*(?:\};\s*)?/\*(.*?)\*/", re.DOTALL)
 
 DO = {
-    "FAULT_CURRENT": "look for a broken wire, the converter's range and scale; stop if it repeats",
+    "FAULT_CURRENT": "look for a broken wire, a wrong range, missed interrupts; stop if it repeats",
     "FAULT_U_DC": "look at the measurement of the link; below its least value do not start",
     "FAULT_COMMAND": "correct what the application passes; the drive held a safe value meanwhile",
     "FAULT_POLE": "stop and start again at less load; if it repeats, start from a known angle",
     "FAULT_OVER_CURRENT": "open the bridge at once, find out why, then start as after a trip",
     "FAULT_LOCK": "let the drive recover if it does so; stop what needs speed or torque meanwhile",
-    "FAULT_STOPPED": "find out why the angle was lost, then start as after a trip",
+    "FAULT_STOPPED": "find out why angle or bridge were lost, then start as after a trip",
     "FAULT_STATE": "let it start anew; if it repeats, look for what overwrites memory",
     "KS_FAULT_TABLE": "run on, the linear rule decides; write the table to flash again",
     "KS_FAULT_INPUT": "run on; the sample behind it has a bit of its own",

@@ -41,6 +41,26 @@ def test_what_a_limit_says_is_flagged_in_its_period(study: ModuleType, motor: Mo
     assert np.all(end["i_peak"][0] < 0.98 * motor.adc_range)
 
 
+def test_a_step_of_a_sensor_is_flagged_in_its_period(study: ModuleType, motor: Motor) -> None:
+    """Half the converter's range on one channel, which no voltage brings about in a period."""
+    plan = [study.Case("offset", -0.5, 0.2), study.Case("offset", -0.5, 10.0)]
+    for estimator in ("coupled", "smo", "flux"):
+        end = study.run(motor, DriveDesign(estimator=estimator), plan, range(101, 106))
+        assert np.all(end["k_flag"] == round(study.FROM / motor.T_s) + 1)
+        assert np.all(end["fault"] & lib.FAULT_CURRENT)
+
+
+def test_a_trip_that_samples_do_not_show_is_passed_on(study: ModuleType, motor: Motor) -> None:
+    """With nine of ten interrupts missed the hardware opens the bridge first."""
+    end = study.run(motor, DriveDesign(), [study.Case("missed", 0.9, 10.0)], range(104, 105))[0]
+    assert end["lost"][0] & lib.LOST_CURRENT
+    assert end["k_flag"][0] <= end["k_lost"][0]
+    assert end["fault"][0] & lib.FAULT_STOPPED
+    frozen = study.run(motor, DriveDesign(), [study.Case("frozen", 0.0, 10.0)], SEEDS)[0]
+    tripped = frozen["by_trip"] == 1
+    assert tripped.any() and np.all(frozen["k_flag"][tripped] == frozen["k_lost"][tripped])
+
+
 def test_every_fault_leaves_numbers(study: ModuleType, motor: Motor) -> None:
     """The current stays below what a period beyond the trip can add; no state is damaged."""
     plan = [case for case in study.cases() if case.duration == 0.02]

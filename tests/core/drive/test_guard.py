@@ -31,9 +31,10 @@ class Drive:
         theta: float = 0.3,
         k_s: float = 1.0,
         seek: bool = False,
+        estimator: str = "coupled",
     ) -> None:
         self.params = np.zeros(1, dtype=CONTROL)
-        self.params[0] = control_record(motor, DriveDesign())
+        self.params[0] = control_record(motor, DriveDesign(estimator=estimator))
         unwatched(self.params)
         self.x = np.zeros(1, dtype=STATE)
         lib.drive_init(
@@ -78,8 +79,8 @@ def test_good_inputs_set_no_fault(motor: Motor) -> None:
         ("i_b", math.inf, CURRENT),
         ("i_a", -11.1, CURRENT),
         ("i_b", 11.1, CURRENT),
-        ("i_a", 9.9, OVER),
-        ("i_b", -9.9, OVER),
+        ("i_a", 9.9, OVER | CURRENT),
+        ("i_b", -9.9, OVER | CURRENT),
         ("u_dc", math.nan, U_DC),
         ("u_dc", -5.0, U_DC),
         ("u_dc", math.inf, U_DC),
@@ -157,7 +158,7 @@ def test_largest_plausible_inputs(motor: Motor) -> None:
             k_s_ref=float(rng.integers(0, 2)),
         )
         assert all(map(math.isfinite, u))
-    assert drive.x["fault"][0] == OVER
+    assert drive.x["fault"][0] == OVER | CURRENT
     assert np.all(np.isfinite(drive.numbers()))
 
 
@@ -178,8 +179,35 @@ def test_over_current_is_that_of_the_vector(motor: Motor) -> None:
     for at in np.linspace(-math.pi, math.pi, 25):
         for share, fault in ((0.999, 0), (1.001, OVER)):
             drive, i = Drive(motor), share * limit
+            drive.params["guard"]["i_step_sq"] = np.inf
             drive.step(i_a=i * math.cos(at), i_b=i * math.cos(at - 2.0 * math.pi / 3.0))
             assert drive.x["fault"][0] == fault, (at, share)
+
+
+@pytest.mark.parametrize("estimator", ["coupled", "smo", "flux"])
+@pytest.mark.parametrize("seek", [False, True])
+def test_samples_move_as_far_as_voltage_drives_them(
+    motor: Motor, estimator: str, seek: bool
+) -> None:
+    """4/3 of the link at 115 % on L_d, in every direction, between any two samples in control."""
+    limit = 1.15 * 4.0 / 3.0 * motor.u_dc * motor.T_s / motor.L_d
+    for at in np.linspace(-math.pi, math.pi, 13):
+        step = limit * np.array([math.cos(at), math.cos(at - 2.0 * math.pi / 3.0)])
+        drive = Drive(motor, seek=seek, estimator=estimator)
+        for share in (0.4, -0.58, 0.41, -0.7):
+            drive.step(i_a=share * step[0], i_b=share * step[1])
+            told = not seek and share == -0.7
+            assert drive.x["fault"][0] == (CURRENT if told else 0), (at, share)
+
+
+def test_a_trip_of_the_hardware_is_a_stop(motor: Motor) -> None:
+    """No voltage from then on, whatever the samples say; drive_init starts anew."""
+    drive = Drive(motor)
+    assert drive.step() != (0.0, 0.0)
+    lib.drive_trip(pointer(drive.x, "drive_state_t[]"))
+    for i in (0.5, -0.5, 9.0):
+        assert drive.step(i_a=i) == (0.0, 0.0)
+        assert drive.x["fault"][0] & (OVER | lib.FAULT_STOPPED) == OVER | lib.FAULT_STOPPED
 
 
 @pytest.mark.parametrize(
