@@ -26,6 +26,8 @@ GENERATED = CORE.parent / "build" / "generated"
 SOURCES = sorted(path.relative_to(CORE).as_posix() for path in CORE.glob("*/*.c"))
 HEADERS = (
     "sim/simulate.h",
+    "sim/start.h",
+    "sim/trace.h",
     "sim/truth.h",
     "sim/carrier.h",
     "sim/commission.h",

@@ -1,6 +1,6 @@
 /* What the page calls besides the core's own functions. */
 #include "drive/ks_table.h"
-#include "sim/simulate.h"
+#include "sim/trace.h"
 
 /* One decision and the periods up to the next: the table chooses the weight, the drive runs under
  * it. Writes TRACE_N numbers per period to rows; returns the number of periods. */

@@ -14,7 +14,13 @@ from sensorless.errors import UserError
 WEB = Path(__file__).resolve().parent
 ROOT = WEB.parent
 BUILD = ROOT / "build" / "playground"
-SOURCES = [*sorted((ROOT / "core").glob("*/*.c")), WEB / "page.c"]
+NEEDED = ("carrier", "flux_correction", "flux_map", "plant", "start", "trace")
+"""What of the simulation the page runs: one drive, period by period."""
+SOURCES = [
+    *sorted((ROOT / "core" / "drive").glob("*.c")),
+    *(ROOT / "core" / "sim" / f"{name}.c" for name in NEEDED),
+    WEB / "page.c",
+]
 TOOLS = {"clang": "clang", "wasm-ld": "lld"}
 """Programs, and their Debian packages."""
 EXPORTS = (

@@ -24,7 +24,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, decide, decide_gains, gains_of
 
 Trace = dict[str, Array]
-"""Columns of ``TRACE_NAMES`` (``core/sim/simulate.h``), each (periods,): SI units, rad, rad/s.
+"""Columns of ``TRACE_NAMES`` (``core/sim/trace.h``), each (periods,): SI units, rad, rad/s.
 Beside them ``lost``, bits of the verdict in every row; ``judged``, 1 after it; ``alarm``, 1 while
 the drive's own tests tell lost lock; ``recovering``, 1 while it seeks its rotor after that or has
 stopped; ``fault``, the drive's fault bits. The last three are as of the end of a decision."""
