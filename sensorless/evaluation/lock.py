@@ -58,17 +58,21 @@ class LockWatch:
         self._close = np.zeros(n, dtype=np.bool_)
         self._near = np.zeros(n, dtype=np.int64)
         self._now = 0.0
+        self._of: Array | None = None
 
     def look(self, sims: Array) -> None:
         """Take in one decision of the drives, an array of ``SIM`` (n,)."""
         self._now += self._step
-        x, lost = sims["drive"]["x"], sims["lost"] != 0
-        alarms = x["lock"]["alarms"].astype(np.int64)
-        new = alarms > self._alarms
-        self._alarms = alarms
-        self._look_close(sims, lost)
-        if not (new | lost).any():
+        if self._of is not sims:  # the same in every decision, and its fields take time to find
+            self._of, self._ends, self._limit = sims, sims["lost"], sims["err_limit"]
+            self._told, self._error = sims["drive"]["x"]["lock"]["alarms"], sims["sums"]["err_max"]
+        lost = self._ends != 0
+        new = self._told > self._alarms
+        self._alarms[:] = self._told
+        self._look_close(lost)
+        if not (new.any() or lost.any()):
             return
+        x = sims["drive"]["x"]
         self._kept |= lost & ~self._lost & (x["lock"]["alarm"] != 0)
         self._lost = lost
         verdict = self._T_s * sims["k_lost"]
@@ -82,9 +86,10 @@ class LockWatch:
         self._after = np.where(new & lost, np.minimum(self._after, self._now), self._after)
         self._look_back(sims, lost)
 
-    def _look_close(self, sims: Array, lost: NDArray[np.bool_]) -> None:
+    def _look_close(self, lost: NDArray[np.bool_]) -> None:
         """Whether the angle error passed the judge's limit next to the last alarm."""
-        over = ~lost & (sims["sums"]["err_max"] > sims["err_limit"])
+        over = self._error > self._limit
+        over &= ~lost
         if over.any():
             self._over = np.where(over, self._now, self._over)
             self._close |= over & (self._now - self._before <= EARLY)

@@ -6,6 +6,7 @@ import json
 import math
 import sys
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -106,7 +107,7 @@ class Motor:
         """Rated electrical speed [rad/s]."""
         return rad_per_s(self.n_p * self.n_rated_rpm)
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """SHA-256 over all numbers of the machine, hexadecimal.
 
