@@ -51,25 +51,31 @@ def c(tmp_path_factory: pytest.TempPathFactory) -> Call:
     )
     lib = ctypes.CDLL(str(out))
 
-    places: dict[int, tuple[Any, ctypes.c_void_p]] = {}
+    made: dict[tuple[str, tuple[type, ...]], Any] = {}
+    places: dict[int, tuple[Any, int]] = {}
 
-    def place(array: Any) -> ctypes.c_void_p:
+    def place(array: Any) -> int:
         """Address of an array, which many calls in a row name again."""
-        if id(array) not in places:
+        known = places.get(id(array))
+        if known is None:
             if len(places) > 1000:
                 places.clear()
-            places[id(array)] = array, ctypes.c_void_p(array.ctypes.data)
-        return places[id(array)][1]
+            known = places[id(array)] = array, array.ctypes.data
+        return known[1]
 
-    def number(value: Any) -> Any:
-        if isinstance(value, np.ndarray):
-            return place(value)
-        if isinstance(value, ctypes.c_void_p):
-            return value
-        return ctypes.c_int(value) if isinstance(value, int) else ctypes.c_float(value)
+    def kind(of: type) -> Any:
+        if issubclass(of, np.ndarray | ctypes.c_void_p):
+            return ctypes.c_void_p
+        return ctypes.c_int if issubclass(of, int) else ctypes.c_float
 
     def call(name: str, *args: Any) -> None:
-        getattr(lib, f"t_{name}")(*[number(value) for value in args])
+        """The same function with other types of arguments is loaded again."""
+        key = name, tuple(map(type, args))
+        function = made.get(key)
+        if function is None:
+            function = made[key] = lib[f"t_{name}"]
+            function.argtypes = [kind(of) for of in key[1]]
+        function(*[place(x) if type(x) is np.ndarray else x for x in args])
 
     return call
 

@@ -156,6 +156,16 @@ void t_smo_observe(const smo_params_t *p, smo_state_t *x, emf_estimate_t *y, con
     smo_observe(p, x, y, i_ab, u_ab, L_q, omega, theta_idle, T_s);
 }
 
+/* n periods; rows has current, voltage and, afterwards, the angle before and i_hat.a after each. */
+void t_smo_periods(const smo_params_t *p, smo_state_t *x, emf_estimate_t *y, float *rows, int n,
+                   float L_q, float omega, float T_s) {
+    for (float *row = rows; row < rows + 6 * n; row += 6) {
+        row[4] = y->pll.theta;
+        t_smo_observe(p, x, y, row, row + 2, L_q, omega, 0.0f, T_s);
+        row[5] = x->i_hat.a;
+    }
+}
+
 void t_blend(const float *hfi, const float *smo, float k_s, float *y) {
     estimate_t h = {hfi[0], hfi[1]};
     estimate_t s = {smo[0], smo[1]};

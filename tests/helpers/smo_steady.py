@@ -1,7 +1,6 @@
 """A sliding-mode observer in an exact steady state, one period after the other."""
 
 import cmath
-import ctypes
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -106,17 +105,14 @@ def angles(
     u += u_lost * i / abs(i) * cmath.exp(0.5j * omega * motor.T_s) if u_lost else 0.0
     x, y = np.zeros(1, dtype=STATE), np.zeros(1, dtype=ESTIMATE)
     y["pll"]["omega"], x["omega_f"], y["pll"]["theta"] = omega, omega, 0.1
-    out, miss = np.empty(periods), np.empty(periods)
-    seen, i_hat = y["pll"]["theta"], x["i_hat"]["a"]
-    i_ab, u_ab = np.empty(2, np.float32), np.empty(2, np.float32)
-    arrays = [ctypes.c_void_p(array.ctypes.data) for array in (p, x, y, i_ab, u_ab)]
-    numbers = (motor.L_q if L_q is None else L_q, omega, 0.0, motor.T_s)
-    for k in range(periods):
-        theta = math.remainder(omega * motor.T_s * k, 2.0 * math.pi)
-        now = i * cmath.exp(1j * theta)
-        was = u * cmath.exp(1j * (theta - omega * motor.T_s))
-        out[k] = math.degrees(math.remainder(theta - float(seen[0]), 2.0 * math.pi))
-        i_ab[0], i_ab[1], u_ab[0], u_ab[1] = now.real, now.imag, was.real, was.imag
-        c("smo_observe", *arrays, *numbers)
-        miss[k] = i_hat[0] - now.real
-    return out[-500:], miss[-500:]
+    theta = np.remainder(omega * motor.T_s * np.arange(periods), 2.0 * np.pi)
+    now = i * np.exp(1j * theta)
+    was = u * np.exp(1j * (theta - omega * motor.T_s))
+    none = np.zeros(periods)
+    rows = np.stack([now.real, now.imag, was.real, was.imag, none, none], axis=-1)
+    rows = np.ascontiguousarray(rows, dtype=np.float32)
+    c("smo_periods", p, x, y, rows, periods, motor.L_q if L_q is None else L_q, omega, motor.T_s)
+    away = theta - rows[:, 4] + np.pi
+    return np.rad2deg(np.remainder(away, 2.0 * np.pi) - np.pi)[-500:], (rows[:, 5] - now.real)[
+        -500:
+    ]
