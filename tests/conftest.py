@@ -17,7 +17,7 @@ import typer.testing
 
 from sensorless import files
 from sensorless.design.drive import DriveDesign
-from sensorless.evaluation import compare
+from sensorless.evaluation import aggregate, compare
 from sensorless.export import fit, judge, selftest
 from sensorless.export.export import Exported, export
 from sensorless.machine.map_file import load_map
@@ -26,11 +26,12 @@ from sensorless.machine.motor import Motor
 from sensorless.pil.tools import missing_packages
 from sensorless.plots import figure
 from sensorless.table.ks_table import Axis, KsTable
-from tests.helpers.machines import MEASURED_MAP
+from tests.helpers.machines import MEASURED_MAP, knee_map
 from tests.helpers.objects import Failed, Objects
 from tests.helpers.scenarios import briefly, lasting
 
 SHIPPED_FLAGS, FULL_DPI, FULL_FIT = selftest.FLAGS, figure.DPI, fit.SIZE
+ALL_DRAWS = aggregate.RESAMPLES
 
 
 @pytest.fixture(scope="session")
@@ -81,13 +82,21 @@ def baldor() -> MapFit:
     return fit_map(*load_map(MEASURED_MAP), machine.i_rated, machine.i_max)
 
 
+@pytest.fixture(scope="session")
+def knee() -> MapFit:
+    """Fit to a map that the model cannot meet, of about the same machine."""
+    machine = Motor.load("pmsyrm_5600w")
+    return fit_map(*knee_map(), machine.i_rated, machine.i_max)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def small() -> Iterator[None]:
     """What costs time and is not what a test is about, for all tests at once.
 
     Self tests on export compile without optimisation; ``identity`` compares the levels. Commands
-    that end with a verdict run it on few short scenarios; ``test_compare`` on more. Pictures are
-    drawn with a third of their dots a side: half the bytes, as those of all dots have a palette.
+    that end with a verdict run it on few short scenarios; ``test_compare`` on more. Intervals are
+    of a tenth of the draws, but for ``all_draws``. Pictures are drawn with a third of their dots a
+    side: half the bytes, as those of all dots have a palette.
     Nothing waits for the disk.
     """
     with pytest.MonkeyPatch.context() as patch:
@@ -95,6 +104,7 @@ def small() -> Iterator[None]:
         patch.setattr(judge, "SIZE", 8)
         patch.setattr(fit, "SIZE", 8)
         patch.setattr(compare, "SIZE", 8)
+        patch.setattr(aggregate, "RESAMPLES", 200)
         patch.setattr(compare, "suite", lasting(0.1))
         patch.setattr(figure, "DPI", FULL_DPI // 3)
         patch.setattr(files, "sync", lambda path: None)  # test_files has its own
@@ -135,6 +145,12 @@ def brief() -> Iterator[None]:
     """As ``briefly``."""
     with briefly():
         yield
+
+
+@pytest.fixture
+def all_draws(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Intervals are those of the commands, as another process has them."""
+    monkeypatch.setattr(aggregate, "RESAMPLES", ALL_DRAWS)
 
 
 @pytest.fixture

@@ -67,6 +67,7 @@ def test_a_mistake_is_one_line(words: list[str], said: str, tmp_path: Path) -> N
     assert not list(tmp_path.iterdir()), "nothing half-written"
 
 
+@pytest.mark.usefixtures("all_draws")
 def test_evaluation_is_the_same_file_to_the_bit(tmp_path: Path) -> None:
     """Also from another process."""
     words = ["evaluate", "--policy", "eq25", "--policy", "hysteresis", "--suite", "stress-1"]

@@ -29,7 +29,7 @@ from sensorless.machine.magnetics import Floats
 from sensorless.machine.map_fit import MapFit
 from sensorless.machine.motor import MOTORS, Motor, Saturation
 from tests.helpers.command import run
-from tests.helpers.machines import MEASURED_MAP, knee_map
+from tests.helpers.machines import MEASURED_MAP
 
 DATA = Path(__file__).parents[1] / "data"
 SHEET = {
@@ -147,18 +147,22 @@ def test_the_verdict_names_the_reason(old: str, new: str, said: str, tmp_path: P
     assert (tmp_path / "page.html").exists()
 
 
-def test_a_flux_map_becomes_a_motor_file(
-    tmp_path: Path, baldor: MapFit, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The fit itself is that of ``test_map_fit``, if it is asked for with the same map."""
+def known_as(fit: MapFit, patch: pytest.MonkeyPatch) -> None:
+    """The fit itself is that of another test, if it is asked for with the same map."""
     known = Motor.load("pmsyrm_5600w")
 
     def fitted(i: Floats, psi: Floats, i_rated: float, i_max: float) -> MapFit:
-        assert np.array_equal(i, baldor.i) and np.array_equal(psi, baldor.psi)
+        assert np.array_equal(i, fit.i) and np.array_equal(psi, fit.psi)
         assert (i_rated, i_max) == (known.i_rated, known.i_max)
-        return baldor
+        return fit
 
-    monkeypatch.setattr(map_fit, "fit_map", fitted)
+    patch.setattr(map_fit, "fit_map", fitted)
+
+
+def test_a_flux_map_becomes_a_motor_file(
+    tmp_path: Path, baldor: MapFit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known_as(baldor, monkeypatch)
     words = ["--motor", "pmsyrm_5600w", "--out", "made.toml", "--plot", "fit.png"]
     done = run("motor", "import-map", str(MEASURED_MAP), *words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -171,9 +175,12 @@ def test_a_flux_map_becomes_a_motor_file(
     assert "suitable: yes" in again.stdout
 
 
-def test_a_map_that_no_model_fits_becomes_a_correction(tmp_path: Path) -> None:
+def test_a_map_that_no_model_fits_becomes_a_correction(
+    tmp_path: Path, knee: MapFit, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """One file to copy: the correction is in it, the check says so, a drive runs on it."""
-    i, psi = knee_map()
+    i, psi = knee.i, knee.psi
+    known_as(knee, monkeypatch)
     head = "i_d [A],i_q [A],psi_d [Vs],psi_q [Vs]"
     np.savetxt(tmp_path / "knee.csv", np.c_[i, psi], delimiter=",", header=head, comments="")
     words = ["knee.csv", "--motor", "pmsyrm_5600w", "--plot", "fit.png", "--json"]

@@ -11,7 +11,6 @@ import pytest
 from sensorless.core.api import SIM, ffi, lib
 from sensorless.design.derived import Derived, derive
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.envs.scenarios.words import plan_from
 from sensorless.evaluation import compare
@@ -27,6 +26,7 @@ from sensorless.observers.tracking import voltage_drift
 from sensorless.policies.bench import bench
 from sensorless.policies.registry import make_policy
 from sensorless.suitability import seen
+from tests.helpers.drives import Alone
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -102,11 +102,12 @@ def test_power_of_the_motors_that_are_named() -> None:
 
 
 def test_losses_of_the_weakest_motor(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The twins of lost drives run afterwards and alone, which is as good for what is counted."""
     monkeypatch.setattr(compare, "suite", suite)
     lost = {}
     for path in MOTORS.glob("*.toml"):
         motor = Motor.load(path.stem)
-        made = SimFactory(motor, DriveDesign())
+        made = Alone(motor, DriveDesign())
         lost[path.stem] = int(
             outcomes(make_policy("eq25", motor), [made], "stress", 1, 200).lost.sum()
         )
@@ -223,6 +224,7 @@ def test_steps_of_fig_9() -> None:
         assert all(near(a, found[name]) for a, name in zip(told, names, strict=True)), told
 
 
+@pytest.mark.usefixtures("all_draws")
 def test_the_verdict_on_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     """At its full size; other tests judge on a few scenarios."""
     monkeypatch.setattr(judge, "SIZE", 200)

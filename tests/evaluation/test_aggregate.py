@@ -25,6 +25,9 @@ def wilson(hits: int, n: int, z: float = 1.959964) -> tuple[float, float]:
     return centre - half, centre + half
 
 
+pytestmark = pytest.mark.usefixtures("all_draws")
+
+
 @pytest.mark.parametrize(("hits", "n"), [(0, 1), (0, 50), (3, 50), (25, 50), (50, 50), (7, 1000)])
 def test_rate_interval_is_wilsons(hits: int, n: int) -> None:
     lost = np.arange(n) < hits

@@ -1,6 +1,7 @@
 """The joint fit on pulses computed from a known machine, and the lost voltage at edges."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ from sensorless.machine.motor import Motor
 
 MOTOR = Motor.load("paper")
 T_S = 1e-4
+N = 240
+"""Periods of a pulse."""
 TURN = 1.5 * MOTOR.n_p**2 / (0.2 * MOTOR.J)
 """A light rotor: it turns by a third of a radian."""
 
@@ -24,25 +27,30 @@ def linked(i: Complex) -> Complex:
     return np.asarray(psi[:, 0] + 1j * psi[:, 1])
 
 
-def pulse(phi: float, speed: float = 0.0, noise: float = 0.0) -> Group:
-    """A pulse along ``phi`` [rad] that swings through three lobes, on a rotor that follows."""
-    n = 240
-    size = 1.2 * MOTOR.i_rated * np.sin(3.0 * np.pi * np.arange(n + 1) / n)
+@cache
+def turned(phi: float, speed: float) -> tuple[Complex, Complex]:
+    """Current and flux linkage of a pulse along ``phi`` [rad], on a rotor that follows."""
+    size = 1.2 * MOTOR.i_rated * np.sin(3.0 * np.pi * np.arange(N + 1) / N)
     stator: Complex = size * np.exp(1j * phi)
-    theta, omega, angle, psi = 0.0, speed, np.zeros(n + 1), np.zeros(n + 1, complex)
+    theta, omega, psi = 0.0, speed, np.zeros(N + 1, complex)
     for k, now in enumerate(stator):
-        angle[k] = theta
         psi[k] = linked(np.array([now * np.exp(-1j * theta)]))[0] * np.exp(1j * theta)
         omega += TURN * (psi[k].conjugate() * now).imag * T_S
         theta += omega * T_S
+    return stator, psi
+
+
+def pulse(phi: float, speed: float = 0.0, noise: float = 0.0) -> Group:
+    """A pulse that swings through three lobes, as sensors with noise see it."""
+    stator, psi = turned(phi, speed)
     rng = np.random.default_rng(3)
     i: Complex = stator + noise * MOTOR.i_rated * (
-        rng.normal(size=n + 1) + 1j * rng.normal(size=n + 1)
+        rng.normal(size=N + 1) + 1j * rng.normal(size=N + 1)
     )
     u: Complex = np.asarray(np.diff(psi) / T_S)
-    zero = np.zeros(n)
+    zero = np.zeros(N)
     small = (MOTOR.L_d, MOTOR.L_q)
-    return Group(0.0, i, u, zero + MOTOR.u_dc, 0.0, np.zeros(n, complex), (0, n), small, T_S)
+    return Group(0.0, i, u, zero + MOTOR.u_dc, 0.0, np.zeros(N, complex), (0, N), small, T_S)
 
 
 def pulses(speed: float = 0.0, noise: float = 0.0) -> list[Group]:

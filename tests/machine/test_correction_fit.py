@@ -10,14 +10,16 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.evaluation.rollout import rollout
+from sensorless.machine import map_fit
 from sensorless.machine.correction_fit import corrected
 from sensorless.machine.folds import fold
 from sensorless.machine.magnetics import Floats, currents, flux, plant_currents, slopes
 from sensorless.machine.map_file import load_map
-from sensorless.machine.map_fit import fit_map
+from sensorless.machine.map_fit import MapFit, fit_map
 from sensorless.machine.mapped import mapped
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
+from tests.helpers.drives import Alone
 from tests.helpers.machines import MEASURED_MAP, knee_currents, knee_map, measured_machine
 
 MOTOR = Motor.load("pmsyrm_5600w")
@@ -75,10 +77,10 @@ def test_half_a_map_gives_the_same_machine() -> None:
         assert np.sqrt(np.mean(found[rated] ** 2)) < 0.003 * MOTOR.i_rated
 
 
-def test_a_map_that_the_model_cannot_fit() -> None:
+def test_a_map_that_the_model_cannot_fit(knee: MapFit) -> None:
     """An abrupt knee and another coupling: the model misses it, the simulated machine does not."""
-    i, psi = knee_map()
-    model = mapped(MOTOR, fit_map(i, psi, MOTOR.i_rated, MOTOR.i_max))
+    i, psi = knee.i, knee.psi
+    model = mapped(MOTOR, knee)
     assert percent(model, i, psi).max() > 2.0
     made = corrected(model, i, psi)
     assert percent(made, i, psi).max() < 0.5
@@ -117,12 +119,13 @@ def test_the_drive_is_that_of_the_model() -> None:
 def test_eq_25_holds_on_it() -> None:
     motor = measured_machine()
     scenarios = suite("nominal", motor, 11, 16)
-    held = rollout(make_policy("eq25", motor), scenarios, SimFactory(motor, DriveDesign()))
+    held = rollout(make_policy("eq25", motor), scenarios, Alone(motor, DriveDesign()))
     assert not held.lost.any()
 
 
-def test_a_map_in_which_current_falls_is_refused() -> None:
-    """psi_d rises by 0.1 Vs where the current goes back by 2 A."""
+def test_a_map_in_which_current_falls_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """psi_d rises by 0.1 Vs where the current goes back by 2 A; whatever model is below that."""
+    monkeypatch.setattr(map_fit, "STARTS", map_fit.STARTS[:1])
     i, psi = knee_map()
     wrong = np.abs(psi[:, 0] - 0.4) < 0.06
     i = i - np.stack([4.0 * wrong * np.sign(psi[:, 0] - 0.4), 0.0 * wrong], axis=-1)

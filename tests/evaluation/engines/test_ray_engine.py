@@ -157,6 +157,7 @@ def test_no_cluster_there(cluster: Any, address: str) -> None:
         pytest.fail("entered")
 
 
+@pytest.mark.usefixtures("all_draws")
 def test_the_command_starts_a_cluster_of_its_own(cluster: Any, tmp_path: Path) -> None:
     for engine, start in (("local", run), ("ray", process)):
         words = f"evaluate --policy eq25 --suite paper --size 6 --engine {engine} --out {engine}"
