@@ -106,7 +106,7 @@ class MachineEkf:
         rotate = np.array([[c, -s], [s, c]])
         psi = rotate.T @ x[:2, 0]
         i = flux_map_currents(self._map, self._extra, psi + STEPS)
-        gamma = np.stack([i[1] - i[2], i[3] - i[4]], axis=-1) / (2.0 * FLUX_STEP)
+        gamma = (i[1::2] - i[2::2]).T / (2.0 * FLUX_STEP)
         jacobian = np.zeros((2, 4))
         jacobian[:, :2] = rotate @ gamma @ rotate.T
         jacobian[:, 3] = rotate @ (TURN @ i[0] - gamma @ TURN @ psi)

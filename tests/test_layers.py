@@ -153,7 +153,11 @@ PRIVATE = set().union(*(private_names(p.read_text(encoding="utf-8")) for p in FI
 
 def pried(source: str) -> list[str]:
     """Private names of the package that a file outside of it imports, reads or replaces."""
-    out, others = [], PRIVATE - private_names(source)
+    out: list[str] = []
+    named = PRIVATE & set(re.findall(r"(?<!\w)_[^_\W]\w*", source))  # in most files none
+    others = named - private_names(source) if named else named
+    if not others:
+        return out
     for node in parsed(source):
         names: list[object] = []
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sensorless."):

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import pytest
 
@@ -31,12 +32,17 @@ def on_the_target(seconds: float) -> Callable[..., tuple[tuple[str, ...], Scenar
     return short
 
 
-def lasting(seconds: float) -> Callable[..., Scenarios]:
-    """In place of ``suite``: the same scenarios, each for so long [s]."""
+def cut(draw: Callable[..., Scenarios], seconds: float) -> Callable[..., Scenarios]:
+    """The same scenarios, each for so long [s]."""
 
-    def short(name: str, motor: Motor, seed: int, size: int, role: str = "test") -> Scenarios:
-        scenarios = suite(name, motor, seed, size, role)
+    def short(*words: Any, **more: Any) -> Scenarios:
+        scenarios = draw(*words, **more)
         scenarios.duration[:] = seconds
         return scenarios
 
     return short
+
+
+def lasting(seconds: float) -> Callable[..., Scenarios]:
+    """In place of ``suite``: the same scenarios, each for so long [s]."""
+    return cut(suite, seconds)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import torch
 
+from sensorless.agents.train import env as train_env
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import training_env, training_scenarios
 from sensorless.design.drive import DriveDesign
@@ -17,6 +18,7 @@ from sensorless.envs.returns import acts, returns
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import table_named
 from sensorless.policy import TablePolicy
+from tests.helpers.scenarios import cut
 from tests.helpers.script import script
 
 MOTOR, DESIGN, N = Motor.load("paper"), DriveDesign(estimator="smo"), 6
@@ -47,12 +49,15 @@ def test_an_episode_earns_what_the_table_earns(learners: ModuleType) -> None:
 def test_every_learner_is_judged(
     learners: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name, value in {"n_envs": 24, "warm_up": 0}.items():
+    """In three updates, of scenarios of 0.5 s."""
+    for name, value in {"n_envs": 24, "n_steps": 100, "warm_up": 0}.items():
         monkeypatch.setitem(learners.SHARED, name, value)
+    for name in ("stress_1_scenarios", "hard_scenarios"):
+        monkeypatch.setattr(train_env, name, cut(getattr(train_env, name), 0.5))
     monkeypatch.setattr(learners, "STEPS", dict.fromkeys(learners.STEPS, 0.2))
     monkeypatch.setattr(learners, "LAST", 1)
     out = tmp_path / "learners.json"
-    words = ["gains", "--seeds", "1", "--steps", "28800", "--size", "8", "--out", str(out)]
+    words = ["gains", "--seeds", "1", "--steps", "7200", "--size", "8", "--out", str(out)]
     monkeypatch.setattr(sys, "argv", ["learners_study", *words, "--learners", "ppo", "es", "cma"])
     learners.main()
     found = json.loads(out.read_text())["gains"]
