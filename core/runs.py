@@ -52,6 +52,8 @@ class Recording:
         self._table = np.zeros((max(room, 0), len(TRACE_NAMES)))
         self._out = pointer(self._table, "double[]")
         self._n = 0
+        self._now = self._sim[0]
+        self._x = self._now.drive.x
         lib.sim_signals(self._sim, 1, self._obs)
 
     @property
@@ -62,12 +64,12 @@ class Recording:
     @property
     def at_end(self) -> bool:
         """Whether the drive has reached the end of its scenario."""
-        return bool(self._sim[0].k >= self._sim[0].k_end)
+        return bool(self._now.k >= self._now.k_end)
 
     @property
     def lost(self) -> bool:
         """Whether the drive is lost."""
-        return bool(self._sim[0].lost != 0)
+        return bool(self._now.lost != 0)
 
     def advance(self, periods: int, k_s: float) -> int:
         """Advance the drive by up to ``periods`` periods and return how many they were."""
@@ -80,6 +82,6 @@ class Recording:
 
     def status(self) -> tuple[bool, bool, int]:
         """Whether the drive has an alarm of lost lock, is out of control by it; its fault bits."""
-        x = self._sim[0].drive.x
+        x = self._x
         out = x.start.phase != lib.START_DONE and x.fault & lib.FAULT_LOCK != 0
         return x.lock.alarm != 0, out, x.fault

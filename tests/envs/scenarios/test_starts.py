@@ -17,6 +17,7 @@ from sensorless.machine.motor import Motor
 from sensorless.observers.start_design import peaks, polarity_pulse
 from sensorless.policies.registry import make_policy
 from sensorless.units import RPM_TO_RAD_S
+from tests.helpers.drives import Alone
 
 MOTOR = Motor.load("paper")
 N = 504
@@ -26,7 +27,7 @@ DONE, FLY, SETTLE = lib.START_DONE, lib.START_FLY, lib.START_SETTLE
 @cache
 def starts(n: int = N, polarity: bool = True) -> Rollout:
     """The suite under Eq. 25; without polarity detection the first guess of the pole is kept."""
-    factory = SimFactory(MOTOR, DriveDesign())
+    factory = SimFactory(MOTOR, DriveDesign()) if polarity else Alone(MOTOR, DriveDesign())
     if not polarity:
         factory.template["control"]["start"]["i_pole"] = 0.0
     return rollout(make_policy("eq25", MOTOR), suite("starts", MOTOR, 1, n), factory)
