@@ -10,6 +10,7 @@ from typing import Any
 
 from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.motor import Motor
+from sensorless.observers.drift_design import design_drift
 from sensorless.observers.flux_design import standstill_rate
 from sensorless.observers.hfi_design import error_slope
 from sensorless.observers.match_design import design_match
@@ -35,8 +36,6 @@ RISE = (1.0 / 6.0, 1.0 / 2.0)
 """Errors, over that which a rated load step leaves, at which the bandwidth starts to rise and at
 which it has risen by ``RISE_MAX``."""
 RISE_MAX = 0.75
-ZERO_SHARE = 0.02
-"""Current, over rated, up to which the dead time's effect depends on the current's magnitude."""
 LAYER_SPEED = 0.05
 """Speed, over rated, at which an uncompensated dead time displaces the flux by one boundary layer:
 the sigmoid should saturate on errors that no model explains."""
@@ -112,10 +111,10 @@ def design_coupled(
     omega_max : float
         Bound on the speed estimate, electrical [rad/s].
     """
-    acceleration, drift = rated_acceleration(motor), voltage_drift(motor)
+    acceleration = rated_acceleration(motor)
     left = acceleration / at.flux**2
     low, high = (share * left for share in RISE)
-    layer = drift / (LAYER_SPEED * motor.omega_rated)
+    layer = voltage_drift(motor) / (LAYER_SPEED * motor.omega_rated)
     return {
         "R_s": motor.R_s,
         "L_d": motor.L_d,
@@ -136,12 +135,8 @@ def design_coupled(
         "rise_max": RISE_MAX,
         "inv_slope": 1.0 / error_slope(motor.L_d, motor.L_q),
         "k_h": 2.0 * at.injection * motor.T_s,
-        "k_b": at.injection**2 * motor.T_s,
-        "drift_max": drift + 0.5 * motor.R_s * motor.i_rated / motor.psi_f,
-        "u_dt": u_dt,
-        "inv_i_comp": inv_i_comp,
-        "inv_i_true": 1.0 / (ZERO_SHARE * motor.i_rated),
         "omega_floor": motor.rpm_to_electrical(floor_rpm),
         "omega_max": omega_max,
+        "drift": design_drift(motor, injection=at.injection, u_dt=u_dt, inv_i_comp=inv_i_comp),
         "match": design_match(motor, flux_bandwidth=at.flux),
     }

@@ -85,6 +85,12 @@ def first_busy(n: int) -> int:
     return BUSY if n > BUSY + 1 else 0
 
 
+def learning_time(motor: Motor) -> float:
+    """Mean time between the periods in which the drive learns [s]."""
+    n = evaluation_periods(motor)
+    return n * motor.T_s / (n - first_busy(n))
+
+
 def learning_times(motor: Motor) -> tuple[float, float]:
     """Mean times [s] between the periods that learn the gain and between those of the offsets.
 

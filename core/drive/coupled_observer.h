@@ -9,17 +9,17 @@
  * through a sigmoid with a boundary layer: sliding mode far from the model, linear near it.
  *
  * Injection gives the slow part with weight k_s. Its error e_h turns angle and flux by the same
- * amount, so its noise never reaches eps and the speed; a slow state keeps turning the flux to make
- * up for constant errors of the voltages. Derivation, poles and gains: docs/coupled-observer.md.
+ * amount, so its noise never reaches eps and the speed; what errors of the voltages do to the flux is
+ * learned from it (voltage_drift.h). Derivation, poles and gains: docs/coupled-observer.md.
  */
 #ifndef SENSORLESS_COUPLED_OBSERVER_H
 #define SENSORLESS_COUPLED_OBSERVER_H
 
 #include "curve.h"
-#include "dead_time.h"
 #include "emf_estimate.h"
 #include "sensor_match.h"
 #include "trig.h"
+#include "voltage_drift.h"
 
 typedef struct {
     float R_s;         /* stator resistance of the model [ohm] */
@@ -41,13 +41,9 @@ typedef struct {
     float rise_max;    /* its largest rise, as a share of the bandwidth */
     float inv_slope;   /* 1 / slope of the injection's error signal [rad] */
     float k_h;         /* from injection to angle and flux [1/s] times T_s */
-    float k_b;         /* from injection to drift [1/s^2] times T_s */
-    float drift_max;   /* bound on the drift [rad/s] */
-    float u_dt;        /* dead-time voltage of a leg that the drive compensates [V] */
-    float inv_i_comp;  /* slope of its transition through zero current [1/A] */
-    float inv_i_true;  /* slope of the inverter's own dead-time voltage [1/A] */
     float omega_floor; /* below this speed the flux needs injection, electrical [rad/s] */
     float omega_max;   /* bound on the speed estimate, electrical [rad/s] */
+    drift_params_t drift; /* of the voltages */
     match_params_t match; /* of the current sensors */
 } coupled_params_t;
 
@@ -55,9 +51,9 @@ typedef struct {
     ab_t psi;            /* estimated stator flux [Vs] */
     ab_t i_1;            /* sample k-1, whichever observer is in use [A] */
     float load;          /* acceleration by load and friction [rad/s^2] */
-    float drift;         /* turn of the flux that offsets constant voltage errors [rad/s] */
     float eps_f;         /* low-passed error across the auxiliary flux [rad] */
     float err_hfi;       /* angle error by injection, truth minus estimate near lock [rad] */
+    drift_state_t drift; /* what errors of the voltages do to the flux */
     match_state_t match; /* errors of the current sensors, kept by a new start */
 } coupled_state_t;
 
@@ -67,7 +63,7 @@ typedef struct {
 /* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] without
  * dead-time compensation [V]; L_q, L_qq: apparent and incremental inductance [H]; psi_0: d flux
  * from the curve psi_d [Vs]; k_s: weight of injection; err: its error signal; learn: 0, or
- * what to learn of the sensors: odd the gain, even the offsets. y: angle and speed, advanced to
+ * what to learn besides the drift: odd the gain of the sensors, even their offsets. y: angle and speed, advanced to
  * k+1; r = rot_of(the angle of y at k). */
 CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
                                  rot_t r, ab_t i_ab, ab_t u_ab, float L_q, float L_qq, float psi_0,
@@ -75,7 +71,8 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     int led = abs_f(y->pll.omega) >= p->omega_floor || k_s > COUPLED_LED;
     int fresh = !led || !(y->valid > 0.0f);
     ab_t i_m = {0.5f * (i_ab.a + x->i_1.a), 0.5f * (i_ab.b + x->i_1.b)};
-    ab_t u_x = dead_time_excess(p->u_dt, p->inv_i_comp, p->inv_i_true, i_m);
+    const drift_params_t *d = &p->drift;
+    ab_t u_x = dead_time_excess(d->u_dt, d->u_dt_i, x->drift.loss, x->drift.loss_i, i_m);
     ab_t psi_ab = {x->psi.a + T_s * (u_ab.a + u_x.a - p->R_s * i_m.a),
                    x->psi.b + T_s * (u_ab.b + u_x.b - p->R_s * i_m.b)};
 
@@ -94,9 +91,7 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
 
     x->err_hfi = bound_f(p->inv_slope * err, 1.0f);
     float e_h = k_s * x->err_hfi;
-    float drift = bound_f(x->drift + p->k_b * e_h, p->drift_max);
     float load = bound_f(x->load + T_s * p->k_l * eps, p->load_max);
-    x->drift = fresh ? 0.0f : drift;
     x->load = fresh ? 0.0f : load;
     x->eps_f += p->alpha_rise * (eps - x->eps_f);
     float f = 1.0f + clamp_f(p->rise * (abs_f(x->eps_f) - p->eps_rise), 0.0f, p->rise_max);
@@ -104,16 +99,18 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     float motion = p->k_tau * (psi.d * i.q - psi.q * i.d) + x->load;
     float omega = y->pll.omega + T_s * (p->k_i * f * f * eps + motion);
     float turn = p->k_h * e_h;
+    float turn_u = T_s * drift_turn(d, &x->drift, i.q);
     y->pll.omega = bound_f(omega, p->omega_max);
     y->pll.theta = wrap_pi(y->pll.theta + T_s * (y->pll.omega + p->k_p * f * eps) + turn);
     dq_t next = {psi.d + gain * aux.d, psi.q + gain * aux.q};
-    x->psi = dq_to_ab(next, rot_turn(r, turn + T_s * x->drift));
+    x->psi = dq_to_ab(next, rot_turn(r, turn + turn_u));
     x->i_1 = i_ab;
 
     y->e.a = -r.s * y->pll.omega * aux.d;
     y->e.b = r.c * y->pll.omega * aux.d;
     y->err = eps;
     y->valid = led ? 1.0f : 0.0f;
+    drift_learn(d, &x->drift, learn > 0, e_h, i.q, y->pll.omega);
     if (SHORTCUT(learn <= 0)) {
         return;
     }

@@ -8,10 +8,11 @@
  * transition through zero current [1/A]. */
 CORE_INLINE float dead_time_share(float i, float inv_i) { return clamp_f(i * inv_i, -1.0f, 1.0f); }
 
-/* Difference of two shares at current i of a leg: both have its sign. */
-CORE_INLINE float dead_time_difference(float i, float inv_i, float inv_i_less) {
-    float most = min_f(abs_f(i) * inv_i, 1.0f) - min_f(abs_f(i) * inv_i_less, 1.0f);
-    return i < 0.0f ? -most : most;
+/* Voltage u with the slope u_i through zero current [V/A] less voltage v with v_i, both with the
+ * sign of the current i of a leg [V]; u, v at least 0. */
+CORE_INLINE float dead_time_difference(float u, float u_i, float v, float v_i, float i) {
+    float size = min_f(abs_f(i) * u_i, u) - min_f(abs_f(i) * v_i, v);
+    return i < 0.0f ? -size : size;
 }
 
 /* Leg voltages u a, u b, u c in the stator frame; the part common to all legs drops out. */
@@ -29,13 +30,14 @@ CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
                            dead_time_share(i_c, inv_i));
 }
 
-/* Voltage that a compensation with slope inv_i adds beyond the loss with slope inv_i_true [V]. */
-CORE_INLINE ab_t dead_time_excess(float u_dt, float inv_i, float inv_i_true, ab_t i_ab) {
+/* Voltage that a compensation u adds beyond a loss v [V], both of a leg, with slopes u_i and v_i
+ * through zero current [V/A]. */
+CORE_INLINE ab_t dead_time_excess(float u, float u_i, float v, float v_i, ab_t i_ab) {
     float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
     float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
-    return dead_time_to_ab(u_dt, dead_time_difference(i_ab.a, inv_i, inv_i_true),
-                           dead_time_difference(i_b, inv_i, inv_i_true),
-                           dead_time_difference(i_c, inv_i, inv_i_true));
+    return dead_time_to_ab(1.0f, dead_time_difference(u, u_i, v, v_i, i_ab.a),
+                           dead_time_difference(u, u_i, v, v_i, i_b),
+                           dead_time_difference(u, u_i, v, v_i, i_c));
 }
 
 #endif

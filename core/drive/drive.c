@@ -37,13 +37,13 @@ static void emf_clear(emf_estimate_t *x) {
     x->valid = 0.0f;
 }
 
-static void coupled_clear(coupled_state_t *x) {
+static void coupled_clear(const coupled_params_t *p, coupled_state_t *x) {
     x->psi.a = 0.0f;
     x->psi.b = 0.0f;
     x->i_1.a = 0.0f;
     x->i_1.b = 0.0f;
     x->load = 0.0f;
-    x->drift = 0.0f;
+    drift_clear(&p->drift, &x->drift);
     x->eps_f = 0.0f;
     x->err_hfi = 0.0f;
     x->match.gain = 0.0f;
@@ -97,7 +97,7 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
     smo_clear(&x->smo);
     x->flux.psi.a = 0.0f;
     x->flux.psi.b = 0.0f;
-    coupled_clear(&x->coupled);
+    coupled_clear(&p->coupled, &x->coupled);
     control_clear(&x->control);
     signals_clear(&x->signal);
     lock_clear(&p->lock, &x->lock, omega);

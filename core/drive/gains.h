@@ -59,7 +59,7 @@ CORE_INLINE void gain_observer(const drive_params_t *from, drive_params_t *to, f
 CORE_INLINE void gain_injection(const drive_params_t *from, drive_params_t *to, float factor) {
     if (from->estimator == ESTIMATE_COUPLED) {
         to->coupled.k_h = from->coupled.k_h * factor;
-        to->coupled.k_b = from->coupled.k_b * factor * factor;
+        to->coupled.drift.k = from->coupled.drift.k * factor * factor;
     } else {
         gain_pll(&from->hfi.pll, &to->hfi.pll, factor);
     }

@@ -113,8 +113,8 @@ void t_flux_observe(const flux_params_t *p, flux_state_t *x, emf_estimate_t *y, 
     flux_observe(p, x, y, i_ab, u_ab, L_q, omega, theta_idle, lead, T_s);
 }
 
-/* n periods; i: currents, u: voltages over the period before, err: of the injection; out: angle, speed,
- * error, load, drift, flux of each. */
+/* n periods, all of which learn; i: currents, u: voltages over the period before, err: of the
+ * injection; out: angle, speed, error, load, drift without torque, flux of each. */
 void t_coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
                        const float *i, const float *u, const float *err, float L_q, float psi_0,
                        float k_s, float T_s, float *out, int n) {
@@ -122,22 +122,36 @@ void t_coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estima
         ab_t i_ab = {i[2 * j], i[2 * j + 1]};
         ab_t u_ab = {u[2 * j], u[2 * j + 1]};
         out[7 * j] = y->pll.theta;
-        coupled_observe(p, x, y, rot_of(y->pll.theta), i_ab, u_ab, L_q, L_q, psi_0, k_s, err[j], 0,
+        coupled_observe(p, x, y, rot_of(y->pll.theta), i_ab, u_ab, L_q, L_q, psi_0, k_s, err[j], 1,
                         T_s);
         out[7 * j + 1] = y->pll.omega;
         out[7 * j + 2] = y->err;
         out[7 * j + 3] = x->load;
-        out[7 * j + 4] = x->drift;
+        out[7 * j + 4] = x->drift.even;
         out[7 * j + 5] = x->psi.a;
         out[7 * j + 6] = x->psi.b;
     }
 }
 
-void t_dead_time_excess(float u_dt, float inv_i, float inv_i_true, const float *i, float *u,
+/* n periods of which every `every`-th learns; out: odd and even drift, voltage lost, turn of each. */
+void t_drift(const drift_params_t *p, drift_state_t *x, const float *err, const float *i_q,
+             const float *omega, int every, float *out, int n) {
+    for (int j = 0; j < n; j++) {
+        drift_learn(p, x, (j + 1) % every == 0, err[j], i_q[j], omega[j]);
+        out[4 * j] = x->odd;
+        out[4 * j + 1] = x->even;
+        out[4 * j + 2] = x->loss;
+        out[4 * j + 3] = drift_turn(p, x, i_q[j]);
+    }
+}
+
+void t_drift_clear(const drift_params_t *p, drift_state_t *x) { drift_clear(p, x); }
+
+void t_dead_time_excess(float u_dt, float u_i, float loss, float loss_i, const float *i, float *u,
                         int n) {
     for (int j = 0; j < n; j++) {
         ab_t i_ab = {i[2 * j], i[2 * j + 1]};
-        ab_t y = dead_time_excess(u_dt, inv_i, inv_i_true, i_ab);
+        ab_t y = dead_time_excess(u_dt, u_i, loss, loss_i, i_ab);
         u[2 * j] = y.a;
         u[2 * j + 1] = y.b;
     }

@@ -85,4 +85,4 @@ def test_an_inverter_without_dead_time_has_gains() -> None:
         for time in (0.0, LEAST_DEAD_TIME * PAPER.T_s)
     )
     assert none["inv_layer"] == least["inv_layer"] and math.isfinite(none["inv_layer"])
-    assert none["k_b"] == least["k_b"] > 0.0
+    assert none["drift"]["k"] == least["drift"]["k"] > 0.0

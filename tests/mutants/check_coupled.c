@@ -7,41 +7,68 @@ static coupled_params_t some(int j) {
     p.gain_0 = 0.004f, p.gain_w = 2e-5f, p.layer = 0.3f, p.inv_layer = j % 4 ? 3.3f : 0.0f;
     p.k_p = 120.0f, p.k_i = 5000.0f, p.k_l = 7e4f, p.k_tau = 90.0f;
     p.load_max = j % 5 ? 900.0f : 3.0f, p.alpha_rise = 0.2f, p.eps_rise = 0.05f, p.rise = 3.0f;
-    p.rise_max = j % 2 ? 1.5f : 0.2f, p.inv_slope = 1.3f, p.k_h = 0.004f, p.k_b = 0.03f;
-    p.drift_max = j % 7 ? 5.0f : 0.3f, p.u_dt = 6.0f, p.inv_i_comp = 3.0f, p.inv_i_true = 9.0f;
+    p.rise_max = j % 2 ? 1.5f : 0.2f, p.inv_slope = 1.3f, p.k_h = 0.004f;
+    p.drift.k = 0.03f, p.drift.most = j % 7 ? 5.0f : 0.3f, p.drift.alpha = 0.1f;
+    p.drift.inv_omega = 0.005f, p.drift.inv_i_true = 9.0f, p.drift.inv_i_turn = 0.4f;
+    p.drift.u_dt = 6.0f, p.drift.u_dt_i = 18.0f, p.drift.to_loss = j % 5 ? 0.5f : 4.0f;
+    p.drift.from_loss = 1.5f, p.drift.loss_max = 11.0f;
     p.omega_floor = 30.0f, p.omega_max = j % 6 ? 700.0f : 250.0f;
     return p;
 }
 
-static double along_axis(double u_dt, double slope, double i) {
-    return u_dt * bounded(i * slope, 1.0);
-}
-
-static vec_t excess(const coupled_params_t *p, vec_t i) {
+static vec_t excess(const drift_params_t *p, const drift_state_t *x, vec_t i) {
     vec_t sum = 0.0;
     for (int leg = 0; leg < 3; leg++) {
         vec_t axis = cexp(I * 2.0 * M_PI / 3.0 * leg);
-        double own = creal(i * conj(axis)), u_dt = (double)p->u_dt;
+        double own = creal(i * conj(axis));
         sum += 2.0 / 3.0 * axis *
-               (along_axis(u_dt, (double)p->inv_i_comp, own) -
-                along_axis(u_dt, (double)p->inv_i_true, own));
+               (bounded(own * (double)p->u_dt_i, (double)p->u_dt) -
+                bounded(own * (double)x->loss_i, (double)x->loss));
     }
     return sum;
+}
+
+/* What is learned of the voltages from the error e at torque current i_q and speed w. */
+static void drift(const drift_params_t *p, const drift_state_t *was, const drift_state_t *x,
+                  double e, double i_q, double w, int now) {
+    double sum = (double)was->sum + e;
+    check("drift: sum", fabs((double)x->sum - (now ? 0.0 : sum)) < 1e-6);
+    double slow = fmax(1.0 - (double)p->inv_omega * fabs(w), 0.0);
+    double sign = (double)was->sign;
+    sign += (double)p->alpha * (slow * bounded(i_q * (double)p->inv_i_true, 1.0) - sign);
+    double most = (double)p->most, k = (double)p->k;
+    double odd = bounded((double)was->odd + k * sign * sum, most);
+    double even = bounded((double)was->even + k * (1.0 - sign * sign) * sum, most);
+    double loss = (double)p->u_dt - (double)p->to_loss * odd;
+    loss = fmin(fmax(loss, 0.0), (double)p->loss_max);
+    double rest = odd + (double)p->from_loss * (loss - (double)p->u_dt);
+    const drift_state_t want = {
+        (float)odd,  (float)even, (float)sign, (float)loss, (float)(loss * (double)p->inv_i_true),
+        (float)rest, 0.0f};
+    const drift_state_t *y = now ? &want : was;
+    check("drift: odd", fabs((double)(x->odd - y->odd)) < 2e-6);
+    check("drift: even", fabs((double)(x->even - y->even)) < 2e-6);
+    check("drift: sign", fabs((double)(x->sign - y->sign)) < 1e-6);
+    check("drift: loss", fabs((double)(x->loss - y->loss)) < 1e-5);
+    check("drift: slope", fabs((double)(x->loss_i - y->loss_i)) < 1e-4);
+    check("drift: rest", fabs((double)(x->rest - y->rest)) < 2e-5);
 }
 
 static void one(int j) {
     const double T = (double)2e-4f;
     coupled_params_t p = some(j);
-    coupled_state_t x = {{draw_f(-1, 1), draw_f(-1, 1)},
-                         {draw_f(-5, 5), draw_f(-5, 5)},
-                         draw_f(-3, 3),
-                         draw_f(-0.4, 0.4),
-                         draw_f(-0.4, 0.4),
-                         0.0f};
+    coupled_state_t x = {0};
+    x.psi.a = draw_f(-1, 1), x.psi.b = draw_f(-1, 1);
+    x.i_1.a = draw_f(-5, 5), x.i_1.b = draw_f(-5, 5);
+    x.load = draw_f(-3, 3), x.eps_f = draw_f(-0.4, 0.4);
+    x.drift.odd = draw_f(-5, 5), x.drift.even = draw_f(-5, 5), x.drift.sign = draw_f(-1, 1);
+    x.drift.loss = draw_f(0, 11), x.drift.loss_i = 9.0f * x.drift.loss;
+    x.drift.rest = draw_f(-5, 5), x.drift.sum = draw_f(-0.1, 0.1);
     float w = j % 3 ? draw_f(-240, 240) : draw_f(-33, 33);
     emf_estimate_t y = {{draw_f(-3, 3), w}, {0, 0}, 0, j % 8 ? 1.0f : 0.0f};
     ab_t i = {draw_f(-5, 5), draw_f(-5, 5)}, u = {draw_f(-200, 200), draw_f(-200, 200)};
     float k_s = j % 4 < 2 ? draw_f(0, 1) : draw_f(0, 0.02), err = draw_f(-1, 1);
+    int learn = j % 3 == 1 ? 1 + j % 2 : 0;
     float L_q = 0.25f, L_qq = 0.2f, psi_0 = 0.9f;
     if (j % 9 == 0) { /* near lock: the flux that the current implies */
         vec_t at = cexp(I * (double)y.pll.theta), d = of_ab(i) * conj(at);
@@ -50,13 +77,15 @@ static void one(int j) {
     }
     coupled_state_t was = x;
     emf_estimate_t old = y;
-    coupled_observe(&p, &x, &y, rot_of(y.pll.theta), i, u, L_q, L_qq, psi_0, k_s, err, 0, 2e-4f);
+    coupled_observe(&p, &x, &y, rot_of(y.pll.theta), i, u, L_q, L_qq, psi_0, k_s, err, learn,
+                    2e-4f);
 
     int led = fabs((double)w) >= 30.0 || k_s > 0.01f;
     int fresh = !led || old.valid == 0.0f;
     vec_t r = cexp(I * (double)old.pll.theta);
     vec_t mean = 0.5 * (of_ab(i) + of_ab(was.i_1));
-    vec_t psi = of_ab(was.psi) + T * (of_ab(u) + excess(&p, mean) - (double)p.R_s * mean);
+    vec_t psi =
+        of_ab(was.psi) + T * (of_ab(u) + excess(&p.drift, &was.drift, mean) - (double)p.R_s * mean);
     vec_t c = of_ab(i) * conj(r);
     vec_t model = (double)psi_0 + (double)p.L_d * creal(c) + I * (double)L_q * cimag(c);
     vec_t aux = model - (double)L_qq * creal(c) - I * (double)p.L_d * cimag(c);
@@ -68,28 +97,29 @@ static void one(int j) {
     double gain = 2.0 * ((double)p.gain_0 + (double)p.gain_w * fabs((double)w)) * slide;
     double e_i = bounded((double)p.inv_slope * (double)err, 1.0);
     double e_h = (double)k_s * e_i;
-    double drift = bounded((double)was.drift + (double)p.k_b * e_h, (double)p.drift_max);
+    double part = bounded(cimag(c) * (double)p.drift.inv_i_turn, 1.0);
+    double away = (double)was.drift.even + (double)was.drift.rest * part;
     double load = bounded((double)was.load + T * (double)p.k_l * eps, (double)p.load_max);
     double eps_f = (double)was.eps_f + (double)p.alpha_rise * (eps - (double)was.eps_f);
     double more = (double)p.rise * (fabs(eps_f) - (double)p.eps_rise);
     double f = 1.0 + fmax(0.0, fmin(more, (double)p.rise_max));
-    drift = fresh ? 0.0 : drift;
     load = fresh ? 0.0 : load;
     double tau = cimag(conj(psi) * c); /* flux times current */
     double omega = (double)w + T * ((double)p.k_i * f * f * eps + (double)p.k_tau * tau + load);
     omega = bounded(omega, (double)p.omega_max);
     double turn = (double)p.k_h * e_h;
     double theta = (double)old.pll.theta + T * (omega + (double)p.k_p * f * eps) + turn;
-    vec_t next = (psi + gain * aux) * r * cexp(I * (turn + T * drift));
+    vec_t next = (psi + gain * aux) * r * cexp(I * (turn + T * away));
     check("coupled: flux", near_v(of_ab(x.psi), next, 4e-6));
     check("coupled: error", fabs((double)y.err - eps) < 2e-5);
     check("coupled: injection", fabs((double)x.err_hfi - e_i) < 1e-6);
-    check("coupled: drift", fabs((double)x.drift - drift) < 1e-6);
+    drift(&p.drift, &was.drift, &x.drift, e_h, cimag(c), (double)y.pll.omega, learn > 0);
     check("coupled: load", fabs((double)x.load - load) < 1e-3);
     check("coupled: rise", fabs((double)x.eps_f - eps_f) < 1e-5);
     check("coupled: speed", near((double)y.pll.omega, omega, 1e-5));
     check("coupled: angle", fabs(wrapped((double)y.pll.theta - theta)) < 8e-6);
-    check("coupled: EMF", near_v(of_ab(y.e), I * r * (double)y.pll.omega * creal(aux), 1e-5));
+    vec_t emf = I * r * (double)y.pll.omega * creal(aux);
+    check("coupled: EMF", cabs(of_ab(y.e) - emf) < 1e-6 * cabs(emf) + 1e-6);
     check("coupled: valid", y.valid == (led ? 1.0f : 0.0f));
     check("coupled: sample", x.i_1.a == i.a && x.i_1.b == i.b);
 }

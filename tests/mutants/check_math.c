@@ -101,9 +101,9 @@ static void dead_time(void) {
         ab_t i = {draw_f(-1, 1), draw_f(-1, 1)};
         vec_t u = legs(i, 2.0, 7.0);
         check("dead time", near_v(of_ab(dead_time_voltage(7.0f, 2.0f, i)), u, 2e-6));
-        vec_t excess = u - legs(i, 5.0, 7.0);
+        vec_t excess = u - legs(i, 5.0, 4.0);
         check("dead time's excess",
-              near_v(of_ab(dead_time_excess(7.0f, 2.0f, 5.0f, i)), excess, 4e-6));
+              near_v(of_ab(dead_time_excess(7.0f, 14.0f, 4.0f, 20.0f, i)), excess, 4e-6));
     }
 }
 

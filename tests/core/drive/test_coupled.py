@@ -33,9 +33,9 @@ def linear(motor: Motor) -> Motor:
 
 
 def params(motor: Motor, **changes: float) -> Array:
-    """``coupled_params_t``, shape (1,), without dead time; ``changes`` by field."""
+    """``coupled_params_t``, shape (1,), without dead time or learning the sensors' gain."""
     p = np.array(control_record(motor, DriveDesign(estimator="coupled"))["coupled"]).reshape(1)
-    p["u_dt"] = 0.0
+    p["drift"]["u_dt"] = p["match"]["k_gain"] = 0.0
     for name, value in changes.items():
         p[name] = value
     return p
@@ -81,7 +81,8 @@ class Run:
 
 def loop(p: Array, omega: float = 0.0, T_s: float = T_S) -> Floats:
     """Of (eps, omega_hat - omega, load, phi, drift, size of the flux - 1) at k_s = 1."""
-    k_h, k_b, zeta = (float(p[name][0]) / T_s for name in ("k_h", "k_b", "gain_w"))
+    k_h, zeta = (float(p[name][0]) / T_s for name in ("k_h", "gain_w"))
+    k_b = float(p["drift"]["k"][0]) / T_s
     k_p, k_i, k_l = (float(p[name][0]) for name in ("k_p", "k_i", "k_l"))
     return np.array([
         [-k_p, -1.0, 0.0, 0.0, 1.0, -omega],
@@ -142,7 +143,8 @@ def test_injection_turns_angle_and_flux_back(c: Call, linear: Motor) -> None:
 def test_noise_of_the_injection_never_reaches_the_speed(c: Call, linear: Motor) -> None:
     """At rest, without the drift: the angle walks at random, the speed stays where it is."""
     err = np.random.default_rng(1).normal(0.0, 0.1, 5000)
-    p = params(linear, k_b=0.0)
+    p = params(linear)
+    p["drift"]["k"] = 0.0
     still = Run(c, linear, p, np.zeros(5000), k_s=1.0)
     noisy = Run(c, linear, p, np.zeros(5000), k_s=1.0, err=err)
     walk = np.cumsum(err * float(p["inv_slope"][0]) * float(p["k_h"][0]))
@@ -220,8 +222,8 @@ def test_dead_time_excess_is_the_difference_of_two_transitions(c: Call) -> None:
     i = np.random.default_rng(2).uniform(-1.0, 1.0, (200, 2)).astype(np.float32)
     wide, steep, both = (np.zeros_like(i) for _ in range(3))
     c("dead_time", 4.0, 5.0, i, wide, len(i))
-    c("dead_time", 4.0, 20.0, i, steep, len(i))
-    c("dead_time_excess", 4.0, 5.0, 20.0, i, both, len(i))
+    c("dead_time", 3.0, 20.0, i, steep, len(i))
+    c("dead_time_excess", 4.0, 4.0 * 5.0, 3.0, 3.0 * 20.0, i, both, len(i))
     assert both == pytest.approx(wide - steep, abs=2e-6)
     assert np.abs(both).max() > 1.0
 

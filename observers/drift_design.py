@@ -1,0 +1,64 @@
+"""Errors of the voltages that the injection reveals: from the machine to ``drift_params_t``.
+
+docs/coupled-observer.md derives each formula.
+"""
+
+import math
+from typing import Any
+
+from sensorless.machine.motor import Motor
+from sensorless.observers.match_design import learning_time
+from sensorless.observers.smo_design import low_pass
+from sensorless.observers.tracking import voltage_drift
+
+LEG = 0.75
+"""Dead-time voltage of a leg over that of the voltage vector: three legs make 4/3 of it."""
+MOST_DEAD_TIME = 1.5
+"""Largest dead time over the file's: drivers and switches add delays of their own."""
+R_S_ERROR = 0.5
+"""Error of the resistance over the file's: copper has half as much again at +130 K."""
+L_Q_ERROR = 0.15
+"""Error of the q inductance over the file's, which the observers take too low on purpose."""
+BOTH = 2.0
+"""Speed from which no error is taken for one of dead time or resistance, over that at which an
+error of the inductance drifts as fast as both."""
+TURN_CURRENT = 0.5
+"""Torque current over rated up to which the odd drift that is not dead time is in proportion to
+it, as a resistance's is; beyond, it is that of half the current."""
+ZERO_SHARE = 0.02
+"""Current over rated up to which the dead time's effect depends on the current's size."""
+
+
+def design_drift(
+    motor: Motor, *, injection: float, u_dt: float, inv_i_comp: float
+) -> dict[str, Any]:
+    """Fields of ``drift_params_t``.
+
+    The odd drift has two causes with standard deviations in the ratio of ``voltage_drift`` v and
+    ``R_S_ERROR`` R_s i / psi_f at rated current; dead time takes its share of the sum of squares,
+    which is the least-squares estimate from the sum.
+
+    Parameters
+    ----------
+    injection : float
+        Bandwidth of the injection's double pole [rad/s].
+    u_dt, inv_i_comp : float
+        Dead-time compensation of the drive: voltage of a leg [V], slope through zero [1/A].
+    """
+    dead_time = voltage_drift(motor)
+    resistance = R_S_ERROR * motor.R_s * motor.i_rated / motor.psi_f
+    share = dead_time**2 / (dead_time**2 + resistance**2)
+    inductance = L_Q_ERROR * motor.L_q * motor.i_rated / motor.psi_f
+    return {
+        "k": injection**2 * motor.T_s,
+        "most": 2.0 * dead_time + resistance,
+        "alpha": low_pass(injection / (2.0 * math.pi), learning_time(motor)),
+        "inv_omega": inductance / (BOTH * math.hypot(dead_time, resistance)),
+        "inv_i_true": 1.0 / (ZERO_SHARE * motor.i_rated),
+        "inv_i_turn": 1.0 / (TURN_CURRENT * motor.i_rated),
+        "u_dt": u_dt,
+        "u_dt_i": u_dt * inv_i_comp,
+        "to_loss": share * LEG * motor.psi_f,
+        "from_loss": 1.0 / (LEG * motor.psi_f),
+        "loss_max": MOST_DEAD_TIME * motor.u_dc * motor.dead_time / motor.T_s,
+    }

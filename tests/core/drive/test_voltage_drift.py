@@ -1,0 +1,115 @@
+"""What the voltage model gets wrong, learned from the injection: docs/coupled-observer.md."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from sensorless.core.api import Array, struct_dtype
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
+from sensorless.machine.motor import Motor
+
+Call = Callable[..., None]
+Floats = NDArray[np.float64]
+ODD, EVEN, LOSS, TURN = range(4)
+MACHINES = ("paper", "pmsyrm_5600w", "brusa_hsm1", "formula_wheel", "ebike_hub")
+
+
+def params(motor: Motor) -> Array:
+    """``drift_params_t``, shape (1,)."""
+    return np.array(control_record(motor, DriveDesign())["coupled"]["drift"]).reshape(1)
+
+
+class Learned:
+    """Rows (n, 4) of odd, even, voltage lost, turn, for errors of the injection [rad]."""
+
+    def __init__(self, c: Call, motor: Motor) -> None:
+        self.c, self.p = c, params(motor)
+        self.x = np.zeros(1, dtype=struct_dtype("drift_state_t"))
+        c("drift_clear", self.p, self.x)
+
+    def run(self, err: Floats, i_q: Floats | float, omega: float = 0.0, every: int = 1) -> Floats:
+        """Go on for the errors (n,) with torque current [A] and electrical speed [rad/s]."""
+        n = len(err)
+        out = np.zeros((n, 4), dtype=np.float32)
+        columns = (np.broadcast_to(y, n).astype(np.float32) for y in (err, i_q, omega))
+        self.c("drift", self.p, self.x, *columns, every, out, n)
+        return out.astype(np.float64)
+
+
+def settle(learned: Learned, motor: Motor, sign: float = 1.0) -> None:
+    """Let the torque current's low-passed sign settle at rated current, with nothing to learn."""
+    learned.run(np.zeros(20 * round(1.0 / float(learned.p["alpha"][0]))), sign * motor.i_rated)
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_under_torque_the_odd_drift_takes_all(c: Call, name: str) -> None:
+    """One integrator of the injection's error; lost voltage and turn add up to its value."""
+    motor = Motor.load(name)
+    learned = Learned(c, motor)
+    settle(learned, motor)
+    k, u_dt = float(learned.p["k"][0]), float(learned.p["u_dt"][0])
+    err = np.full(50, 0.1 * float(learned.p["most"][0]) / (50 * k))
+    out = learned.run(err, motor.i_rated)
+    assert out[:, ODD] == pytest.approx(k * np.cumsum(err), rel=1e-3)
+    assert np.abs(out[:, EVEN]).max() < 1e-3 * out[-1, ODD]
+    by_loss = (u_dt - out[:, LOSS]) * 4.0 / 3.0 / motor.psi_f
+    assert out[:, TURN] + by_loss == pytest.approx(out[:, ODD], rel=2e-4)
+
+
+def test_dead_time_and_resistance_share_by_their_variances(c: Call, motor: Motor) -> None:
+    """Paper's motor: v = U_dc t_d/T_s/psi_f, and half of R_s i/psi_f at rated current."""
+    learned = Learned(c, motor)
+    settle(learned, motor)
+    out = learned.run(np.full(40, 1e-3), motor.i_rated)
+    v = motor.u_dc * motor.dead_time / motor.T_s / motor.psi_f
+    r = 0.5 * motor.R_s * motor.i_rated / motor.psi_f
+    lost = (float(learned.p["u_dt"][0]) - out[-1, LOSS]) * 4.0 / 3.0 / motor.psi_f
+    assert lost / out[-1, ODD] == pytest.approx(v**2 / (v**2 + r**2), rel=1e-3)
+
+
+def test_a_reversal_of_torque_turns_the_flux_the_other_way_at_once(c: Call, motor: Motor) -> None:
+    learned = Learned(c, motor)
+    settle(learned, motor)
+    before = learned.run(np.full(100, 1e-3), motor.i_rated)[-1]
+    after = learned.run(np.zeros(1), -motor.i_rated)[0]
+    assert after[TURN] == pytest.approx(-before[TURN], rel=1e-4) and before[TURN] > 0.0
+    assert after[LOSS] == before[LOSS]
+
+
+@pytest.mark.parametrize("case", ["no torque", "at speed", "swing"])
+def test_else_the_even_drift_takes_all(c: Call, motor: Motor, case: str) -> None:
+    """The swing is ten times as fast as the low-pass of the sign, and the error swings with it."""
+    learned = Learned(c, motor)
+    n = 2000
+    period = 2.0 * np.pi / float(learned.p["alpha"][0]) / 10.0
+    swing = np.sign(np.sin(2.0 * np.pi * np.arange(n) / period))
+    i_q = {"no torque": np.zeros(n), "at speed": np.full(n, motor.i_rated)}.get(case, swing)
+    omega = 1.0 / float(learned.p["inv_omega"][0]) if case == "at speed" else 0.0
+    err = np.full(n, 1e-5) + (2e-5 * swing if case == "swing" else 0.0)
+    out = learned.run(err, i_q, omega)
+    assert abs(out[-1, ODD]) < (0.2 if case == "swing" else 1e-6) * out[-1, EVEN]
+    assert out[-1, EVEN] > 0.7 * float(learned.p["k"][0]) * err.sum()
+
+
+def test_errors_between_two_uses_are_not_lost(c: Call, motor: Motor) -> None:
+    """Learning in every fifth period adds up the errors of all five."""
+    err = np.random.default_rng(3).normal(0.0, 1e-3, 1000)
+    each, fifth = (Learned(c, motor).run(err, 0.0, every=n)[:, EVEN] for n in (1, 5))
+    assert fifth[4::5] == pytest.approx(each[4::5], abs=1e-6 * np.abs(each).max() + 1e-7)
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_bounds(c: Call, name: str) -> None:
+    """Whatever the injection says: a leg loses nothing to 1.5 times the file's dead time."""
+    motor = Motor.load(name)
+    for sign in (-1.0, 1.0):
+        learned = Learned(c, motor)
+        settle(learned, motor)
+        out = learned.run(np.full(4000, sign), motor.i_rated)
+        most = float(learned.p["most"][0])
+        assert out[-1, ODD] == pytest.approx(sign * most) and abs(out[-1, EVEN]) <= most
+        full = motor.u_dc * motor.dead_time / motor.T_s
+        assert 0.0 <= out[-1, LOSS] <= 1.5 * full * (1.0 + 1e-6)
