@@ -24,7 +24,7 @@ static float injection_sign(const replay_t *x, dq_t u, float u_inj) {
 static void replay_step(const drive_params_t *p, replay_t *r, const replay_in_t *in,
                         float k_s_ref) {
     drive_state_t *x = &r->x;
-    ab_t i_ab = phases_to_ab(in->i_a, in->i_b);
+    ab_t i_ab = match_correct(&x->coupled.match, in->i_a, in->i_b);
     ab_t u_ab = {in->u_a, in->u_b};
     dq_t u = ab_to_dq(u_ab, rot_of(x->hfi.pll.theta - 0.5f * p->T_s * x->hfi.pll.omega));
     float s = in->infer != 0.0f ? injection_sign(r, u, p->hfi.u_inj) : in->inj;
@@ -32,6 +32,8 @@ static void replay_step(const drive_params_t *p, replay_t *r, const replay_in_t 
     x->hfi.sign_2 = s;
     x->u_2 = u_ab;
     rot_t r_est = drive_observe(p, x, i_ab, k_s_ref);
+    x->coupled.i_1 = i_ab;
+    x->lock.wait = x->lock.wait > 1 ? x->lock.wait - 1 : p->lock.n; /* the drive learns by it */
     control_sample(&x->control, r_est, i_ab);
     float u_d = 0.5f * (u.d + r->u_1.d); /* the fundamental */
     float u_q = 0.5f * (u.q + r->u_1.q);

@@ -22,7 +22,7 @@ PLANS: dict[str, tuple[tuple[float, float, float], ...]] = {
 """Start [s], speed target [rated], load [rated]. Two drives find their rotor first; the last one
 has a broken current sensor."""
 
-BROKEN = 0.7
+BROKEN = 1.5
 """Offset of the broken sensor [rated current]."""
 
 RATE = 1.0
