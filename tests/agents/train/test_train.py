@@ -12,9 +12,9 @@ from torch.optim import Adam
 
 from sensorless.agents.loading import load_run
 from sensorless.agents.table.module import TableModule
-from sensorless.agents.train import watch
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.train import resume, train
+from sensorless.agents.validation import validate_all
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.design.drive import DriveDesign
@@ -74,9 +74,9 @@ def test_it_keeps_the_best_table_or_the_last(
 ) -> None:
     """Each validation is made to look worse than the one before."""
     worse = itertools.count(1.0)
-    found = watch.validate_all
     monkeypatch.setattr(
-        watch, "validate_all", lambda *args: replace(found(*args), torque_dev=next(worse))
+        "sensorless.agents.train.watch.validate_all",
+        lambda *args: replace(validate_all(*args), torque_dev=next(worse)),
     )
     train(replace(SMALL, last=last), DriveDesign(), tmp_path / "run", START)
     rows = (tmp_path / "run/progress.csv").read_text().splitlines()[1:]
