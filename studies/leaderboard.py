@@ -4,9 +4,9 @@
     python studies/leaderboard.py --policy examples.own_rule:MoreUnderLoad
     python studies/leaderboard.py --pair reference logistic-coupled-tuned
 
-Without --policy it judges every policy that ships, and drops all other rows. With --policy it
-judges these alone and leaves the other rows as they are. The machine is the paper's. With --pair it
-runs nothing: it compares two policies scenario by scenario on the first suite, from
+Without --policy it judges every policy that ships, and drops all other rows at the end. With
+--policy it judges these alone and leaves the other rows as they are. The machine is the paper's.
+With --pair it runs nothing: it compares two policies scenario by scenario on the first suite, from
 results/leaderboard.npy, which has torque deviation and ripple in each.
 """
 
@@ -264,20 +264,33 @@ def main() -> None:
             parser.error(f"pair: choose from {', '.join(each)}")
         print(pair(name, other, each))
         return
-    words = args.policy
-    rows = {(row["suite"], row["policy"]): row for row in read(CSV)} if words else {}
-    each = kept_each(EACH) if words else {}
-    for word in words or shipped_words():
+    judge_all(args.policy or shipped_words(), drop_others=not args.policy)
+
+
+def judge_all(words: Sequence[str], *, drop_others: bool) -> None:
+    """Judge these policies; an interrupted run leaves the rows of the others as they were."""
+    rows = {(row["suite"], row["policy"]): row for row in read(CSV)}
+    each, done = kept_each(EACH), set[str]()
+    for word in words:
         for frozen in FROZEN:
             row, errors = judged(word, frozen)
             rows[row["suite"], row["policy"]] = row
+            done.add(row["policy"])
             if frozen.suite == FIRST:
                 each[row["policy"]] = errors
-        found = ordered(list(rows.values()))
-        write_atomic(CSV, text_of(found))
-        write_each(EACH, each)
-        write_atomic(PAGE, page(found))
+        store(list(rows.values()), each)
         print(f"judged {word}", flush=True)
+    if drop_others:
+        kept = [row for row in rows.values() if row["policy"] in done]
+        store(kept, {name: x for name, x in each.items() if name in done})
+
+
+def store(rows: Sequence[Row], each: Mapping[str, Short]) -> None:
+    """Write the file, the errors by scenario and the page."""
+    found = ordered(rows)
+    write_atomic(CSV, text_of(found))
+    write_each(EACH, each)
+    write_atomic(PAGE, page(found))
 
 
 if __name__ == "__main__":

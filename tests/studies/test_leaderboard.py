@@ -1,5 +1,8 @@
 """The leaderboard: its file has policies on the frozen suites, its page is made from the file."""
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.stats import beta
@@ -70,3 +73,27 @@ def test_a_row_is_what_evaluate_says() -> None:
     survived = ~np.array(said["scenarios"]["lost"])
     assert STUDY.STEP * each[survived, 1] == pytest.approx(ripple[survived], abs=STUDY.STEP)
     assert (each[~survived] == STUDY.LOST).all()
+
+
+def test_an_interrupted_run_keeps_the_rows_of_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At the end, and only then, rows of policies that do not ship any more go."""
+    for name, file in (("CSV", "a.csv"), ("EACH", "a.npy"), ("PAGE", "a.md")):
+        shutil.copy(getattr(STUDY, name), tmp_path / file)
+        monkeypatch.setattr(STUDY, name, tmp_path / file)
+    old = {(row["suite"], row["policy"]): row for row in ROWS}
+    each = STUDY.kept_each(STUDY.EACH)
+
+    def judged(word: str, frozen: Frozen) -> tuple[dict[str, str], object]:
+        if word == "stop":
+            raise KeyboardInterrupt
+        return old[frozen.suite, word], each[word]
+
+    monkeypatch.setattr(STUDY, "judged", judged)
+    with pytest.raises(KeyboardInterrupt):
+        STUDY.judge_all(["eq25", "stop"], drop_others=True)
+    assert STUDY.read(STUDY.CSV) == ROWS and set(STUDY.kept_each(STUDY.EACH)) == set(each)
+    STUDY.judge_all(["eq25", "reference"], drop_others=True)
+    assert {row["policy"] for row in STUDY.read(STUDY.CSV)} == {"eq25", "reference"}
+    assert set(STUDY.kept_each(STUDY.EACH)) == {"eq25", "reference"}
