@@ -9,8 +9,8 @@
  * through a sigmoid with a boundary layer: sliding mode far from the model, linear near it.
  *
  * Injection gives the slow part with weight k_s. Its error e_h turns angle and flux by the same
- * amount, so its noise never reaches eps and the speed; what errors of the voltages do to the flux is
- * learned from it (voltage_drift.h). Derivation, poles and gains: docs/coupled-observer.md.
+ * amount, so its noise never reaches eps and the speed; what errors of the voltages do to the flux
+ * is learned from it (voltage_drift.h). Derivation, poles and gains: docs/coupled-observer.md.
  */
 #ifndef SENSORLESS_COUPLED_OBSERVER_H
 #define SENSORLESS_COUPLED_OBSERVER_H
@@ -62,9 +62,9 @@ typedef struct {
 
 /* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] without
  * dead-time compensation [V]; L_q, L_qq: apparent and incremental inductance [H]; psi_0: d flux
- * from the curve psi_d [Vs]; k_s: weight of injection; err: its error signal; learn: 0, or
- * what to learn besides the drift: odd the gain of the sensors, even their offsets. y: angle and speed, advanced to
- * k+1; r = rot_of(the angle of y at k). */
+ * from the curve psi_d [Vs]; k_s: weight of injection; err: its error signal; learn: 0, or what to
+ * learn besides the drift: odd the gain of the sensors, even their offsets. y: angle and speed,
+ * advanced to k+1; r = rot_of(the angle of y at k). */
 CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
                                  rot_t r, ab_t i_ab, ab_t u_ab, float L_q, float L_qq, float psi_0,
                                  float k_s, float err, int learn, float T_s) {
