@@ -39,7 +39,9 @@ CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimat
     x->emf.pll.theta = next.theta;
     x->emf.pll.omega = next.omega;
     x->smo.omega_f = next.omega;
-    x->emf.valid = 0.0f; /* an observer that integrates starts again */
+    x->emf.valid = 0.0f; /* observers that integrate start again */
+    x->flux.psi.a = 0.0f;
+    x->flux.psi.b = 0.0f;
     drift_clear(&p->coupled.drift, &x->coupled.drift);
     x->control.i_1 = ab_to_dq(i_ab, unit(x->est.theta));
     /* Again: as at the reference without load, so torque acts on the whole error of the speed. It

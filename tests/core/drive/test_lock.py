@@ -193,6 +193,15 @@ def test_a_shaft_is_caught_in_its_own_direction_at_any_speed(share: float) -> No
     assert largest < 0.5 * motor.i_rated
 
 
+@pytest.mark.parametrize("share", [-0.9, -0.5, 0.5, 0.9])
+def test_no_flux_of_before_is_taken_over(share: float) -> None:
+    """The shaft has turned since: integrated on, it would turn the estimate away."""
+    sims = at_speed(share, 0.0, estimator="flux")
+    restart(sims, share)
+    run(sims, 5e-3, share)
+    assert err(sims) < np.deg2rad(10.0)
+
+
 @pytest.mark.parametrize("share", [-0.15, 0.15])
 @pytest.mark.parametrize("half", [False, True])
 def test_the_emf_tells_the_pole_without_pulses(share: float, half: bool) -> None:
