@@ -89,14 +89,14 @@ def test_missing_field(field: str, tmp_path: Path) -> None:
     assert f" {field}: missing" in refusal(write(tmp_path, text))
 
 
-@pytest.mark.parametrize("field", numbers())
 @pytest.mark.parametrize("value", ["-1.5", "nan", "inf", "-inf", '"much"', "true", "[1.0]", HUGE])
-def test_bad_value(field: str, value: str, tmp_path: Path) -> None:
+def test_bad_value(value: str, tmp_path: Path) -> None:
     """Negative, not a number, infinite, no number at all: field, value and what it must be."""
-    message = refusal(write(tmp_path, change(field, value)))
-    assert f" {field}: " in message
-    assert ": must be " in message
-    assert value.strip('"-') in message or (value == "true" and "True" in message)
+    for field in numbers():
+        message = refusal(write(tmp_path, change(field, value)))
+        assert f" {field}: " in message
+        assert ": must be " in message
+        assert value.strip('"-') in message or (value == "true" and "True" in message)
 
 
 @pytest.mark.parametrize(

@@ -57,12 +57,13 @@ def test_missing_field(path: str) -> None:
     assert f"{name}: " in message and ("missing" in message or "None" in message)
 
 
-@pytest.mark.parametrize("path", [p for p in field_paths(SATURATED) if p != "machine.type"])
 @pytest.mark.parametrize("value", [math.nan, math.inf, "x", None, True, [1]])
-def test_not_a_number(path: str, value: Any) -> None:
+def test_not_a_number(value: Any) -> None:
     """NaN, infinity, text, null, booleans and lists are refused with field, value and range."""
-    message = refusal(changed(SATURATED, path, value))
-    assert f"{path.split('.')[-1]}: {value!r}; give " in message
+    for path in field_paths(SATURATED):
+        if path != "machine.type":
+            message = refusal(changed(SATURATED, path, value))
+            assert f"{path.split('.')[-1]}: {value!r}; give " in message
 
 
 @pytest.mark.parametrize(

@@ -74,18 +74,18 @@ def plainly(n: int, twin: bool, estimator: str, detail: bool = False) -> tuple[A
 @pytest.mark.parametrize("detail", [False, True], ids=["plain", "detail"])
 @pytest.mark.parametrize("estimator", IN_BLOCKS)
 @pytest.mark.parametrize("twin", [True, False], ids=["twin", "alone"])
-@pytest.mark.parametrize("n", SIZES)
 @pytest.mark.parametrize("simd", ["SIMD_AVX2", "SIMD_AVX512"])
 def test_blocks_equal_the_plain_loop(
-    simd: str, n: int, twin: bool, estimator: str, detail: bool, state_bytes: Bytes
+    simd: str, twin: bool, estimator: str, detail: bool, state_bytes: Bytes
 ) -> None:
     level = getattr(lib, simd)
     if lib.sim_simd() < level:
         pytest.skip(f"this processor or compiler has no {simd}")
-    sims, obs = advance(n, twin, estimator, detail, simd=level, threads=1)
-    expected, signals = plainly(n, twin, estimator, detail)
-    assert obs.tobytes() == signals.tobytes()
-    assert state_bytes(sims) == state_bytes(expected)
+    for n in SIZES:
+        sims, obs = advance(n, twin, estimator, detail, simd=level, threads=1)
+        expected, signals = plainly(n, twin, estimator, detail)
+        assert obs.tobytes() == signals.tobytes(), n
+        assert state_bytes(sims) == state_bytes(expected), n
 
 
 @pytest.mark.parametrize("n", SIZES)
