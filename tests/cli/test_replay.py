@@ -32,6 +32,7 @@ def test_a_simulated_log_is_replayed(tmp_path: Path) -> None:
     assert plot.read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.usefixtures("without_ekf")
 def test_the_observer_is_called_what_it_is(tmp_path: Path) -> None:
     for words, name in (((), "coupled observer"), (("--set", "estimator=flux"), "flux observer")):
         said = run("replay", SAMPLE, *words)

@@ -28,6 +28,7 @@ def starts(motor: Motor) -> bool:
     return True
 
 
+@pytest.mark.usefixtures("without_selftest")
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 @pytest.mark.parametrize(("name", "finds"), [("ipmsm_2200w", False), ("pmsyrm_5600w", True)])
 def test_all_files_say_the_same(name: str, finds: bool, tmp_path: Path) -> None:

@@ -38,5 +38,5 @@ def test_the_term_that_spoils_a_map_is_named(name: str, value: float) -> None:
 
 
 def test_machines_pass() -> None:
-    for motor in (*map(Motor.load, MOTORS.glob("*.toml")), *family(7, 32)):
+    for motor in (*map(Motor.load, MOTORS.glob("*.toml")), *family(1, 32)):
         require_sane(motor)

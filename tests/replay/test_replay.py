@@ -82,6 +82,7 @@ def test_the_encoder_is_for_the_error_alone(
     assert math.isnan(blind.summary()["ekf"]["rms_deg"])
 
 
+@pytest.mark.usefixtures("without_ekf")
 def test_the_sign_of_the_injection_is_in_the_voltage(
     recorded: tuple[Trace, Path], found: Replay, tmp_path: Path
 ) -> None:
@@ -107,6 +108,7 @@ def hfi_error(found: Replay) -> Floats:
     return np.asarray(np.rad2deg(error[at]))
 
 
+@pytest.mark.usefixtures("without_ekf")
 def test_recorded_signs_turned_round_turn_the_angle(
     recorded: tuple[Trace, Path], tmp_path: Path
 ) -> None:
@@ -119,6 +121,7 @@ def test_recorded_signs_turned_round_turn_the_angle(
     assert np.min(np.abs(hfi_error(again(tmp_path / "turned.csv")))) > 170.0
 
 
+@pytest.mark.usefixtures("without_ekf")
 @pytest.mark.parametrize("start", [-60.0, 130.0])
 def test_injection_from_a_wrong_start(
     start: float, recorded: tuple[Trace, Path], tmp_path: Path

@@ -129,35 +129,34 @@ def test_the_plotting_library_is_the_one_that_is_named() -> None:
     assert f"(v{UPLOT})" in head
 
 
+@pytest.fixture(scope="module")
 def judged(run: Path) -> Results:
     """What an evaluation of the same says."""
     design = DriveDesign(smo_pll_hz=21.0)
     return evaluate(MOTOR, design, "stress-1", 7, SIZE, make_policies([str(run), *OTHERS], MOTOR))
 
 
-def test_the_page_says_what_the_evaluation_says(run: Path, page: Page) -> None:
-    results = judged(run)
+def test_the_page_says_what_the_evaluation_says(run: Path, page: Page, judged: Results) -> None:
     names = ["mine & yours", "eq25", "flux_observer", "sensored"]
     table = [row for row in page.rows if len(row) == 1 + len(COLUMNS)][: 1 + len(names)]
     assert [row[0].split(" ")[0] for row in table] == ["policy", "mine", *names[1:]]
     for row, name in zip(table[1:], names, strict=True):
-        policy = results.policies[name]
-        assert row[0].startswith(name) and results.note(name) in row[0]
+        policy = judged.policies[name]
+        assert row[0].startswith(name) and judged.note(name) in row[0]
         for cell, (key, _, factor, digits) in zip(row[1:], COLUMNS, strict=True):
             assert cell.startswith(number(factor * policy[key], digits))
     written = json.loads((run / "report" / "results-stress-1.json").read_text(encoding="utf-8"))
-    rate = results.policies["eq25"]["lost_rate"]
+    rate = judged.policies["eq25"]["lost_rate"]
     assert written["policies"]["eq25"]["lost_rate"] == pytest.approx(rate, rel=1e-8)
     assert "scenarios" not in written["policies"]["eq25"]
 
 
-def test_pairs_are_ours_minus_theirs(run: Path, page: Page) -> None:
-    results = judged(run)
+def test_pairs_are_ours_minus_theirs(page: Page, judged: Results) -> None:
     row = next(row for row in page.rows if row[0] == "eq25" and len(row) == 2 + len(COLUMNS))
-    deviation = results.paired["eq25"]["torque_dev_rms"]
-    assert row[1] == str(results.paired["eq25"]["survived_both"])
+    deviation = judged.paired["eq25"]["torque_dev_rms"]
+    assert row[1] == str(judged.paired["eq25"]["survived_both"])
     assert row[4].startswith(number(-100.0 * deviation, 2))
-    rows = [results.policies[name]["scenarios"] for name in ("mine & yours", "eq25")]
+    rows = [judged.policies[name]["scenarios"] for name in ("mine & yours", "eq25")]
     both = ~np.array(rows[0]["lost"]) & ~np.array(rows[1]["lost"])
     ours, theirs = (np.mean(np.array(x["torque_dev_rms"])[both]) for x in rows)
     share = number(100.0 * (ours / theirs - 1.0), 0)

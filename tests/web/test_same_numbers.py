@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sensorless.machine.magnetics import Floats
 from tests.helpers.command import run
 from tests.web.conftest import Shown
 from tests.web.native import Move
@@ -33,11 +32,6 @@ def read(desk: Path, command: str) -> Any:
     return json.loads(done.stdout)
 
 
-def idle(motor: object, u: Floats, i: Floats, *start: float) -> tuple[Floats, Floats]:
-    """A filter that diverges at once."""
-    return np.full(len(u), np.nan), np.full(len(u), np.nan)
-
-
 @pytest.fixture(scope="module")
 def simulated(desk: Path) -> Any:
     told = ",".join(f"{t:g}:{n:g}" for t, n in SPEEDS.items())
@@ -45,11 +39,9 @@ def simulated(desk: Path) -> Any:
     return read(desk, f"simulate --speed {told} --load 0:0 --duration {DURATION} {where}")
 
 
-def test_replay_of_the_log_says_what_simulate_said(
-    desk: Path, simulated: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Of the blend; the Kalman filter beside it has no say and takes most of the time."""
-    monkeypatch.setattr("sensorless.replay.replay.run_ekf", idle)
+@pytest.mark.usefixtures("without_ekf")
+def test_replay_of_the_log_says_what_simulate_said(desk: Path, simulated: Any) -> None:
+    """Of the blend; the Kalman filter beside it has no say."""
     found = read(desk, "replay log.csv --policy eq25")["estimators"]["blend"]
     largest = max(plateau["angle_err_max_deg"] for plateau in simulated["plateaus"])
     assert f"{found['max_deg']:.1f}" == f"{largest:.1f}"
