@@ -35,6 +35,7 @@ EXPORTS = (
 COMMAND = (
     *("clang", "--target=wasm32", "-mbulk-memory", "-std=c99", "-O2", "-ffreestanding"),
     *("-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),
+    "-DCORE_INLINE=static inline",  # half the size and time to compile, and no slower
     *("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror", "-nostdlib"),
     *("-Wl,--no-entry", "-Wl,--gc-sections", "-Wl,--strip-all", "-Wl,-z,stack-size=65536"),
     *(f"-Wl,--export={name}" for name in EXPORTS),
