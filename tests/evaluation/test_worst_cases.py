@@ -1,5 +1,6 @@
 """A scenario that an evaluation lists can be run again, alone, with the same end."""
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ MOTOR, DESIGN = Motor.load("paper"), DriveDesign(estimator="smo", L_q_motoring=0
 """A drive that loses some scenarios."""
 
 
+@cache
 def entry(name: str, seed: int, size: int, policy: str) -> dict[str, Any]:
     return evaluate(MOTOR, DESIGN, name, seed, size, make_policies([policy], MOTOR)).policies[
         policy

@@ -48,15 +48,11 @@ def test_an_exact_drive_finds_its_machine_exactly() -> None:
     assert 1.0 / found.map_fit.saturation.a_q0 == pytest.approx(MOTOR.L_q, rel=2e-3)
 
 
-def test_the_log_gives_the_same_machine(measured: tuple[Simulated, Identified]) -> None:
-    again = identify_machine(Recorded(measured[0].parts), Nameplate.of(MOTOR))
-    assert motor_tables(again) == motor_tables(measured[1])
-
-
-def test_the_procedure_knows_the_name_plate_alone(
+def test_the_log_and_the_name_plate_alone_give_the_same_machine(
     measured: tuple[Simulated, Identified],
 ) -> None:
     unknown = dataclasses.replace(MOTOR, R_s=1.0, L_d=0.1, L_q=0.2, psi_f=9.0, J=1.0, B=1.0)
+    assert Nameplate.of(unknown) == Nameplate.of(MOTOR)
     again = identify_machine(Recorded(measured[0].parts), Nameplate.of(unknown))
     assert motor_tables(again) == motor_tables(measured[1])
 
