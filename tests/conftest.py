@@ -9,6 +9,7 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # two threads of torch on a busy machine are slower
 os.environ.setdefault("MPLBACKEND", "Agg")  # figures without a screen
+gc.disable()  # until all is imported
 
 import numpy as np
 import pytest
@@ -178,7 +179,7 @@ def without_selftest(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """What the imports left is not searched for garbage again; the rest, more seldom."""
-    gc.collect()
+    """What the imports left is never searched for garbage; the rest, seldom."""
     gc.freeze()
     gc.set_threshold(100_000)
+    gc.enable()
