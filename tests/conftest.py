@@ -9,7 +9,6 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # two threads of torch on a busy machine are slower
 os.environ.setdefault("MPLBACKEND", "Agg")  # figures without a screen
-gc.disable()  # until all is imported
 
 import numpy as np
 import pytest
@@ -35,6 +34,8 @@ from tests.helpers.scenarios import briefly, lasting
 
 SHIPPED_FLAGS, FULL_DPI, FULL_FIT = selftest.FLAGS, figure.DPI, fit.SIZE
 ALL_DRAWS = aggregate.RESAMPLES
+
+gc.disable()  # until all tests are imported
 
 
 @pytest.fixture(scope="session")
