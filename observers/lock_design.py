@@ -34,10 +34,10 @@ by 40 degrees in 8 ms and back."""
 CURRENT_SHARE = 0.1
 """Distance of the torque current from its reference, over rated current, beyond what the slope of
 the reference makes."""
-ALARM, ACT, CLEAR, CALM = 2e-3, 20e-3, 10e-3, 1.0
+ALARM, ACT, CLEAR, CALM = 2e-3, 2.0 * TAU, 10e-3, 1.0
 """Times [s] from the first failed test to the alarm and until the drive acts, and of passed tests
-after which the alarm ends, and after which restarts are forgotten. A judge waits 10 ms; a slipping
-drive passes for less at a time."""
+after which the alarm ends, and after which restarts are forgotten. A drive acts when what a swing
+left in the low-pass has decayed. A judge waits 10 ms; a slipping drive passes less at a time."""
 RESTARTS = 5
 SETTLED = 3.0
 """Time constants of the current loop, and of the tests' low-pass, after which the current follows

@@ -17,8 +17,9 @@ PLL_HZ = (35.0, 50.0)
 HOLD_SHARE = 0.3
 """Gain of the loop that holds zero current, over the deadbeat gain: damped for any inductance
 between L_d and L_q, with one period of computation and the mean of two samples."""
-EMF_LOW_PASS = 0.2
-"""Coefficient of the low-pass on the EMF that is fed forward."""
+EMF_TAU = 1.25e-3
+"""Time constant with which the EMF is followed, angle and speed critically damped [s]: a fifth of
+CATCH, so that what is left of the first error is 2 %."""
 FLY_SHARE = 0.25
 """EMF, over its rated value, above which the shaft counts as spinning. Above it, the EMF turns by
 several times its noise while it is watched; below it, the injection estimator still locks in."""
@@ -33,7 +34,6 @@ QUIET_SHARE = 0.1
 """Current, over rated, below which it no longer hides the EMF."""
 TIMES = {
     "quiet": 12e-3,
-    "mark": 3e-3,
     "catch": 7e-3,
     "fly": 16e-3,
     "again": 8e-3,
@@ -103,22 +103,22 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
     volt_seconds, difference = polarity_pulse(motor) if knows_poles(motor) else (0.0, 0.0)
     u_max = PULSE_SHARE * motor.u_dc / math.sqrt(3.0)
     n_pulse = max(2, math.ceil(volt_seconds / (u_max * motor.T_s)))
+    pole, e_fly = math.exp(-motor.T_s / EMF_TAU), FLY_SHARE * motor.omega_rated * motor.psi_f
     n = {name: max(4, round(time / motor.T_s)) for name, time in TIMES.items()}
     return {
         "hfi": {**hfi, "pll": loops[0], "n_hold": 1.0},
         "smo": {**smo, "pll": loops[1], "switching": SWITCHING["sigmoid"], "alpha_e": 1.0},
         "k_hold": HOLD_SHARE * motor.L_d / motor.T_s,
-        "alpha_e": EMF_LOW_PASS,
-        "e_lag": (1.0 - EMF_LOW_PASS) / EMF_LOW_PASS,
-        "e_fly": FLY_SHARE * motor.omega_rated * motor.psi_f,
+        "alpha_e": 1.0 - pole**2,
+        "k_turn": (1.0 - pole) ** 2 / motor.T_s,
+        "e_turn_sq": (0.5 * e_fly) ** 2,
+        "e_fly": e_fly,
         "omega_pole": POLE_SPEED * motor.omega_rated,
-        "inv_t_turn": 1.0 / ((n["catch"] - n["mark"]) * motor.T_s),
         "u_pulse": volt_seconds / (n_pulse * motor.T_s),
         "i_pole": difference,
         "i_pole_sure": max(0.4 * abs(difference), 0.02 * motor.i_rated),
         "i_quiet": QUIET_SHARE * motor.i_rated,
         "n_quiet": n["quiet"],
-        "n_catch_mark": n["mark"],
         "n_catch": n["catch"],
         "n_fly": n["fly"],
         "n_again": n["again"],
@@ -127,4 +127,5 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
         "n_rest": n["rest"],
         "n_pulse": n_pulse,
         "n_tries": 3,
+        "reserved": 0,
     }

@@ -5,8 +5,9 @@
 A policy with `lost_lock` report and restart. Prints for each machine, estimator and action what
 `sensorless evaluate` writes of lost lock, over all suites together. Action `truth` is restart with
 the true angle and speed at each moment at which the drive takes control again: losses that it does
-not bring back are not the search's, the estimator cannot carry that load. With --out the result is
-written to a file.
+not bring back are not the search's, the observer cannot carry that load. Allowed is what the load
+allows: a drive with the true angle from the alarm on, and the torque of ``i_max``, would be back in
+time. With --out the result is written to a file.
 """
 
 import argparse
@@ -21,12 +22,14 @@ from rich.console import Console
 from rich.table import Table
 
 from sensorless.core.api import Array, lib
+from sensorless.decision import decision_time
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SUITES, SuiteRows
-from sensorless.evaluation.lock import BACK_IN, IN_TIME, LOCK, STAYS, lock_summary
+from sensorless.evaluation.lock import BACK_IN, BAND, IN_TIME, LOCK, STAYS, lock_summary
 from sensorless.evaluation.rollout import CAUSES, at_a_time, rollouts
 from sensorless.files import write_atomic
+from sensorless.machine.magnetics import flux
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy, Signals, decide, design_for
@@ -38,21 +41,64 @@ KNOWN = tuple(name for name in SUITES if name not in ("starts", "machines"))
 MACHINES = ("paper", "ipmsm_2200w", "pmsyrm_5600w", "brusa_hsm1")
 
 
+def largest_torque(motor: Motor) -> float:
+    """Torque of a current vector of ``i_max`` at its best angle [N m]."""
+    angle = np.radians(np.arange(90.0, 181.0))
+    i = motor.i_max * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    psi = flux(motor.saturation, i)
+    return float(np.max(1.5 * motor.n_p * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0])))
+
+
+class Ideal:
+    """Least time from the alarm until n drives with the true angle would be back.
+
+    Load and friction act on drive and twin alike, so the distance of their speeds, g, changes with
+    the torques alone: J dg/dt = tau - tau_twin. It falls fastest at tau = -sign(g) tau_max.
+    """
+
+    def __init__(self, motor: Motor, n: int) -> None:
+        self._tau, self._step = largest_torque(motor), decision_time(motor)
+        self._band = BAND * motor.omega_rated / motor.n_p
+        self._gap, self._alarms = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
+        self.need_s = np.full(n, np.inf)
+        """(n,) from the last alarm before the verdict, or the first after it [s]"""
+        self._since = np.zeros(n)
+
+    def look(self, sims: Array) -> None:
+        """Take in the drives (n,) after a decision."""
+        told, twin = sims["drive"]["x"]["lock"]["alarms"], sims["twin"]["y"]
+        side = np.sign(self._gap)
+        with np.errstate(invalid="ignore"):
+            self._gap -= (self._tau * side + twin["tau"]) * sims["plant"]["inv_J"] * self._step
+            self._since += self._step
+            back = (np.abs(self._gap) <= self._band) | (np.sign(self._gap) == -side)
+        new = (told > self._alarms) & ((sims["lost"] == 0) | np.isnan(self._gap))
+        gap = sims["drive"]["y"]["omega_m"] - twin["omega_m"]
+        self._gap = np.where(new, gap, self._gap)
+        self._since = np.where(new, 0.0, self._since)
+        first = np.where(np.abs(gap) <= self._band, 0.0, np.inf)
+        self.need_s = np.where(new, first, np.where(back, np.minimum(self.need_s, self._since),
+                                                    self.need_s))  # fmt: skip
+        self._alarms[:] = told
+
+
 class Acting:
     """A policy on drives with this action; with ``truth`` they take control again on the truth."""
 
     sensored = False
     privileged = True
 
-    def __init__(self, inner: Policy, action: str, truth: bool) -> None:
-        self.inner, self.name, self.truth = inner, inner.name, truth
+    def __init__(self, inner: Policy, action: str, truth: bool, motor: Motor) -> None:
+        self.inner, self.name, self.truth, self.motor = inner, inner.name, truth, motor
         self.settings: Mapping[str, Any] = {**inner.settings, "lost_lock": action}
         self._seeks: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+        self.ideal = Ideal(motor, 0)
 
     def reset(self, n: int) -> None:
         """Nobody seeks."""
         self.inner.reset(n)
         self._seeks = np.zeros(n, dtype=np.bool_)
+        self.ideal = Ideal(self.motor, n)
 
     def act(self, obs: Signals) -> NDArray[np.float32]:
         """The policy's own."""
@@ -60,6 +106,7 @@ class Acting:
 
     def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
         """The policy's own; set drives that have just taken control on the truth."""
+        self.ideal.look(sims)
         seeks = sims["drive"]["x"]["start"]["phase"] != lib.START_DONE
         for j in np.flatnonzero(self._seeks & ~seeks & self.truth):
             x, y = sims["drive"]["x"][j], sims["drive"]["y"][j]
@@ -73,7 +120,7 @@ class Acting:
 
 
 def watched(
-    motor: Motor, policy: Policy, design: DriveDesign, suites: list[str], seed: int, size: int
+    motor: Motor, policy: Acting, design: DriveDesign, suites: list[str], seed: int, size: int
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """``lock_summary`` over these suites, and the arrays that it is of."""
     factory = SimFactory(motor, design)
@@ -82,19 +129,33 @@ def watched(
         scenarios = SuiteRows(suite, motor, seed, size).draw()
         some = min(64, at_a_time(scenarios, motor))
         for r in rollouts(policy, scenarios, factory, some, go_on=True):
-            runs.append((r.lost, r.periods * motor.T_s, r.lock))
+            lock = {**r.lock, "need_s": policy.ideal.need_s}
+            runs.append((r.lost, r.periods * motor.T_s, lock))
     lost, time = (np.concatenate([run[j] for run in runs]) for j in (0, 1))
-    lock = {name: np.concatenate([run[2][name] for run in runs]) for name in LOCK}
+    lock = {name: np.concatenate([run[2][name] for run in runs]) for name in (*LOCK, "need_s")}
     feasible = (lost & CAUSES["twin"]) == 0
     held = float(time[feasible & (lost == 0)].sum())
     row = {**lock_summary(lock, lost, time, CAUSES["twin"]), "held_s": round(held)}
     return row, {**lock, "gone": feasible & (lost != 0)}
 
 
+def with_room(run: dict[str, Any]) -> NDArray[np.bool_]:
+    """Losses that are told and have the time to come back."""
+    room = run["gone"] & (run["watched_s"] >= IN_TIME) & np.isfinite(run["alarm_s"])
+    room &= run["watched_s"] - np.maximum(run["alarm_s"], 0.0) >= BACK_IN + STAYS
+    return np.asarray(room)
+
+
+def allowed(run: dict[str, Any]) -> dict[str, int]:
+    """Losses whose load allows to be back in time, and how many of them are."""
+    could = with_room(run) & (run["need_s"] <= BACK_IN)
+    back = could & (run["back_s"] <= BACK_IN)
+    return {"allowed": int(could.sum()), "allowed_recovered": int(back.sum())}
+
+
 def possible(restart: dict[str, Any], truth: dict[str, Any]) -> dict[str, int]:
     """Losses that the truth brings back in time, and how many of them the drive itself does."""
-    room = restart["gone"] & (restart["watched_s"] >= IN_TIME) & np.isfinite(restart["alarm_s"])
-    room &= restart["watched_s"] - np.maximum(restart["alarm_s"], 0.0) >= BACK_IN + STAYS
+    room = with_room(restart)
     could, back = (room & (run["back_s"] <= BACK_IN) for run in (truth, restart))
     return {"possible": int(could.sum()), "possible_recovered": int((could & back).sum())}
 
@@ -104,10 +165,10 @@ def rows_of(motor: Motor, policy: Policy, design: DriveDesign, args: Any) -> lis
     rows, arrays = [], {}
     for action in args.action:
         truth = action == "truth"
-        who = Acting(policy, "restart" if truth else action, truth)
+        who = Acting(policy, "restart" if truth else action, truth, motor)
         row, arrays[action] = watched(motor, who, design, list(args.suite), args.seed, args.size)
         rows.append({"motor": motor.name, "policy": policy.name, "estimator": design.estimator,
-                     "lost_lock": action} | row)  # fmt: skip
+                     "lost_lock": action} | row | allowed(arrays[action]))  # fmt: skip
         if action == "truth" and "restart" in arrays:
             rows[-1] |= possible(arrays["restart"], arrays["truth"])
     return rows
@@ -120,7 +181,8 @@ def show(found: list[dict[str, Any]]) -> None:
         table.add_column(heading)
     for heading in ("held s", "false", "near", "early", "lost", "detected %", "after ms", "back %"):
         table.add_column(heading, justify="right")
-    table.add_column("of possible", justify="right")
+    for heading in ("of allowed", "of possible"):
+        table.add_column(heading, justify="right")
     for row in found:
         n = row["lock_counts"]
         counts = (n["false_alarms"], n["near_losses"], n["early_alarms"], n["lost"])
@@ -130,6 +192,7 @@ def show(found: list[dict[str, Any]]) -> None:
             f"{100.0 * row['detected_rate']:.1f}",
             f"{row['detect_ms']:.0f}",
             f"{100.0 * row['recovered_rate']:.0f} of {n['could_recover']}",
+            f"{row['allowed_recovered']} of {row['allowed']}",
             f"{row['possible_recovered']} of {row['possible']}" if "possible" in row else "",
         )
     Console(width=150).print(table)

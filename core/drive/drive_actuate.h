@@ -30,11 +30,13 @@ CORE_INLINE ab_t drive_actuate(const drive_params_t *p, drive_state_t *x, const 
 }
 
 /* The same without torque: holds the current at zero (or where field weakening puts it) and keeps
- * the speed controller ready. */
+ * the speed controller ready. After lost lock its integrator stays: it knows the load of before. */
 CORE_INLINE ab_t drive_hold(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
                             ab_t i_ab, estimate_t est) {
     rot_t r = rot_of(est.theta);
-    control_ready(&p->control, &x->control, est.omega);
+    if (x->start.again == 0) {
+        control_ready(&p->control, &x->control, est.omega);
+    }
     ab_t u = current_control(&p->control, &x->control, est, r, i_ab, in->u_dc, 0.0f, 0.0f, p->T_s);
     return drive_output(p, x, u, r, 0.0f);
 }

@@ -26,14 +26,15 @@ CORE_COLD void drive_find_again(drive_state_t *x) {
     x->smo.z.b = 0.0f;
     x->emf.e.a = 0.0f;
     x->emf.e.b = 0.0f;
+    x->control.i_ref.q = 0.0f; /* torque will rise from zero with the slope of its reference */
     x->control.u_int.d = 0.0f; /* of the wrong frame: they would kick when control goes on */
     x->control.u_int.q = 0.0f;
     x->control.i_d_fw = 0.0f;
 }
 
 /* Hands over to control; both estimators continue from the estimate for k+1. */
-CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimate_t next, ab_t i_ab,
-                              float omega_ref) {
+CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimate_t next,
+                              ab_t i_ab) {
     x->hfi.pll.theta = next.theta;
     x->hfi.pll.omega = next.omega;
     x->emf.pll.theta = next.theta;
@@ -44,9 +45,9 @@ CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimat
     x->flux.psi.b = 0.0f;
     drift_clear(&p->coupled.drift, &x->coupled.drift);
     x->control.i_1 = ab_to_dq(i_ab, unit(x->est.theta));
-    /* Again: as at the reference without load, so torque acts on the whole error of the speed. It
-     * rises from zero with the slope of its reference. */
-    control_ready(&p->control, &x->control, x->start.again != 0 ? omega_ref : next.omega);
+    if (x->start.again == 0) { /* else the integrator knows the load of before */
+        control_ready(&p->control, &x->control, next.omega);
+    }
     lock_begin(&p->lock, &x->lock, next.omega);
     start_enter(&x->start, START_DONE);
 }
@@ -65,16 +66,16 @@ CORE_COLD static void show_speed(drive_state_t *x, float omega) {
 }
 
 /* The shaft spins: angle and speed from the EMF e = omega psi (-sin theta, cos theta). */
-CORE_COLD static void enter_fly(const drive_params_t *p, drive_state_t *x) {
+CORE_COLD static void enter_fly(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     const start_state_t *s = &x->start;
-    float omega = s->omega;
+    float omega = bound_f(s->omega, p->smo.pll.omega_max);
     float way = sign_f(omega);
     ab_t north = {way * s->e_f.b, -way * s->e_f.a};
-    float ahead = bound_f(omega * p->T_s * (p->start.e_lag + 1.0f), PI_F);
-    x->emf.pll.theta = wrap_pi(angle_of(north) + ahead);
-    x->emf.pll.omega = bound_f(omega, p->smo.pll.omega_max);
+    x->emf.pll.theta = wrap_pi(angle_of(north) + p->T_s * omega);
+    x->emf.pll.omega = omega;
     x->smo.omega_f = x->emf.pll.omega;
     x->k_s = 0.0f;
+    x->control.i_1 = ab_to_dq(i_ab, unit(x->emf.pll.theta));
     show_speed(x, x->emf.pll.omega);
     start_enter(&x->start, START_FLY);
 }
@@ -91,23 +92,19 @@ CORE_COLD static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive
     x->start.n += 1;
     if (x->start.n >= (x->start.again != 0 ? p->start.n_again : p->start.n_fly)) {
         estimate_t next = {x->emf.pll.theta, x->emf.pll.omega};
-        release(p, x, next, i_ab, in->omega_ref);
+        release(p, x, next, i_ab);
     }
     return u;
 }
 
 /* Decides at the end of CATCH whether the shaft spins. */
-CORE_COLD static void watch_emf(const drive_params_t *p, drive_state_t *x) {
+CORE_COLD static void watch_emf(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     start_state_t *s = &x->start;
-    if (s->n > p->start.n_catch_mark) {
-        start_turn(&p->start, s);
-    }
-    s->e_mark = s->e_f;
     if (s->n < p->start.n_catch) {
         return;
     }
     if (norm_ab(s->e_f) >= p->start.e_fly) {
-        enter_fly(p, x);
+        enter_fly(p, x, i_ab);
     } else {
         start_enter(s, START_SCAN);
     }
@@ -201,13 +198,10 @@ CORE_COLD static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t 
     int tracks = s->phase == START_LOCK || s->phase == START_SETTLE;
     see_emf(p, x, i_ab, 0.0f);
     if (pole) { /* pulses hide the EMF from the observer: the last EMF keeps turning */
-        rot_t e = {s->e_f.a, s->e_f.b};
-        e = rot_turn(e, p->T_s * x->est.omega);
-        s->e_f.a = e.c;
-        s->e_f.b = e.s;
+        s->e_f = start_turned(s->e_f, p->T_s * x->est.omega);
         start_peak(q, s, ab_to_dq(i_ab, unit(x->hfi.pll.theta)).d);
     } else {
-        start_emf(q, s, x->emf.e);
+        start_emf(q, s, x->emf.e, p->T_s);
     }
     if (scan) {
         start_scan(q, s, i_ab, x->hfi.sign_2);
@@ -217,7 +211,7 @@ CORE_COLD static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t 
         hfi_observe(&q->hfi, &x->hfi, i_ab, own.theta, own.omega, p->T_s);
     }
     float way = pole ? start_pulse(q, s) : 0.0f;
-    ab_t u = way != 0.0f ? pulse(p, x, way) : start_hold(q, s, i_ab);
+    ab_t u = way != 0.0f ? pulse(p, x, way) : start_hold(q, s, i_ab, p->T_s);
     float sign = hfi_inject(&q->hfi, &x->hfi, tracks || (scan && s->n < 2 * q->n_scan));
     rot_t along_a = {1.0f, 0.0f};
     rot_t along_b = {0.0f, 1.0f};
@@ -227,16 +221,14 @@ CORE_COLD static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t 
 }
 
 /* Hands over at the angle of the injection estimator and the speed of the EMF. */
-CORE_COLD static void take_over(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
-                                float omega_ref) {
+CORE_COLD static void take_over(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     estimate_t next = {x->hfi.pll.theta, emf_speed(p, x)};
-    release(p, x, next, i_ab, omega_ref);
+    release(p, x, next, i_ab);
 }
 
 /* The axis is known. After lost lock the shaft's EMF may tell the pole. Where pulses cannot, LOCK goes
  * on for as long as they would take: a load may make the shaft fast enough; then the guess decides. */
-CORE_COLD static void leave_lock(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
-                                 float omega_ref) {
+CORE_COLD static void leave_lock(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     const start_params_t *q = &p->start;
     int32_t pulses = q->n_tries * 2 * (q->n_rest + 2 * q->n_pulse);
     int again = x->start.again != 0;
@@ -245,13 +237,12 @@ CORE_COLD static void leave_lock(const drive_params_t *p, drive_state_t *x, ab_t
         enter_pole(p, x);
     } else if (known || x->start.n >= 2 * q->n_lock + pulses) {
         x->fault |= known ? 0 : FAULT_POLE;
-        take_over(p, x, i_ab, omega_ref);
+        take_over(p, x, i_ab);
     }
 }
 
 /* Enters the next phase when the present one has had its periods. */
-CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
-                                float omega_ref) {
+CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     const start_params_t *q = &p->start;
     start_state_t *s = &x->start;
     s->n += 1;
@@ -260,16 +251,16 @@ CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t 
             start_enter(s, START_CATCH);
         }
     } else if (s->phase == START_CATCH) {
-        watch_emf(p, x);
+        watch_emf(p, x, i_ab);
     } else if (s->phase == START_SCAN && s->n >= 2 * q->n_scan + 2) {
         enter_lock(p, x);
     } else if (s->phase == START_LOCK && s->n >= q->n_lock) {
-        leave_lock(p, x, i_ab, omega_ref);
+        leave_lock(p, x, i_ab);
     } else if (s->phase == START_POLE && s->n >= 2 * (q->n_rest + 2 * q->n_pulse)) {
         judge_pole(p, x);
     } else if (s->phase == START_SETTLE && s->n >= q->n_lock) {
         (void)(s->again != 0 && know_pole(p, x)); /* a load may have moved the shaft meanwhile */
-        take_over(p, x, i_ab, omega_ref);
+        take_over(p, x, i_ab);
     }
 }
 
@@ -292,7 +283,7 @@ CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive
         u = fly(p, x, in, i_ab);
     } else {
         u = seek_axis(p, x, i_ab, in->u_dc);
-        seek_next(p, x, i_ab, in->omega_ref);
+        seek_next(p, x, i_ab);
         x->start.i_2 = x->start.i_1;
         x->start.i_1 = i_ab;
     }

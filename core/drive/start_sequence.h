@@ -38,38 +38,37 @@ enum {
 typedef struct {
     hfi_params_t hfi; /* both estimators, with faster loops than in normal operation */
     smo_params_t smo;
-    float k_hold;         /* gain that holds the current at zero [V/A] */
-    float alpha_e;        /* low-pass on the EMF that is fed forward, per period, at most 1 */
-    float e_lag;          /* delay of that low-pass [periods] */
-    float e_fly;          /* EMF above which the shaft counts as spinning [V] */
-    float omega_pole;     /* speed above which the EMF shows the pole after lost lock [rad/s] */
-    float inv_t_turn;     /* 1 / time over which the EMF's rotation is measured [1/s] */
-    float u_pulse;        /* voltage of a polarity pulse [V] */
-    float i_pole;         /* forward minus backward peak at the right polarity, signed [A] */
-    float i_pole_sure;    /* least magnitude of that difference for a sure decision [A] */
-    float i_quiet;        /* current below which QUIET ends [A] */
-    int32_t n_quiet;      /* its most periods */
-    int32_t n_catch_mark; /* period of CATCH from which the EMF's rotation is measured */
-    int32_t n_catch;      /* periods of CATCH */
-    int32_t n_fly;        /* periods of FLY */
-    int32_t n_again;      /* the same after lost lock, when time without torque counts */
-    int32_t n_scan;       /* periods of each half of SCAN */
-    int32_t n_lock;       /* periods of LOCK and of SETTLE */
-    int32_t n_rest;       /* periods at zero current before a pulse */
-    int32_t n_pulse;      /* periods of a pulse, and as many to undo it; at least 2 */
-    int32_t n_tries;      /* most pairs of pulses; then even an unsure difference decides */
+    float k_hold;      /* gain that holds the current at zero [V/A] */
+    float alpha_e;     /* correction of the EMF that turns with its own speed, per period */
+    float k_turn;      /* from the angle of that correction to the speed, per period [1/s] */
+    float e_turn_sq;   /* square of the EMF below which its direction counts for less [V^2] */
+    float e_fly;       /* EMF above which the shaft counts as spinning [V] */
+    float omega_pole;  /* speed above which the EMF shows the pole after lost lock [rad/s] */
+    float u_pulse;     /* voltage of a polarity pulse [V] */
+    float i_pole;      /* forward minus backward peak at the right polarity, signed [A] */
+    float i_pole_sure; /* least magnitude of that difference for a sure decision [A] */
+    float i_quiet;     /* current below which QUIET ends [A] */
+    int32_t n_quiet;   /* its most periods */
+    int32_t n_catch;   /* periods of CATCH */
+    int32_t n_fly;     /* periods of FLY */
+    int32_t n_again;   /* the same after lost lock, when time without torque counts */
+    int32_t n_scan;    /* periods of each half of SCAN */
+    int32_t n_lock;    /* periods of LOCK and of SETTLE */
+    int32_t n_rest;    /* periods at zero current before a pulse */
+    int32_t n_pulse;   /* periods of a pulse, and as many to undo it; at least 2 */
+    int32_t n_tries;   /* most pairs of pulses; then even an unsure difference decides */
+    int32_t reserved;  /* an even number of 4-byte fields */
 } start_params_t;
 
 typedef struct {
     int32_t phase; /* START_* */
     int32_t n;     /* periods in this phase */
     int32_t tries; /* pairs of pulses so far */
-    int32_t again; /* 1: after lost lock, so that torque is taken over */
+    int32_t again; /* 1: after lost lock; then the drive runs on the coupled observer */
     ab_t i_1;      /* sample k-1 [A] */
     ab_t i_2;      /* sample k-2 [A] */
     ab_t e_1;      /* EMF of period k-1 [V] */
-    ab_t e_f;      /* low-passed EMF [V] */
-    ab_t e_mark;   /* the same a period before [V] */
+    ab_t e_f;      /* EMF that turns with omega, corrected by that of each period [V] */
     ab_t axis;     /* sum of the anisotropic responses, along twice the rotor angle [A] */
     float omega;   /* electrical speed at which the EMF turns [rad/s] */
     int32_t reserved;
@@ -88,7 +87,6 @@ CORE_INLINE void start_begin(start_state_t *x) {
     x->i_2 = zero;
     x->e_1 = zero;
     x->e_f = zero;
-    x->e_mark = zero;
     x->axis = zero;
     x->omega = 0.0f;
     x->reserved = 0;
@@ -102,30 +100,36 @@ CORE_INLINE void start_enter(start_state_t *x, int32_t phase) {
     x->n = 0;
 }
 
-/* Low-pass filters the EMF e [V]; the mean of two in a row contains no injection. */
-CORE_INLINE void start_emf(const start_params_t *p, start_state_t *x, ab_t e) {
-    x->e_f.a += p->alpha_e * (0.5f * (e.a + x->e_1.a) - x->e_f.a);
-    x->e_f.b += p->alpha_e * (0.5f * (e.b + x->e_1.b) - x->e_f.b);
+/* e [V] turned by an angle x [rad]. */
+CORE_INLINE ab_t start_turned(ab_t e, float x) {
+    rot_t r = rot_of(x);
+    ab_t y = {r.c * e.a - r.s * e.b, r.s * e.a + r.c * e.b};
+    return y;
+}
+
+/* Follows the EMF, whose part of this period is e [V]: the mean of two in a row contains no
+ * injection. Between periods it turns with its own speed, so it does not lag behind a shaft that
+ * spins. The current of before hides the EMF: in QUIET the speed stays as it is. */
+CORE_INLINE void start_emf(const start_params_t *p, start_state_t *x, ab_t e, float T_s) {
+    ab_t was = start_turned(x->e_f, T_s * x->omega);
+    ab_t now = {0.5f * (e.a + x->e_1.a), 0.5f * (e.b + x->e_1.b)};
+    float across = was.a * now.b - was.b * now.a;
+    float turn = across / max_f(was.a * was.a + was.b * was.b, p->e_turn_sq);
+    x->omega += x->phase != START_QUIET ? p->k_turn * bound_f(turn, 1.0f) : 0.0f;
+    x->e_f.a = was.a + p->alpha_e * (now.a - was.a);
+    x->e_f.b = was.b + p->alpha_e * (now.b - was.b);
     x->e_1 = e;
 }
 
-/* Voltage that takes the current i_ab [A] to zero against the EMF, stator frame [V]. */
-CORE_INLINE ab_t start_hold(const start_params_t *p, const start_state_t *x, ab_t i_ab) {
+/* Voltage that takes the current i_ab [A] to zero against the EMF, stator frame [V]: it acts from
+ * one to two periods later. */
+CORE_INLINE ab_t start_hold(const start_params_t *p, const start_state_t *x, ab_t i_ab, float T_s) {
+    ab_t e = start_turned(x->e_f, 1.5f * T_s * x->omega);
     ab_t u = {
-        x->e_f.a - 0.5f * p->k_hold * (i_ab.a + x->i_1.a),
-        x->e_f.b - 0.5f * p->k_hold * (i_ab.b + x->i_1.b),
+        e.a - 0.5f * p->k_hold * (i_ab.a + x->i_1.a),
+        e.b - 0.5f * p->k_hold * (i_ab.b + x->i_1.b),
     };
     return u;
-}
-
-/* Adds the EMF's turn of this period to its signed electrical speed: at a high speed it turns by
- * more than half a turn while it is watched. */
-CORE_INLINE void start_turn(const start_params_t *p, start_state_t *x) {
-    ab_t turn = {
-        x->e_mark.a * x->e_f.a + x->e_mark.b * x->e_f.b,
-        x->e_mark.a * x->e_f.b - x->e_mark.b * x->e_f.a,
-    };
-    x->omega += angle_of(turn) * p->inv_t_turn;
 }
 
 /* Adds one sample of SCAN; sign: that of the injection over [k-1, k]. The axis changes at n_scan; a

@@ -106,12 +106,15 @@ static period_t block_loop(const sim_t *s) {
                                                  : SMO_LOOPS[detail][twin];
 }
 
-/* Drives that are lost, at their end, or not or no longer in control: bit l for lane l. */
+/* Drives that are lost, at their end, not or no longer in control, or since lost lock on another
+ * observer than the block: bit l for lane l. */
 static uint32_t block_at_end(const block_t *block) {
     const int32_t *lost = AT(const int32_t, lost);
     const int32_t *k = AT(const int32_t, k);
     const int32_t *k_end = AT(const int32_t, k_end);
     const int32_t *phase = AT(const int32_t, drive.x.start.phase);
+    const int32_t *again = AT(const int32_t, drive.x.start.again);
+    const int32_t *estimator = AT(const int32_t, control.estimator);
     const int32_t *action = AT(const int32_t, control.lock.action);
     const int32_t *n_act = AT(const int32_t, control.lock.n_act);
     const int32_t *bad = AT(const int32_t, drive.x.lock.bad);
@@ -119,7 +122,9 @@ static uint32_t block_at_end(const block_t *block) {
     uint32_t bits = 0;
     for (int l = 0; l < LANES; l++) {
         int acts = action[l] != LOCK_REPORT && bad[l] >= n_act[l] && calm[l] == 0; /* lock_acts */
-        bits |= (uint32_t)(lost[l] != 0 || k[l] >= k_end[l] || phase[l] != START_DONE || acts) << l;
+        int other = again[l] != 0 && estimator[l] != ESTIMATE_COUPLED;
+        int out = lost[l] != 0 || k[l] >= k_end[l] || phase[l] != START_DONE || acts || other;
+        bits |= (uint32_t)out << l;
     }
     return bits;
 }

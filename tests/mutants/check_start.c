@@ -54,37 +54,42 @@ static void pulses(void) {
 
 static void emf(void) {
     start_params_t p = {0};
-    p.alpha_e = 0.2f, p.k_hold = 50.0f, p.inv_t_turn = 250.0f;
+    double T_s = 1e-4;
+    p.alpha_e = 0.2f, p.k_turn = 110.0f, p.e_turn_sq = 900.0f, p.k_hold = 50.0f;
     for (int j = 0; j < 300; j++) {
         start_state_t x;
         start_begin(&x);
+        x.phase = j % 3 == 0 ? START_QUIET : START_CATCH;
+        x.omega = draw_f(-2000, 2000);
         x.e_f.a = draw_f(-90, 90), x.e_f.b = draw_f(-90, 90);
         x.e_1.a = draw_f(-90, 90), x.e_1.b = draw_f(-90, 90);
         x.i_1.a = draw_f(-5, 5), x.i_1.b = draw_f(-5, 5);
         ab_t e = {draw_f(-90, 90), draw_f(-90, 90)}, i = {draw_f(-5, 5), draw_f(-5, 5)};
-        vec_t hold = of_ab(x.e_f) - 50.0 * 0.5 * (of_ab(i) + of_ab(x.i_1));
-        check("hold", near_v(of_ab(start_hold(&p, &x, i)), hold, 1e-5));
-        vec_t to =
-            of_ab(x.e_f) + (double)p.alpha_e * (0.5 * (of_ab(e) + of_ab(x.e_1)) - of_ab(x.e_f));
-        start_emf(&p, &x, e);
-        check("EMF of a start", near_v(of_ab(x.e_f), to, 1e-5) && x.e_1.a == e.a && x.e_1.b == e.b);
-        float turn = draw_f(-3, 3);
-        vec_t mark = of_ab(x.e_f) * cexp(-I * (double)turn);
-        x.e_mark.a = (float)creal(mark), x.e_mark.b = (float)cimag(mark);
-        x.omega = 40.0f;
-        start_turn(&p, &x);
-        check("speed of a start", near((double)x.omega, 40.0 + 250.0 * (double)turn, 1e-4));
+        double turns = T_s * (double)x.omega;
+        vec_t ahead = of_ab(x.e_f) * cexp(I * 1.5 * turns);
+        vec_t hold = ahead - 50.0 * 0.5 * (of_ab(i) + of_ab(x.i_1));
+        check("hold", near_v(of_ab(start_hold(&p, &x, i, (float)T_s)), hold, 1e-5));
+        vec_t was = of_ab(x.e_f) * cexp(I * turns);
+        vec_t now = 0.5 * (of_ab(e) + of_ab(x.e_1));
+        double size = creal(was * conj(was));
+        double sine = cimag(conj(was) * now) / (size > 900.0 ? size : 900.0);
+        sine = sine > 1.0 ? 1.0 : (sine < -1.0 ? -1.0 : sine);
+        double to = (double)x.omega + (x.phase == START_QUIET ? 0.0 : 110.0 * sine);
+        vec_t follows = was + (double)p.alpha_e * (now - was);
+        start_emf(&p, &x, e, (float)T_s);
+        check("EMF of a start",
+              near_v(of_ab(x.e_f), follows, 1e-5) && x.e_1.a == e.a && x.e_1.b == e.b);
+        check("speed of a start", near((double)x.omega, to, 1e-4));
     }
 }
 
 static void begin(void) {
-    start_state_t x = {5, 6, 7, {1, 1}, {1, 1}, {1, 1}, {1, 1}, {1, 1}, {1, 1}, 1, 1, 1};
+    start_state_t x = {5, 6, 7, 8, {1, 1}, {1, 1}, {1, 1}, {1, 1}, {1, 1}, 1, 1, 1, 1};
     start_begin(&x);
     check("begin", x.phase == START_CATCH && x.n == 0 && x.tries == 0 && x.i_1.a == 0.0f &&
                        x.i_1.b == 0.0f && x.i_2.a == 0.0f && x.i_2.b == 0.0f && x.e_1.a == 0.0f &&
-                       x.e_f.a == 0.0f && x.e_f.b == 0.0f && x.e_mark.a == 0.0f &&
-                       x.axis.a == 0.0f && x.axis.b == 0.0f && x.omega == 0.0f && x.i_0 == 0.0f &&
-                       x.i_pole == 0.0f);
+                       x.e_f.a == 0.0f && x.e_f.b == 0.0f && x.again == 0 && x.axis.a == 0.0f &&
+                       x.axis.b == 0.0f && x.omega == 0.0f && x.i_0 == 0.0f && x.i_pole == 0.0f);
     x.n = 9;
     start_enter(&x, START_POLE);
     check("enter", x.phase == START_POLE && x.n == 0);

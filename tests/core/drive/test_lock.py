@@ -193,13 +193,30 @@ def test_a_shaft_is_caught_in_its_own_direction_at_any_speed(share: float) -> No
     assert largest < 0.5 * motor.i_rated
 
 
-@pytest.mark.parametrize("share", [-0.9, -0.5, 0.5, 0.9])
-def test_no_flux_of_before_is_taken_over(share: float) -> None:
-    """The shaft has turned since: integrated on, it would turn the estimate away."""
-    sims = at_speed(share, 0.0, estimator="flux")
-    restart(sims, share)
-    run(sims, 5e-3, share)
-    assert err(sims) < np.deg2rad(10.0)
+@pytest.mark.parametrize("estimator", ["smo", "flux", "errors"])
+@pytest.mark.parametrize("share", [-0.9, 0.5])
+def test_another_observer_goes_on_as_the_coupled_one(share: float, estimator: str) -> None:
+    """After a restart two drives on the same shaft give the same voltages."""
+    here = at_speed(share, 0.5, estimator=estimator)
+    here["control"]["L_q"]["y"] = control_record(MOTOR, DriveDesign())["L_q"]["y"]
+    restart(here, share)
+    there = here.copy()
+    there["control"]["estimator"] = lib.ESTIMATE_COUPLED
+    for sims in (here, there):
+        run(sims, 0.05, share)
+        assert err(sims) < np.deg2rad(10.0)
+    assert here["drive"].tobytes() == there["drive"].tobytes()
+
+
+def test_the_load_of_before_is_not_forgotten() -> None:
+    """A drive at rest takes control with the torque that held it, from zero with its slope."""
+    sims = at_speed(0.0, 0.6)
+    wanted = float(sims["drive"]["x"]["control"]["i_ref"]["q"][0])
+    before = float(sims["drive"]["x"]["control"]["i_int"][0])
+    restart(sims, 0.0)
+    control, x = sims["control"]["control"], sims["drive"]["x"]
+    assert x["control"]["i_int"][0] == pytest.approx(before, abs=0.1 * abs(before))
+    assert abs(x["control"]["i_ref"]["q"][0]) < 10.0 * control["i_q_step"][0] < 0.5 * wanted
 
 
 @pytest.mark.parametrize("share", [-0.15, 0.15])
