@@ -72,17 +72,17 @@ def test_evaluation_is_the_same_file_to_the_bit(tmp_path: Path) -> None:
     """Also from another process."""
     words = ["evaluate", "--policy", "eq25", "--policy", "hysteresis", "--suite", "stress-1"]
     for name, seed, start in (("a", "7", run), ("b", "7", process), ("c", "8", run)):
-        done = start(*words, "--seed", seed, "--size", "12", "--out", name, cwd=tmp_path)
+        done = start(*words, "--seed", seed, "--size", "6", "--out", name, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
     a, b, c = ((tmp_path / name).read_bytes() for name in "abc")
     assert a == b != c
     results = json.loads(a)
-    assert (results["suite"], results["seed"], results["size"]) == ("stress-1", 7, 12)
+    assert (results["suite"], results["seed"], results["size"]) == ("stress-1", 7, 6)
     eq25 = results["policies"]["eq25"]
     names = ("torque_dev_rms", "torque_ripple_rms", "overshoot_pct", "angle_err_rms_deg")
     assert all(isinstance(eq25[name], float) for name in ("lost_rate", *names))
     assert len(eq25["lost_ci"]) == 2
-    assert all(len(eq25["scenarios"][name]) == 12 for name in ("lost", "seed", *names))
+    assert all(len(eq25["scenarios"][name]) == 6 for name in ("lost", "seed", *names))
     other = json.loads(c)["policies"]["eq25"]["scenarios"]["seed"]
     assert not set(other) & set(eq25["scenarios"]["seed"])
 

@@ -13,6 +13,8 @@ HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 DRIVE = ROOT / "core" / "drive"
 FLAGS = "-std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -D_GNU_SOURCE".split()
+QUICK = "-DCORE_INLINE=static inline"
+"""Calls instead of copies, which the compiler is a quarter faster with."""
 SUM = "sum "
 
 
@@ -43,7 +45,7 @@ def compile_checks(drive: Path, folder: Path) -> Path | None:
     for name in ("drive.h", "ks_schedule.h"):  # as the shipped fault tests include it
         (folder / "core" / name).write_text(f"#include <{name}>\n")
     include = [f"-I{drive}", f"-I{folder}", f"-I{HERE}", f"-I{ROOT / 'firmware'}"]
-    command = [*compiler, *FLAGS, "-O0", "-w", *include, f"-I{folder / 'test'}",
+    command = [*compiler, *FLAGS, QUICK, "-O0", "-w", *include, f"-I{folder / 'test'}",
                *map(str, sources(drive)), "-lm", "-o", str(program)]  # fmt: skip
     done = subprocess.run(command, capture_output=True, check=False)
     return None if done.returncode else program
