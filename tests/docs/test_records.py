@@ -88,13 +88,16 @@ def test_rated_torque_at_standstill() -> None:
 
 def of_the_lost(
     report: dict[str, Any], restart: dict[str, Any], truth: dict[str, Any]
-) -> tuple[str, str, str]:
+) -> tuple[str, ...]:
     """Cells of a row on what is detected, and on what comes back."""
     return (
         f"{100 * report['detected_rate']:.0f} %",
-        f"{100 * report['recovered_rate']:.0f} / {100 * restart['recovered_rate']:.0f} % of "
-        f"{report['lock_counts']['could_recover']}",
+        " / ".join(
+            f"{100 * x['recovered_rate']:.0f} % of {x['lock_counts']['could_recover']}"
+            for x in (report, restart)
+        ),
         f"{truth['possible_recovered']} of {truth['possible']}",
+        f"{restart['allowed_recovered']} of {restart['allowed']}",
     )
 
 
@@ -103,23 +106,26 @@ def test_drives_that_know_that_they_are_lost() -> None:
     page, names = text("lock.md"), {"coupled": "coupled", "SMO": "smo", "flux": "flux"}
     rows = re.findall(r"^\| `(\w+)`, (coupled|SMO|flux) \|(.*)\|$", page, re.MULTILINE)
     back = possible = 0
+    load = np.zeros(2, dtype=int)
     for motor, label, cells in rows:
         report, restart, truth = (
             found[motor, names[label], action] for action in ("report", "restart", "truth")
         )
         count = report["lock_counts"]
         back, possible = back + truth["possible_recovered"], possible + truth["possible"]
+        load += (restart["allowed_recovered"], restart["allowed"])
         assert [cell.strip() for cell in cells.split("|")] == [
             f"{report['held_s']:.0f}",
             f"{count['false_alarms']}" + f" ({count['near_losses']})" * bool(count["false_alarms"]),
             f"{count['lost']}",
-            *(of_the_lost(report, restart, truth) if count["lost"] else ("", "", "")),
+            *(of_the_lost(report, restart, truth) if count["lost"] else ("",) * 4),
         ]
     told = {(motor, names[label]) for motor, label, _ in rows}
     quiet = [x for key, x in found.items() if key[:2] not in told]
     assert len(rows) == 7 and len(quiet) == len(found) - 21
     assert all(x["lock_counts"]["lost"] == x["lock_counts"]["false_alarms"] == 0 for x in quiet)
     assert f"So {back} of the {possible} losses that a perfect search" in page
+    assert f"and {load[0]} of the {load[1]} that the load allows" in page
 
 
 def test_share_of_the_headroom() -> None:
