@@ -32,6 +32,7 @@ def test_every_command_has_both() -> None:
     assert [name for name, options in found.items() if "--json" not in options] == []
 
 
+@pytest.mark.usefixtures("without_ekf")
 @pytest.mark.parametrize(
     ("words", "key"),
     [

@@ -28,6 +28,7 @@ RUNS = {
 """Small arguments and words of the output by example."""
 
 
+@pytest.mark.usefixtures("without_ekf")
 @pytest.mark.parametrize("name", RUNS)
 def test_an_example_runs(
     name: str,
