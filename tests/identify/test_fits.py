@@ -10,13 +10,14 @@ from sensorless.identify.machine.curves import fit_curves
 from sensorless.identify.machine.electric import Inverter, Sensors, Stator
 from sensorless.identify.machine.hold import fit_resistance
 from sensorless.identify.machine.log import NUMBERS, Part
-from sensorless.identify.machine.mechanics import fit_mechanics
+from sensorless.identify.machine.mechanics import NO_MECHANICS, fit_mechanics
 from sensorless.identify.machine.model import fit_model
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.pulses import Samples
 from sensorless.identify.machine.result import at_rest
-from sensorless.identify.machine.source import Recorded
-from sensorless.identify.machine.spin import magnet
+from sensorless.identify.machine.source import CURRENT, Recorded
+from sensorless.identify.machine.spin import Point, Spin, magnet
+from sensorless.identify.machine.turning import first_spin, second_spin
 from sensorless.machine.magnetics import currents, flux
 from sensorless.machine.motor import Motor
 
@@ -113,6 +114,34 @@ def test_the_magnet_is_found_at_any_load_angle(lag: float) -> None:
     found = magnet(np.array([psi * frame]), np.array([i * frame]), curves)
     assert found[0] == pytest.approx(psi_f, rel=2e-3)
     assert currents(PAPER.saturation, np.array([[psi_f, 0.0]]))[0, 0] == pytest.approx(0, abs=1e-6)
+
+
+def test_the_current_of_the_iron_s_loss_is_not_the_magnet_s() -> None:
+    s, psi_f = measured(PAPER)
+    curves = fit_curves(s, PAPER.i_rated)
+    i, omega = 0.4 * PAPER.i_rated, 0.45 * PLATE.omega
+    psi = flux(PAPER.saturation, np.array([[i, 0.0]]))[0] @ (1.0, 1j)
+    g = 0.03 * PLATE.i_rated / PLATE.u_base
+    both = np.array([i + 1j * g * omega * psi]), np.array([psi])
+    spin = Spin((Point(omega, i, both, 0.0, 0.0),), NO_MECHANICS, i)
+    assert spin.again(curves, g).psi_f == pytest.approx(psi_f, rel=2e-3)
+
+
+def test_no_current_turns_the_rotor_beyond_the_one_that_aligns() -> None:
+    aligns = 0.18 * PLATE.i_rated
+    for c in (*first_spin(PLATE, aligns, 1.0), *second_spin(PLATE, PAPER.J, aligns, 1.0)):
+        assert c.kind == CURRENT and max(c.start, c.end or 0.0) <= aligns
+
+
+@pytest.mark.parametrize("gamma", [1e2, 1e3, 1e4])
+def test_a_pulse_stays_within_the_limit_and_gets_there(gamma: float) -> None:
+    """A voltage reverses up to two changes late; what holds the largest current is always left."""
+    stator = Stator(Sensors(), Inverter(3.0), 1.0, PLATE.T_s)
+    u, reach = pulses.voltage(gamma, stator, PLATE), 1.05 * PLATE.i_rated
+    lost = 4.0 / 3.0 * stator.inverter.u_lost
+    largest = reach + 2.0 * gamma * PLATE.T_s * (u - lost - stator.R_s * reach)
+    settled = (u - lost) / stator.R_s
+    assert settled > reach and min(largest, settled) < PLATE.i_limit
 
 
 def test_inertia_comes_apart_from_friction() -> None:

@@ -9,8 +9,9 @@ from sensorless.identify.machine.axis import Aligned, align
 from sensorless.identify.machine.curves import fit_curves
 from sensorless.identify.machine.edges import at_edges
 from sensorless.identify.machine.electric import Stator
+from sensorless.identify.machine.equations import COVERED
 from sensorless.identify.machine.hold import Resistance, measure_offsets, measure_resistance
-from sensorless.identify.machine.joint import COVERED, fit_jointly
+from sensorless.identify.machine.joint import fit_jointly
 from sensorless.identify.machine.model import fit_model
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.pulses import Samples, measure_pulses, samples
@@ -67,8 +68,8 @@ def _identified(source: Source, plate: Nameplate) -> Identified:
         model, most = fit.saturation, COVERED * plate.i_rated
         edged = [at_edges(g, stator, model, most) for g in groups]
         doubt = first.J_std / first.J
-        joint = fit_jointly(edged, model, spin.psi_f, turn, doubt, plate.i_rated)
-        spin = spin.again(fit_curves(joint.samples, plate.i_rated))
+        joint = fit_jointly(edged, model, spin.psi_f, turn, doubt, plate)
+        spin = spin.again(fit_curves(joint.samples, plate.i_rated), joint.g)
         fit = fit_model(joint.samples, spin.psi_f, plate.i_rated)
     J = first.J / joint.share
     spin = replace(spin, mechanics=replace(first, J=J, J_std=J * joint.doubt))

@@ -46,6 +46,11 @@ The impulse of a lobe of current grows with its height squared: the first gives 
 the second turns it round, the third stops it where it was."""
 STEP = 0.1
 """Change of the current in a period that is aimed at, over rated current."""
+FAST, ENOUGH = 4.0, 1.25
+"""Voltage of a fast pulse over that of rated current, least voltage over that of ``REACH``."""
+OVERSHOOT = 3.0
+"""Changes in a period that fit between ``REACH`` and the limit of the current: a sample sees it up
+to one late, the voltage reverses a period later, and saturation makes both larger."""
 MOST_VOLTAGE = 0.9
 """Of the pulses, over the largest phase voltage."""
 
@@ -54,6 +59,8 @@ MOST_VOLTAGE = 0.9
 class Group:
     """Pulses one after the other on a rotor that was at rest, in its frame at their start."""
 
+    place: float
+    """where the rotor was turned to [rad]"""
     theta: float
     """of that frame [rad]"""
     i: Complex
@@ -103,7 +110,7 @@ def measure_pulses(
         for group in GROUPS:
             axis = placed(source, stator, plate, aligned, at, slower)
             part = source.run("pulse", list(_commands(group, axis, stator, plate)))
-            out.append(_integrated(part, axis, stator))
+            out.append(_integrated(part, at, axis, stator))
     return out
 
 
@@ -133,20 +140,28 @@ def placed(
 def _commands(
     group: tuple[float, ...], axis: Axis, stator: Stator, plate: Nameplate
 ) -> Iterator[Command]:
+    reach = REACH * plate.i_rated
     for phi in np.deg2rad(group):
         gamma = axis.mean + axis.half * np.cos(2.0 * phi)
-        u = STEP * plate.i_rated / (gamma * plate.T_s)
-        least = 4.0 * stator.R_s * plate.i_rated + 2.0 * stator.inverter.u_lost
-        u = min(max(u, least), MOST_VOLTAGE * plate.u_base)
+        u = voltage(gamma, stator, plate)
         time = 10.0 * plate.i_rated / (gamma * u)
         theta = float(axis.theta + phi)
-        reach = REACH * plate.i_rated
         for number, share in enumerate(LOBES):
             yield volts(time, (-1.0) ** number * u, theta, until=share * reach)
     yield volts(2.0 * plate.T_s, 0.0)
 
 
-def _integrated(part: Part, axis: Axis, stator: Stator) -> Group:
+def voltage(gamma: float, stator: Stator, plate: Nameplate) -> float:
+    """Voltage of a pulse [V] where the inverse inductance is ``gamma`` [1/H]."""
+    step, reach = gamma * plate.T_s, REACH * plate.i_rated
+    lost = stator.inverter.u_lost
+    u = max(STEP * plate.i_rated / step, FAST * stator.R_s * plate.i_rated + 2.0 * lost)
+    u = min(u, (plate.i_limit - reach) / (OVERSHOOT * step))
+    u = max(u, ENOUGH * (stator.R_s * reach + 4.0 / 3.0 * lost))
+    return min(u, MOST_VOLTAGE * plate.u_base)
+
+
+def _integrated(part: Part, at: float, axis: Axis, stator: Stator) -> Group:
     """Pulses of a part, each of as many commands as lobes, without the decay after them."""
     turn = np.exp(-1j * axis.theta)
     segment = part["segment"]
@@ -155,6 +170,7 @@ def _integrated(part: Part, axis: Axis, stator: Stator) -> Group:
     n = bounds[-1] + 1
     i = stator.sensors.current(part)[:n]
     return Group(
+        place=at,
         theta=axis.theta,
         i=i * turn,
         u=part.u[: n - 1] * turn,

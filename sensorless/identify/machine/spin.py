@@ -62,13 +62,14 @@ class Spin:
         """Points that tell the magnet: those within that current."""
         return [p for p in self.points if p.i <= 1.05 * self.aligns]
 
-    def again(self, curves: Curves) -> "Spin":
-        """Evaluate the points with other curves."""
-        points = tuple(
-            replace(p, psi_f=float(magnet(p.blocks[1], p.blocks[0], curves).mean()))
-            for p in self.points
-        )
-        return replace(self, points=points)
+    def again(self, curves: Curves, g: float = 0.0) -> "Spin":
+        """Evaluate the points with other curves; ``g``: conductance of the iron's loss [S]."""
+        points = []
+        for p in self.points:
+            i, psi = p.blocks
+            made = i - 1j * g * p.omega * psi  # without the current of the loss, across the EMF
+            points.append(replace(p, psi_f=float(magnet(psi, made, curves).mean())))
+        return replace(self, points=tuple(points))
 
     @property
     def psi_f(self) -> float:
@@ -97,7 +98,7 @@ def measure_spin(
     first = None
     for ramp in RAMPS:
         source.run("align", begin)
-        part = source.run("start", first_spin(plate, ramp), gains)
+        part = source.run("start", first_spin(plate, aligned.current, ramp), gains)
         first = evaluate(part, stator, plate, curves, aligned.current)
         if first is not None:
             break

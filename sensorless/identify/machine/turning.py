@@ -12,7 +12,9 @@ from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.source import Command, amps
 
 RAMP_CURRENT = 0.5
-"""While the speed changes, over rated."""
+"""While the speed changes, over rated, up to the current that aligns.
+
+Beyond that the rotor has two places beside the current, and falls out of step between them."""
 CURRENTS = (0.8, 0.6)
 """While the magnet is measured, over the current that aligns: more turns the rotor off it."""
 SLOW, FAST = 0.2, 0.45
@@ -24,7 +26,7 @@ SHARE = 0.12
 GUESS = 0.2
 """Time in which rated torque brings the rotor to rated speed, before it is known [s]."""
 STIFF = 0.4
-"""Torque a radian between rotor and current over rated, for the time of a swing."""
+"""Torque a radian between rotor and ``RAMP_CURRENT`` over rated, for the time of a swing."""
 HOLD = 0.4
 """Least time at a speed [s]."""
 TURNS = 3.2
@@ -41,22 +43,29 @@ class _Turning:
 
     plate: Nameplate
     J: float
+    aligns: float
 
     @property
     def i(self) -> float:
-        return RAMP_CURRENT * self.plate.i_rated
+        return min(RAMP_CURRENT * self.plate.i_rated, self.aligns)
+
+    @property
+    def stiff(self) -> float:
+        """Torque a radian between rotor and current [N m]."""
+        p = self.plate
+        return STIFF * p.tau_rated * self.i / (RAMP_CURRENT * p.i_rated)
 
     @property
     def swing(self) -> float:
         """Frequency at which the rotor swings about the current [rad/s]."""
-        return float(np.sqrt(self.plate.n_p * STIFF * self.plate.tau_rated / self.J))
+        return float(np.sqrt(self.plate.n_p * self.stiff / self.J))
 
     def amps(
         self, time: float, omega: tuple[float, float], start: float, end: float | None = None
     ) -> Command:
         """Damped by half: d u / d delta = omega d tau / d delta / (3/2 n_p i)."""
         p = self.plate
-        slope = max(omega) * STIFF * p.tau_rated / (1.5 * p.n_p * self.i)
+        slope = max(omega) * self.stiff / (1.5 * p.n_p * self.i)
         follow = 0.2 * self.swing * p.T_s
         return amps(time, start, end=end, omega=omega, damp=self.swing / slope, follow=follow)
 
@@ -68,9 +77,9 @@ class _Turning:
         return self.amps(time, (omega, omega), self.i)
 
 
-def first_spin(plate: Nameplate, ramp: float) -> list[Command]:
-    """Commands of a slow spin, its ramps ``ramp`` seconds long."""
-    t = _Turning(plate, GUESS * plate.tau_rated * plate.n_p / plate.omega)
+def first_spin(plate: Nameplate, aligns: float, ramp: float) -> list[Command]:
+    """Commands of a slow spin, its ramps ``ramp`` seconds long; ``aligns``: as in the second."""
+    t = _Turning(plate, GUESS * plate.tau_rated * plate.n_p / plate.omega, aligns)
     top = START * plate.omega
     return [*_begin(t.i), t.ramp(ramp, 0.0, top), t.hold(top, 0.0), t.ramp(ramp, top, 0.0)]
 
@@ -80,9 +89,9 @@ def second_spin(plate: Nameplate, J: float, aligns: float, careful: float) -> li
 
     ``aligns``: current that aligns [A]; ``careful``: factor on the times of the ramps.
     """
-    t = _Turning(plate, J)
+    t = _Turning(plate, J, aligns)
     period = 2.0 * np.pi / t.swing
-    slope = SHARE * plate.tau_rated * plate.n_p / J / careful
+    slope = SHARE / STIFF * t.stiff * plate.n_p / J / careful
     low, high = SLOW * plate.omega, FAST * plate.omega
 
     def ramp(a: float, b: float) -> Command:
