@@ -31,7 +31,7 @@ from sensorless.evaluation.over_seeds import contrast, survived
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named
-from sensorless.policies.shipped import FOLDER, tuned_file
+from sensorless.policies.shipped import ALIASES, FOLDER, tuned_file
 from sensorless.policies.tuned import Tuned
 from sensorless.policy import Policy
 from sensorless.table.ks_table import KsTable
@@ -41,10 +41,8 @@ from sensorless.versions import versions
 NAMES = ("torque_dev_rms", "torque_ripple_rms", "overshoot_excess_pct", "injection_share")
 JUDGED = {"stress-1": (11, 12), "mismatch": (11,), "low-inertia": (11,), "hard": (11,)}
 """Suites, and the seeds of their scenarios."""
-LEAN = "linear:135,180"
-"""Ramp [r/min] with the injection on for 60 % of the time of Eq. 25 at the least deviation."""
-RULE = "logistic-tuned"
-"""Rule that those with gains start from; tuned before, in 50,000 simulated seconds."""
+LEAN = "linear:60,240"
+"""Ramp [r/min] to save injection from, corners at nodes of the grid."""
 SHARED = {"margin": 0.05, "smoothness": 1.0, "eval_freq": 1_000_000, "validate_size": 2048}
 """Settings of every training: exploration beyond the band of Eq. 25, and a coarse grid."""
 Stage = tuple[float, Mapping[str, Any]]
@@ -69,6 +67,8 @@ class Case:
     """Rules that set gains too, to be tuned, by name: speeds of ``tune_with_gains``"""
     start: str = "eq25"
     """Schedule that training starts from"""
+    rule: str = "logistic-tuned"
+    """Rule that those with gains start from; tuned before, in 50,000 simulated seconds"""
 
 
 CASES = {
@@ -82,8 +82,8 @@ CASES = {
                    "smoothness": 0.5}),
         ),
         2_000_000,
-        ("eq25", RULE),
-        start=RULE,
+        ("eq25", "logistic-tuned"),
+        start="logistic-tuned",
     ),
     "smo-gains": Case(
         "smo",
@@ -95,20 +95,26 @@ CASES = {
         4.0,
         ((1.0, {}),),
         10_000_000,
-        ("eq25", RULE, "tuned-smo-gains"),
+        ("eq25", "logistic-tuned", "tuned-smo-gains"),
         {"static": STATIC, "scheduled": SCHEDULED},
         "tuned-smo-gains",
     ),
     "coupled": Case(
         "coupled",
-        {"axes": "speed:0:0.48:17,torque_current:-1:1:3,acceleration:-4:4:3", "outlier": 10.0,
-         "n_envs": 128, "n_epochs": 5, "injection_cost": 0.001, "eval_freq": 10**9, "last": True,
-         "validate_size": 512},
-        1.0,
-        ((1.0, {"lr_nodes": 0.02, "lr_end": 0.2, "noise": 0.06}),),
-        800_000,
-        ("eq25", "logistic-coupled-tuned", "hysteresis-coupled-tuned", LEAN),
-        start=LEAN,
+        {
+            "axes": "speed:0:0.96:25",
+            "gains": "observer:0.75:1.4,injection:0.5:1.5,l_q:0.9:1.2", "hard": 0.05,
+            "outlier": 10.0, "n_envs": 128, "n_epochs": 5, "ripple_cost": 0.010,
+            "injection_cost": 0.0007, "margin": 0.5, "eval_freq": 10**9, "last": True,
+            "validate_size": 512,
+        },
+        2.0,
+        ((1.0, {"lr_nodes": 0.03, "lr_end": 0.1, "noise": 0.08, "smoothness": 3.0}),),
+        2_000_000,
+        ("eq25", "logistic-coupled-tuned", LEAN),
+        {"static": STATIC, "scheduled": SCHEDULED},
+        LEAN,
+        "logistic-coupled-tuned",
     ),
 }  # fmt: skip
 """``coupled`` is asked for less injection, which no objective counts, so its last table counts."""
@@ -140,7 +146,7 @@ def tuned(
     motor, path = factory.motor, work / f"{name}-{kind}-{seed}.json"
     if not path.is_file():
         ranges = TrainConfig(**case.train).gain_ranges
-        start = Tuned.load(tuned_file(RULE)).parameters
+        start = Tuned.load(tuned_file(case.rule)).parameters
         given = factory, ranges, case.gains[kind], budget, seed, case.ripple_weight, start
         table, value = tune_with_gains(*given)
         origin = {**Machines.of(motor, 0, seed).origin(), **record(factory.design, motor)}
@@ -191,7 +197,7 @@ def study(name: str, words: argparse.Namespace) -> dict[str, Any]:
     policies = {word: make_policy(word, factory.motor) for word in case.beside}
     values = {"ppo": validated(agents, factory, case.ripple_weight, words.validate)}
     if case.gains:
-        shipped = {0: policies[case.start]}
+        shipped = {0: make_policy(f"tuned-{name}", factory.motor)}
         values["shipped"] = validated(shipped, factory, case.ripple_weight, words.validate)
     for kind in case.gains:
         rules = {
@@ -223,7 +229,8 @@ def publish(name: str, found: Mapping[str, Any], work: Path) -> None:
     if values:
         kind = min(values, key=lambda kind: min(values[kind].values()))
         if kind != "shipped":
-            source[f"tuned-{name}"] = work / f"{name}-{kind}-{least(values[kind])}.json"
+            policy = f"tuned-{name}" + ("-gains" if f"tuned-{name}" in ALIASES else "")
+            source[policy] = work / f"{name}-{kind}-{least(values[kind])}.json"
     for policy, path in source.items():
         to = FOLDER / "learned" / f"{policy}.json"
         to.parent.mkdir(exist_ok=True)

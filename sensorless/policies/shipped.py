@@ -18,8 +18,8 @@ LEARNED = "learned"
 """Folder of the policies of ``studies/learning_study.py`` within ``FOLDER``."""
 SETS = {
     "ks": ("k_s", "logistic-tuned"),
-    "gains": ("k_s and gains", "Eq. 25"),
-    "coupled": ("k_s, little injection", "a ramp"),
+    "gains": ("k_s and gains", "tuned-smo-gains"),
+    "coupled": ("k_s and gains, little injection", "a ramp"),
 }
 """What one of them sets, and what PPO began with, by the last part of its name."""
 SUFFIX = "-tuned"
