@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binomtest
+from scipy.stats import binomtest, bootstrap
 
 from sensorless.core.api import Array
 from sensorless.evaluation.rollout import CAUSES, Floats
@@ -45,20 +45,18 @@ def interval_of(statistic: Callable[[Rows], Floats], n: int, seed: int) -> Inter
 
 
 def _interval(x: Floats | Rows, statistic: Callable[..., Any], seed: int) -> Interval:
-    """Percentile bootstrap with linear quantiles, to the bit that of SciPy 1.17; NaN if one is."""
-    n = len(x)
-    if n < 2:
+    if len(x) < 2:
         return math.nan, math.nan
-    rng, batch = np.random.default_rng(seed), max(1, 4_000_000 // n)
-    sizes = [min(batch, RESAMPLES - k) for k in range(0, RESAMPLES, batch)]
-    drawn = [statistic(x[rng.integers(0, n, (size, n))], axis=-1) for size in sizes]
-    y = np.sort(np.concatenate(drawn))
-    if np.isnan(y[-1]):
-        return math.nan, math.nan
-    alpha = (1.0 - 0.95) / 2.0
-    at = [p * RESAMPLES + (1.0 - p) - 1.0 for p in (alpha, 1.0 - alpha)]
-    low, high = ((1.0 - q % 1.0) * y[int(q)] + q % 1.0 * y[int(q) + 1] for q in at)
-    return float(low), float(high)
+    result = bootstrap(
+        (x,),
+        statistic,
+        vectorized=True,
+        n_resamples=RESAMPLES,
+        method="percentile",
+        batch=max(1, 4_000_000 // len(x)),
+        random_state=np.random.default_rng(seed),
+    )
+    return float(result.confidence_interval.low), float(result.confidence_interval.high)
 
 
 def mean_of(values: Mapping[str, Floats], rows: Bools, seed: int) -> dict[str, Any]:

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import bootstrap
 
 from sensorless.evaluation.aggregate import (
     by_place,
@@ -16,7 +15,6 @@ from sensorless.evaluation.aggregate import (
     worst,
 )
 from sensorless.evaluation.metrics.place import PLACE
-from tests.conftest import ALL_DRAWS
 
 
 def wilson(hits: int, n: int, z: float = 1.959964) -> tuple[float, float]:
@@ -42,16 +40,6 @@ def test_mean_interval_is_that_of_the_normal_law_for_many_values() -> None:
     half = 1.96 * x.std(ddof=1) / 20.0
     assert low == pytest.approx(x.mean() - half, abs=0.1 * half)
     assert high == pytest.approx(x.mean() + half, abs=0.1 * half)
-
-
-@pytest.mark.parametrize("n", [2, 7, 400])
-def test_mean_interval_is_that_of_scipy(n: int) -> None:
-    """With the same draws; versions of SciPy differ in the last bits of a quantile."""
-    x = np.random.default_rng(n).normal(3.0, 2.0, n)
-    how = {"n_resamples": ALL_DRAWS, "method": "percentile"}
-    done = bootstrap((x,), np.mean, **how, random_state=np.random.default_rng(1))
-    theirs = done.confidence_interval
-    assert mean_interval(x, 1) == pytest.approx((theirs.low, theirs.high), rel=1e-12)
 
 
 def test_mean_interval_depends_on_values_and_seed_only() -> None:
