@@ -103,9 +103,9 @@ CASES = {
         "coupled",
         {
             "axes": "speed:0:0.96:25",
-            "gains": "observer:0.75:1.4,injection:0.5:1.5,l_q:0.9:1.2", "hard": 0.05,
+            "gains": "observer:0.75:1.3,injection:0.5:1.5,l_q:0.95:1.06", "hard": 0.05,
             "outlier": 10.0, "n_envs": 128, "n_epochs": 5, "ripple_cost": 0.010,
-            "injection_cost": 0.0007, "margin": 0.5, "eval_freq": 10**9, "last": True,
+            "injection_cost": 0.0012, "margin": 0.5, "eval_freq": 10**9, "last": True,
             "validate_size": 512,
         },
         2.0,
