@@ -7,8 +7,11 @@ import pytest
 from typer.testing import CliRunner
 
 from sensorless.cli.app import app
+from sensorless.envs.scenarios.machine_family import family
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.errors import UserError
+from sensorless.identify.machine.electric import Sensors
+from sensorless.identify.machine.hold import measure_offsets, measure_resistance
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.procedure import Identified, identify_machine
 from sensorless.identify.machine.result import motor_tables
@@ -46,6 +49,19 @@ def test_an_exact_drive_finds_its_machine_exactly() -> None:
     assert found.spin.mechanics.J == pytest.approx(MOTOR.J, rel=0.01)
     assert 1.0 / found.map_fit.saturation.a_d0 == pytest.approx(MOTOR.L_d, rel=2e-3)
     assert 1.0 / found.map_fit.saturation.a_q0 == pytest.approx(MOTOR.L_q, rel=2e-3)
+
+
+def test_a_voltage_that_runs_ahead_of_a_slow_current_is_lowered() -> None:
+    """The ramp's first voltage with a current ends up driving more than rated current."""
+    slow = family(606, 22)[21]
+    drive = real_drive(slow, 606 + 21)
+    source, plate = Simulated(slow, drive), Nameplate.of(slow)
+    found = measure_resistance(source, plate, measure_offsets(source))
+    assert found.R_s * np.sqrt(np.prod(drive.gain[0])) == pytest.approx(slow.R_s, rel=0.003)
+    assert found.i.max() < 1.05 * plate.i_rated
+    assert len(np.unique(np.round(np.abs(found.u), 3))) == 7
+    ramp = [Sensors().current(part).real for part in source.parts if part.stage == "ramp"]
+    assert max(i.max() for i in ramp) < 1.02 * plate.i_rated
 
 
 def test_the_log_and_the_name_plate_alone_give_the_same_machine(

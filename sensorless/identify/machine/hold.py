@@ -24,6 +24,8 @@ WAITS = (0.02, 0.1)
 """Currents over rated at which the ramp waits for the rotor."""
 WAIT_SLOPE, WAIT_TIME = 0.003, 6.0
 """Slope of the ramp between them over the largest phase voltage [1/s], most time for it [s]."""
+REACHED = 0.9
+"""Current over rated that counts as rated: from there up no two levels differ enough."""
 GROWTH, GROWTH_TIME = 1.25, 0.4
 """Ratio by which the voltage of the ramp grows, and the time for it [s]."""
 EMF_SHARE = 0.3
@@ -69,7 +71,7 @@ def measure_resistance(source: Source, plate: Nameplate, sensors: Sensors) -> Re
         The current does not reach rated current, or never settles.
     """
     i, u = _ramp(source, plate, sensors)
-    if i.max() < 0.9 * plate.i_rated:
+    if i.max() < REACHED * plate.i_rated:
         raise UserError(
             f"resistance: {i.max():.3g} A at {u.max():.3g} V, not rated current; check the wiring "
             "and the name plate's current"
@@ -95,14 +97,22 @@ def _ramp(source: Source, plate: Nameplate, sensors: Sensors) -> tuple[Floats, F
 
     A rotor that starts far from phase a swings there with an EMF that the small resistance does not
     hold back. So the current first waits while it is small, twice, and then grows by a fixed ratio.
+    Where L/R_s is long, the voltage runs ahead of the current. If it drives rated current, the part
+    of it goes on that drives the current of the last wait at most, as some voltage is lost.
     """
     base, i = plate.u_base, plate.i_rated
     part = source.run("ramp", [volts(2.0, 0.0, end=0.2 * base, until=WAITS[0] * i)])
     for wait in WAITS[1:]:
         u = max(float(part.u.real[-1]), 1e-3 * base)
         end = u + WAIT_TIME * WAIT_SLOPE * base
-        part = source.run("ramp", [volts(1.5, u), volts(WAIT_TIME, u, end=end, until=wait * i)])
+        part = source.run(
+            "ramp", [volts(1.5, u, until=i), volts(WAIT_TIME, u, end=end, until=wait * i)]
+        )
     u = max(float(part.u.real[-1]), 1e-3 * base)
+    flowing = float(sensors.current(part).real[-1])
+    if flowing >= REACHED * i:
+        u *= WAITS[-1] * i / flowing
+        source.run("ramp", [volts(2.0, u)])
     commands = [volts(2.0, u)]
     while u < 0.6 * base:
         commands.append(volts(GROWTH_TIME, u, end=GROWTH * u, until=i))
