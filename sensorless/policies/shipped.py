@@ -19,7 +19,7 @@ LEARNED = "learned"
 SETS = {
     "ks": ("k_s", "logistic-tuned"),
     "gains": ("k_s and gains", "tuned-smo-gains"),
-    "coupled": ("k_s and gains, little injection", "a ramp"),
+    "coupled": ("k_s and gains", "a narrow ramp"),
 }
 """What one of them sets, and what PPO began with, by the last part of its name."""
 SUFFIX = "-tuned"
@@ -77,7 +77,7 @@ def docs(own: Mapping[str, str | None]) -> dict[str, str]:
         kind, on = name.split("-")[:2]
         sets, start = SETS[name.rpartition("-")[2]]
         how = f"PPO from {start}" if kind == "ppo" else "CMA-ES on a rule"
-        lines[name] = f"{sets} on the {on} drive by {how}, the best of five seeds"
+        lines[name] = f"{sets} on the {on} drive by {how}, best in validation"
     lines |= {name: f"the same as {other}" for name, other in ALIASES.items()}
     for name, where in RUNS.items():
         if reference_run(name) is not None:
