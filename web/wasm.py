@@ -25,6 +25,7 @@ TOOLS = {"clang": "clang", "wasm-ld": "lld"}
 """Programs, and their Debian packages."""
 EXPORTS = (
     "page_decide",
+    "page_range",
     "sim_start",
     "sim_signals",
     "ks_table_check",

@@ -2,6 +2,22 @@
 
 const PAGE = 65536;
 const ROOM = 4 * PAGE; // working records of two drives, besides the initial memory
+const DEGREES = 180 / Math.PI;
+
+// What is plotted: a column of a trace, or the length of a vector of two, and its factor.
+const CURVES = (rpm) => ({
+  speed_ref: ["omega_m_ref", null, 1 / rpm],
+  speed: ["omega_m", null, 1 / rpm],
+  load: ["tau_load", null, 1],
+  torque: ["tau", null, 1],
+  err: ["theta_e_err", null, DEGREES],
+  err_hfi: ["theta_e_err_hfi", null, DEGREES],
+  err_observer: ["theta_e_err_smo", null, DEGREES],
+  k_s: ["k_s", null, 1],
+  voltage: ["u_a", "u_b", 1],
+  limit: ["u_dc", null, 1 / Math.sqrt(3)],
+  current: ["i_d", "i_q", 1],
+});
 
 export class Core {
   static async load(wasm, image, layout) {
@@ -26,6 +42,30 @@ export class Core {
     this.rows = new Float64Array(buffer, this.rowsAt, this.rowLength * layout.rows);
     this.signalsAt = this.room(4 * layout.signals.length);
     this.signals = new Float32Array(buffer, this.signalsAt, layout.signals.length);
+    this.tellCurves(CURVES(layout.rpm));
+  }
+
+  // Writes the curves where page_range reads them.
+  tellCurves(curves) {
+    this.curveNames = Object.keys(curves);
+    const n = this.curveNames.length;
+    this.curvesAt = this.room(16 * n);
+    const column = (name) => (name === null ? -1 : this.layout.trace.indexOf(name));
+    Object.values(curves).forEach(([first, other, factor], c) => {
+      this.write(this.curvesAt + 16 * c, "i32", column(first));
+      this.write(this.curvesAt + 16 * c + 4, "i32", column(other));
+      this.write(this.curvesAt + 16 * c + 8, "f64", factor);
+    });
+    this.leastAt = this.room(4 * n);
+    this.mostAt = this.room(4 * n);
+    this.least = new Float32Array(this.bytes.buffer, this.leastAt, n);
+    this.most = new Float32Array(this.bytes.buffer, this.mostAt, n);
+  }
+
+  // Least and largest value of every curve over the first rows, in its order.
+  findRange(rows) {
+    const { rowsAt, curvesAt, curveNames, leastAt, mostAt } = this;
+    this.lib.page_range(rowsAt, rows, curvesAt, curveNames.length, leastAt, mostAt);
   }
 
   // Address of so many free bytes.

@@ -1,31 +1,13 @@
 // What a drive did, one bin per decision: least and largest value of each curve.
 
-const DEGREES = 180 / Math.PI;
-
-// Curves: from a row of a trace to a number. c: columns by name; m: motor; w: r/min per rad/s.
-export const CURVES = {
-  speed_ref: (r, at, c, w) => r[at + c.omega_m_ref] * w,
-  speed: (r, at, c, w) => r[at + c.omega_m] * w,
-  load: (r, at, c) => r[at + c.tau_load],
-  torque: (r, at, c) => r[at + c.tau],
-  err: (r, at, c) => r[at + c.theta_e_err] * DEGREES,
-  err_hfi: (r, at, c) => r[at + c.theta_e_err_hfi] * DEGREES,
-  err_observer: (r, at, c) => r[at + c.theta_e_err_smo] * DEGREES,
-  k_s: (r, at, c) => r[at + c.k_s],
-  voltage: (r, at, c) => Math.hypot(r[at + c.u_a], r[at + c.u_b]),
-  limit: (r, at, c) => r[at + c.u_dc] / Math.sqrt(3),
-  current: (r, at, c) => Math.hypot(r[at + c.i_d], r[at + c.i_q]),
-};
-
-const CURVE_NAMES = Object.keys(CURVES);
-
 export class History {
   constructor(core, bins) {
     this.core = core;
     this.bins = bins;
-    this.columns = Object.fromEntries(core.layout.trace.map((name, j) => [name, j]));
-    this.low = Object.fromEntries(CURVE_NAMES.map((name) => [name, new Float32Array(bins)]));
-    this.high = Object.fromEntries(CURVE_NAMES.map((name) => [name, new Float32Array(bins)]));
+    const rings = () =>
+      Object.fromEntries(core.curveNames.map((name) => [name, new Float32Array(bins)]));
+    this.low = rings();
+    this.high = rings();
     this.clear();
   }
 
@@ -36,20 +18,12 @@ export class History {
   // Takes in the rows of one decision.
   add(rows) {
     if (rows === 0) return;
-    const { rows: r, rowLength } = this.core;
+    const { curveNames, least, most } = this.core;
+    this.core.findRange(rows);
     const slot = this.count % this.bins;
-    const w = 1 / this.core.layout.rpm;
-    for (const name of CURVE_NAMES) {
-      const curve = CURVES[name];
-      let low = Infinity;
-      let high = -Infinity;
-      for (let j = 0; j < rows; j++) {
-        const x = curve(r, j * rowLength, this.columns, w);
-        if (x < low) low = x;
-        if (x > high) high = x;
-      }
-      this.low[name][slot] = low;
-      this.high[name][slot] = high;
+    for (let c = 0; c < curveNames.length; c++) {
+      this.low[curveNames[c]][slot] = least[c];
+      this.high[curveNames[c]][slot] = most[c];
     }
     this.count += 1;
   }
