@@ -166,3 +166,24 @@ def test_learning_with_gains() -> None:
         lost = {name: x["lost"] for name, x in judged[f"{suite}:11"]["policies"].items()}
         seeds = [n for name, n in lost.items() if name.startswith("ppo")]
         assert f" {min(seeds)} to {max(seeds)} " in " ".join(page.split()), suite
+
+
+def test_first_page_on_gains() -> None:
+    """Changes of five seeds against Eq. 25, and those of the rules with the same gains."""
+    page = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    names = ("injection_share", "torque_dev_rms", "torque_ripple_rms")
+    cases = {c: record("learning")[c]["judged"]["stress-1:11"] for c in ("coupled", "smo-gains")}
+    off = {
+        c: [f"{-x['agents against']['eq25'][n]['change']:.0f}" for n in names]
+        for c, x in cases.items()
+    }
+    on, deviation, ripple = off["coupled"]
+    assert f"for {on} % less of the time than Eq. 25, with {deviation} % less deviation" in page
+    assert f"and {ripple} % less ripple" in page
+    assert f"take {off['smo-gains'][1]} % off the deviation of Eq. 25 and" in page
+    assert f"and {off['smo-gains'][2]} % off its ripple" in page
+    found = cases["smo-gains"]["policies"]
+    rules = [found[name] for name in ("tuned-smo-gains", "static", "scheduled")]
+    less = [sorted(round(100 - 100 * r[n] / found["eq25"][n]) for r in rules) for n in names[1:]]
+    told = " and ".join(f"{x[0]} to {x[-1]}" for x in less)
+    assert f"gains take {told} % off" in page
