@@ -38,7 +38,7 @@ def check_command(
     The check looks for implausible numbers, compares the rated point with current and voltage,
     follows saliency and cross-coupling over the current, compares injection's signal with noise,
     and suggests settings. Unless the answer is no already, it then simulates Eq. 25, the source
-    paper's rule, on scenarios of the suite stress-1.
+    paper's rule, on scenarios of the suite stress-1. Exit status 1: the answer is no.
 
     For example:
 
@@ -67,7 +67,13 @@ def show_check(
     command: str,
     as_json: bool,
 ) -> None:
-    """Check a motor under a design; print the findings and the verdict, and write the page."""
+    """Check a motor under a design; print the findings and the verdict, and write the page.
+
+    Raises
+    ------
+    typer.Exit
+        With status 1 if the motor does not suit.
+    """
     from sensorless.report.motor_check import check, facts, screen, write_page
 
     done = check(motor, design, size)
@@ -78,3 +84,5 @@ def show_check(
     if out is not None:
         write_page(done, out, command)
         say_wrote(out)
+    if done.examination.verdict.word == "no":
+        raise typer.Exit(1)

@@ -143,7 +143,8 @@ def new_command(
 
     The command asks for what it needs and you did not give. Of --ke and --kt one is enough, and so
     is one of --power and --torque; if you give both, they have to agree. The file names the source
-    of every number and says what is assumed.
+    of every number and says what is assumed. Exit status 1: the file is written, and the check
+    says no.
 
     For example:
 
