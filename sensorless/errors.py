@@ -5,5 +5,18 @@ class UserError(ValueError):
     """Wrong input: the message names the field and its value, and says what to do."""
 
 
+LONGEST = 80
+"""Characters of a value that a message shows."""
+
+
+def shown(value: object) -> str:
+    """A value as a message names it: as Python writes it, at most ``LONGEST`` characters."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python writes no whole number of so many digits
+        text = "a number of too many digits"
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]} ..."
+
+
 class StaleCoreError(ImportError):
     """The compiled core is missing or older than its sources; the message says how to rebuild."""

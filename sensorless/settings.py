@@ -13,7 +13,7 @@ from numbers import Integral, Real
 from types import MappingProxyType
 from typing import Any
 
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 
 REQUIRED: Any = dataclasses.MISSING
 """Default of a setting that must be given."""
@@ -119,7 +119,7 @@ class Setting:
         elif self.kind is float and not _is_finite(value) and not self.endless:
             kind = "a finite number "
         raise UserError(
-            f"{where}{self.name}: {value!r}: must be {kind}{self.allowed} ({self.meaning})"
+            f"{where}{self.name}: {shown(value)}: must be {kind}{self.allowed} ({self.meaning})"
         )
 
     def written(self, value: object, where: str = "") -> Any:

@@ -46,8 +46,8 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
 @lru_cache(maxsize=64)
 def designed(motor: Motor, design: DriveDesign) -> Array:
     """``control_record``, shared: not to be changed."""
-    require_saliency(motor)
     require_sane(motor)
+    require_saliency(motor)
     by = derive(motor, design)
     omega_max = min(design.speed_bound * motor.omega_rated, float(np.finfo(np.float32).max))
     one_loop = by.error_pll_hz if design.estimator == "errors" else None

@@ -175,6 +175,8 @@ def _plain(x: object) -> object:
         x = x.tolist()
     if isinstance(x, list | tuple):
         return [_plain(entry) for entry in x]
+    if isinstance(x, dict):
+        return {str(key): _plain(value) for key, value in x.items()}
     if isinstance(x, float):
         return float(f"{x:.{DIGITS}g}") if math.isfinite(x) else None
     return x

@@ -13,7 +13,7 @@ import numpy as np
 
 from sensorless.core.api import Array
 from sensorless.core.machine import CORRECTION, enter_correction
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.settings import REQUIRED, number, read
 
 ROOM = np.zeros((), dtype=CORRECTION)["c"].shape
@@ -68,7 +68,7 @@ def read_correction(table: object, where: str) -> FluxCorrection | None:
     if table is None:
         return None
     if not isinstance(table, dict):
-        raise UserError(f"{where}: must be a table, got {table!r}")
+        raise UserError(f"{where}: must be a table, got {shown(table)}")
     values = dict(table)
     energy = _rows(values.pop("energy", None), where)
     numbers: dict[str, Any] = read(FluxCorrection, values, f"{where}: ")
@@ -83,14 +83,14 @@ def read_correction(table: object, where: str) -> FluxCorrection | None:
 def _rows(energy: object, where: str) -> tuple[tuple[float, ...], ...]:
     shape = f"{LEAST} to {MOST[0]} rows of {LEAST} to {MOST[1]} numbers"
     if not isinstance(energy, list | tuple):
-        what = "missing" if energy is None else f"{energy!r}"
+        what = "missing" if energy is None else shown(energy)
         raise UserError(f"{where}: energy: {what}; give {shape}")
     if not LEAST <= len(energy) <= MOST[0]:
         raise UserError(f"{where}: energy: {len(energy)} rows; give {shape}")
     rows = []
     for j, row in enumerate(energy, start=1):
         if not isinstance(row, list | tuple):
-            raise UserError(f"{where}: energy: row {j}: {row!r}; give {shape}")
+            raise UserError(f"{where}: energy: row {j}: {shown(row)}; give {shape}")
         if len(row) != len(energy[0]) or not LEAST <= len(row) <= MOST[1]:
             raise UserError(
                 f"{where}: energy: row {j}: {len(row)} numbers; give {shape}, all alike"
@@ -99,7 +99,8 @@ def _rows(energy: object, where: str) -> tuple[tuple[float, ...], ...]:
             good = isinstance(value, int | float) and not isinstance(value, bool)
             if not (good and abs(value) <= LARGEST):  # false for NaN
                 raise UserError(
-                    f"{where}: energy: row {j}: {value!r}; give numbers of at most {LARGEST:g} Vs A"
+                    f"{where}: energy: row {j}: {shown(value)}; give numbers of at most "
+                    f"{LARGEST:g} Vs A"
                 )
         rows.append(tuple(float(value) for value in row))
     return tuple(rows)

@@ -15,7 +15,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.machine.flux_correction import FluxCorrection, read_correction
 from sensorless.settings import REQUIRED, derived, number, read
 from sensorless.units import rad_per_s
@@ -142,8 +142,12 @@ class Motor:
             raise UserError(f"motor {str(name)!r}: {what}; shipped motors: {known}")
         try:
             data = tomllib.loads(path.read_text(encoding="utf-8"))
-        except (ValueError, RecursionError, OSError) as error:  # TOMLDecodeError is a ValueError
-            raise UserError(f"{path}: not a valid TOML file: {error}") from None
+        except RecursionError:
+            what = "nested too deeply; write [machine], [rating] and [drive]"
+            raise UserError(f"{path}: not a motor file: {what}") from None
+        except (ValueError, OSError) as error:  # TOMLDecodeError is a ValueError
+            what = "a number has too many digits" if type(error) is ValueError else str(error)
+            raise UserError(f"{path}: not a valid TOML file: {what}") from None
         return _from_tables(data, str(path))
 
     @classmethod
@@ -160,20 +164,22 @@ def _from_tables(data: dict[str, Any], where: str) -> Motor:
     values: dict[str, Any] = dict(data)
     for key, table in tables.items():
         if not isinstance(table, dict):
-            raise UserError(f"{where}: {key}: must be a table, got {table!r}")
+            raise UserError(f"{where}: {key}: must be a table, got {shown(table)}")
         values.update(table)
     texts = {}
     for text in ("name", "description"):
         texts[text] = values.pop(text, None)
-        if not isinstance(texts[text], str):
+        if texts[text] is None:
             raise UserError(f"{where}: {text}: missing: give a text")
+        if not isinstance(texts[text], str):
+            raise UserError(f"{where}: {text}: {shown(texts[text])}: must be a text")
     numbers = read(Motor, values, f"{where}: ")
     if sat is None:
         saturation = Saturation.linear(numbers["L_d"], numbers["L_q"], numbers["psi_f"])
     elif isinstance(sat, dict):
         saturation = Saturation(**read(Saturation, sat, f"{where}: saturation: "))
     else:
-        raise UserError(f"{where}: saturation: must be a table, got {sat!r}")
+        raise UserError(f"{where}: saturation: must be a table, got {shown(sat)}")
     if numbers["i_trip"] <= numbers["i_max"]:
         raise UserError(
             f"{where}: i_trip: {numbers['i_trip']} A: must be above i_max = {numbers['i_max']} A"

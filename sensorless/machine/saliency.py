@@ -16,12 +16,21 @@ def require_saliency(motor: Motor) -> None:
     Raises
     ------
     UserError
-        L_q / L_d is below ``LEAST``; the message has both values.
+        L_q / L_d is below ``LEAST``, as the file has them or as its [saturation] makes them at zero
+        current; the message has both values.
     """
-    if motor.L_q >= LEAST * motor.L_d:
+    _require(motor, motor.L_d, motor.L_q, "")
+    psi = flux(motor.saturation, np.zeros((1, 2)))
+    with np.errstate(divide="ignore"):  # of numbers that no machine has
+        L = 1.0 / inverse_inductance(motor.saturation, psi)[0].diagonal()  # no L_dq at psi_q = 0
+    _require(motor, L[0], L[1], "[saturation] at zero current: ")
+
+
+def _require(motor: Motor, L_d: float, L_q: float, source: str) -> None:
+    if L_q >= LEAST * L_d:
         return
-    both = f"L_d = {motor.L_d:g} H, L_q = {motor.L_q:g} H"
-    if motor.L_d > LEAST * motor.L_q:
+    both = f"{source}L_d = {L_d:.6g} H, L_q = {L_q:.6g} H"
+    if L_d > LEAST * L_q:
         raise UserError(
             f"motor {motor.name!r}: {both}; L_q must exceed L_d, with d along the magnet: swap the "
             "two if they are in the wrong places"

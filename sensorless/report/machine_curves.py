@@ -21,7 +21,8 @@ Panel = dict[str, Any]
 
 
 def _curve(name: str, values: Array | Sequence[float | None], colour: str, **more: Any) -> Panel:
-    known = [None if v is None else float(v) for v in values]
+    """One curve; it has a gap where a value is not finite."""
+    known = [None if v is None or not np.isfinite(v) else float(v) for v in values]
     return {"name": name, "values": known, "colour": colour, "width": 1.8, **more}
 
 

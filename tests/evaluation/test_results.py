@@ -31,6 +31,7 @@ RESULTS = Results(
             **ROW,
             **INTERVALS,
             "scenarios": {"seed": [2**64 - 1, 3], "lost": [True, False], "x": [1.0, math.nan]},
+            "worst": [{"torque_dev_rms": math.inf}],
         },
         "other": {
             "estimator": None,
@@ -71,6 +72,7 @@ def test_what_is_no_number_is_null_and_the_rest_comes_back() -> None:
         "lost": [True, False],
         "x": [1.0, None],
     }
+    assert data["policies"]["eq25"]["worst"] == [{"torque_dev_rms": None}]
     assert data["policies"]["eq25"]["lost_rate"] == 0.123456789
     assert data["paired"]["other"] == {"with": "eq25", "x": 1.5, "x_ci": [None, 2]}
 

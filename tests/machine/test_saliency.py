@@ -32,6 +32,15 @@ def test_swapped_axes_are_named() -> None:
         control_record(linear(0.051, 0.036), DriveDesign())
 
 
+@pytest.mark.parametrize(("L_q", "said"), [(0.036, "without saliency"), (0.03, "swap the two")])
+def test_a_map_without_saliency_is_refused(L_q: float, said: str) -> None:
+    """The drive runs on [saturation], whatever L_d and L_q of the file are."""
+    motor = linear(0.036, 0.051)
+    flat = replace(motor, saturation=Saturation.linear(0.036, L_q, motor.psi_f))
+    with pytest.raises(UserError, match=rf"\[saturation\] .* L_q = {L_q:g} H.*{said}"):
+        control_record(flat, DriveDesign())
+
+
 def test_linear_machine_has_its_inductances_at_every_current() -> None:
     motor = linear(0.036, 0.051)
     i = np.stack(mtpa(motor), axis=-1)
