@@ -205,8 +205,8 @@ class SimFactory:
         motor = self.motor
         if np.any(s.seek) and not knows_poles(motor):
             raise UserError(
-                f"seek: {motor.name} does not saturate along d, so its poles look alike; start "
-                "at a known angle, or give the machine a saturation model"
+                f"start: {motor.name} does not saturate along d, so its poles look alike; start at "
+                "a known angle, or give the motor file a [saturation]"
             )
         sims = np.repeat(self.template, len(s))
         design = dataclasses.replace(self.design, **settings)

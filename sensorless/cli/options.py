@@ -11,11 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
 from sensorless.cli.surroundings import AnyConsole
 
 if TYPE_CHECKING:
+    from sensorless.design.drive import DriveDesign
+    from sensorless.machine.motor import Motor
     from sensorless.policies.bench import Bench
 
 console = AnyConsole()
@@ -125,13 +128,39 @@ RayAddressOption = Annotated[
 def bench_of(
     specs: Sequence[str], motor: str | None, settings: Sequence[str] | None, override: bool
 ) -> "Bench":
-    """Bench of a command's policies; says on the error stream what a user should know."""
+    """Bench of a command's policies; says on the error stream what a user should know.
+
+    Raises
+    ------
+    UserError
+        As ``bench``; or no drive can be designed for the machine.
+    """
     from sensorless.policies.bench import bench
 
     made = bench(specs, motor, settings, override=override)
+    say_if_unsuited(made.motor, made.design)
     for note in made.notes:
         errors.print(f"note: {note}", markup=False, highlight=False, soft_wrap=True)
     return made
+
+
+def say_if_unsuited(motor: "Motor", design: "DriveDesign") -> None:
+    """Print the verdict of the check without its simulation, unless it is yes.
+
+    Raises
+    ------
+    UserError
+        No drive can be designed for the machine, see ``control_record``.
+    """
+    from sensorless.design.derived import derive
+    from sensorless.design.records import control_record
+    from sensorless.suitability.examine import examine
+
+    control_record(motor, design)
+    verdict = examine(motor, derive(motor, design).hfi_pll_hz).verdict
+    if verdict.word != "yes":
+        text = f"[bold]{escape(motor.name)}[/]: {escape(str(verdict))}"
+        errors.print(text, highlight=False, soft_wrap=True)
 
 
 def say_json(data: object) -> None:

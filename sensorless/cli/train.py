@@ -17,11 +17,11 @@ from sensorless.cli.options import (
     describe,
     errors,
     minutely,
+    say_if_unsuited,
     say_json,
     say_verdict,
     say_wrote,
 )
-from sensorless.cli.suited import say_if_unsuited
 from sensorless.errors import UserError
 from sensorless.settings import settings_of
 

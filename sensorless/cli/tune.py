@@ -19,10 +19,10 @@ from sensorless.cli.options import (
     describe,
     errors,
     minutely,
+    say_if_unsuited,
     say_json,
     say_verdict,
 )
-from sensorless.cli.suited import say_if_unsuited
 
 if TYPE_CHECKING:
     from sensorless.evaluation.objective import Cost

@@ -18,11 +18,11 @@ from sensorless.cli.options import (
     console,
     errors,
     minutely,
+    say_if_unsuited,
     say_json,
     say_verdict,
     say_wrote,
 )
-from sensorless.cli.suited import say_if_unsuited
 
 if TYPE_CHECKING:
     from sensorless.policy import Policy

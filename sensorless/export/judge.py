@@ -4,17 +4,21 @@ from dataclasses import dataclass
 from typing import Any
 
 from sensorless.baselines.linear import EQ25_BAND, linear_table
+from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.compare import Comparison, compare, counted, outcomes
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, TablePolicy
+from sensorless.suitability.examine import examine
 
 SUITE, SEED, SIZE = "nominal", 1, 200
 """The drive knows its machine, and its sensors are perfect: the least that a schedule must do."""
 MOST_LOST = 0.05
 """Of the feasible scenarios of ``SUITE``."""
+LEAST_FEASIBLE = 0.5
+"""Of the drawn scenarios: with fewer, what is lost of them says nothing of the machine."""
 
 
 @dataclass(frozen=True)
@@ -28,10 +32,14 @@ class Judged:
     """and of all."""
     eq25: Comparison
     """With Eq. 25 on the same machine and drive."""
+    unsuited: tuple[str, ...] = ()
+    """Why ``sensorless motor check`` says no to the machine, without its simulation."""
 
     @property
     def objection(self) -> str:
         """Why it should not run a motor; empty if it may."""
+        if self.unsuited:
+            return f"its machine does not suit, because {'; '.join(self.unsuited)}"
         if not self.nominal:
             return f"no scenario of {SUITE} is feasible on this machine"
         if self.lost > MOST_LOST * self.nominal:
@@ -39,6 +47,9 @@ class Judged:
                 f"it loses {self.lost} of {counted(self.nominal, self.drawn)} of {SUITE}, more "
                 f"than {100 * MOST_LOST:g} %"
             )
+        if self.nominal < LEAST_FEASIBLE * self.drawn:
+            failed = f"{self.drawn - self.nominal} of {self.drawn} scenarios of {SUITE}"
+            return f"even with an encoder, the drive fails {failed}"
         return f"it is {self.eq25.sentence}" if self.eq25.word == "worse" else ""
 
     @property
@@ -59,6 +70,7 @@ class Judged:
 def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
     """Run a schedule on ``SUITE``, and beside Eq. 25 on the same drive."""
     factories = [SimFactory(motor, design)]
+    machine = examine(motor, derive(motor, design).hfi_pll_hz).verdict
     nominal = outcomes(policy, factories, SUITE, SEED, SIZE)
     eq25 = TablePolicy("eq25", linear_table(*EQ25_BAND), policy.settings)
     return Judged(
@@ -66,6 +78,7 @@ def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
         int(nominal.feasible.sum()),
         len(nominal.feasible),
         compare(policy, eq25, "Eq. 25", factories),
+        machine.because if machine.word == "no" else (),
     )
 
 
@@ -77,6 +90,9 @@ def require_fit(judged: Judged, name: str) -> None:
     UserError
         Says why.
     """
+    if judged.unsuited:
+        mend = "correct the motor file, or add --force; sensorless motor check shows all"
+        raise UserError(f"export: {name}: {judged.objection}: {mend}")
     if judged.objection:
         raise UserError(
             f"export: {name}: {judged.objection}: train or tune one for this machine, or add "

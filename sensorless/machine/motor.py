@@ -171,7 +171,7 @@ def _from_tables(data: dict[str, Any], where: str) -> Motor:
         texts[text] = values.pop(text, None)
         if texts[text] is None:
             raise UserError(f"{where}: {text}: missing: give a text")
-        if not isinstance(texts[text], str):
+        if not isinstance(texts[text], str) or (text == "name" and not texts[text].strip()):
             raise UserError(f"{where}: {text}: {shown(texts[text])}: must be a text")
     numbers = read(Motor, values, f"{where}: ")
     if sat is None:

@@ -20,7 +20,7 @@ else:
 
 from sensorless.cli.app import app
 from sensorless.cli.motor_new import new_command
-from sensorless.cli.suited import say_if_unsuited
+from sensorless.cli.options import say_if_unsuited
 from sensorless.design.drive import DriveDesign
 from sensorless.design.new_motor import START_TIME, new_motor
 from sensorless.machine import map_fit
@@ -221,9 +221,26 @@ def test_training_says_first_what_speaks_against_a_machine(tmp_path: Path) -> No
     (tmp_path / "none.toml").write_text(text.replace("L_q = 0.051 ", "L_q = 0.036 "))
     done = run("train", "--name", "x", "--motor", "none.toml", "--steps", "1000", cwd=tmp_path)
     assert done.returncode == 2
-    assert "suitable: no, because no saliency" in done.stderr
-    assert "without saliency" in done.stderr.splitlines()[-1]
-    assert not (tmp_path / "runs" / "x" / "config.json").exists()
+    assert "without saliency" in done.stderr and done.stderr.count("\n") == 1
+    assert not (tmp_path / "runs").exists()
+    done = run("demo", "--motor", "none.toml", "--out", "demo", cwd=tmp_path)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1
+    assert not (tmp_path / "demo").exists()
+
+
+def test_a_wrong_unit_is_said_wherever_a_drive_runs_and_refused_for_firmware(
+    tmp_path: Path,
+) -> None:
+    text = (MOTORS / "ipmsm_2200w.toml").read_text(encoding="utf-8")
+    (tmp_path / "wrong.toml").write_text(text.replace("psi_f = 0.545 ", "psi_f = 8.0 "))
+    words = ["--motor", "wrong.toml"]
+    done = run("simulate", *words, "--duration", "0.02", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "suitable: no, because psi_f = 8: no-load EMF" in done.stderr.splitlines()[0]
+    done = run("export", "eq25", *words, "--out", "out", cwd=tmp_path)
+    assert done.returncode == 2 and not (tmp_path / "out").exists()
+    assert "does not suit, because psi_f = 8" in done.stderr.splitlines()[-1]
+    assert "correct the motor file" in done.stderr.splitlines()[-1]
 
 
 def test_weak_saliency_is_said_and_strong_is_not(capsys: pytest.CaptureFixture[str]) -> None:

@@ -29,6 +29,11 @@ BETTER = replace(LEVEL, change=-1e-3, interval=(-2e-3, -1e-4))
         (Judged(0, 200, 200, WORSE), "it is worse than Eq. 25"),
         (Judged(3, 42, 200, BETTER), "it loses 3 of 42 feasible scenarios (200 drawn) of nominal"),
         (Judged(0, 0, 200, LEVEL), "no scenario of nominal is feasible"),
+        (Judged(0, 99, 200, LEVEL), "even with an encoder, the drive fails 101 of 200"),
+        (
+            Judged(0, 200, 200, LEVEL, ("psi_f = 8",)),
+            "its machine does not suit, because psi_f = 8",
+        ),
     ],
 )
 def test_what_is_refused(judged: Judged, objection: str) -> None:

@@ -212,7 +212,7 @@ def test_an_unsure_pole_is_a_fault() -> None:
 
 def test_machines_without_saturation_are_refused() -> None:
     motor = Motor.load("ipmsm_2200w")
-    with pytest.raises(UserError, match="seek: ipmsm_2200w does not saturate"):
+    with pytest.raises(UserError, match="start: ipmsm_2200w does not saturate"):
         SimFactory(motor, DriveDesign()).build(suite("starts", motor, 1, 2))
 
 
