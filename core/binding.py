@@ -29,6 +29,7 @@ HEADERS = (
     "sim/start.h",
     "sim/trace.h",
     "sim/truth.h",
+    "sim/edge_losses.h",
     "sim/carrier.h",
     "sim/commission.h",
     "sim/replay.h",

@@ -18,6 +18,7 @@ from sensorless.errors import UserError
 
 COMMAND = struct_dtype("command_t")
 CORRECTION = struct_dtype("flux_correction_t")
+SLOPE = struct_dtype("plant_slope_t")
 COMMISSION_NAMES = tuple(enumeration("COMMISSION_"))
 
 _ENTERED: dict[int, Array] = {}
@@ -52,6 +53,37 @@ def flux_correction_currents(correction: Array, psi: Array) -> Array:
         len(points),
     )
     return out
+
+
+def edge_losses(slope: Array, u: Array, i: Array, u_dc: Array, u_lost: float, T_s: float) -> Array:
+    """Voltages (n, 2) [V] that dead time takes in n periods, from the currents at its edges.
+
+    Parameters
+    ----------
+    slope : (n,) array of SLOPE
+        Of the current in each period.
+    u, i : (n, 2)
+        Commands [V], and currents at the starts of the periods [A], stator frame.
+    u_dc : (n,)
+        DC link [V].
+    u_lost : float
+        Voltage that a leg loses once its current is large [V].
+    T_s : float
+        Period [s].
+    """
+    u, i, u_dc = (np.ascontiguousarray(x, dtype=np.float32) for x in (u, i, u_dc))
+    lost = np.empty_like(u)
+    lib.edge_losses(
+        pointer(slope, "plant_slope_t[]"),
+        pointer(u, "ab_t[]"),
+        pointer(i, "ab_t[]"),
+        pointer(u_dc, "float[]"),
+        u_lost,
+        T_s,
+        len(u),
+        pointer(lost, "ab_t[]"),
+    )
+    return lost
 
 
 def enter_correction(correction: Array) -> int:
