@@ -13,6 +13,7 @@ from sensorless.machine.motor import Motor
 from sensorless.machine.motor_file import tables
 from sensorless.machine.saliency import require_saliency
 from sensorless.observers.injection_signal import suggested_injection
+from sensorless.settings import settings_of
 from sensorless.units import RPM_TO_RAD_S
 
 LOW_VOLTAGE = 150.0
@@ -56,14 +57,21 @@ def new_motor(
     UserError
         Numbers that contradict each other, are missing or out of range, or no saliency.
     """
-    if not (math.isfinite(pwm_hz) and pwm_hz > 0.0):
-        raise UserError(f"pwm: {pwm_hz:g} Hz; give a frequency above 0")
     for label, value, unit in (
-        ("speed", sheet.speed_rpm, "r/min"),
-        ("current", sheet.current_rms, "A"),
-    ):
-        if not (math.isfinite(value) and value > 0.0):
+        ("speed", sheet.speed_rpm, "r/min"), ("current", sheet.current_rms, "A"),
+        ("power", sheet.power, "W"), ("torque", sheet.torque, "N m"), ("r", sheet.R, "ohm"),
+        ("ke", sheet.ke, "V"), ("kt", sheet.kt, "N m/A"), ("l-d", sheet.L_d, "H"),
+        ("l-q", sheet.L_q, "H"), ("l", sheet.L, "H"), ("ratio", sheet.ratio, ""),
+        ("inertia", sheet.inertia, "kg m2"), ("u-dc", u_dc, "V"), ("pwm", pwm_hz, "Hz"),
+        ("adc-range", adc_range, "A"), ("u-inj", u_inj, "V"),
+    ):  # fmt: skip
+        if value is not None and not (math.isfinite(value) and value > 0.0):
             raise UserError(f"{label}: {value:g} {unit}; give a number above 0")
+    period = settings_of(Motor)["T_s"]
+    if not period.low <= 1.0 / pwm_hz <= period.high:
+        raise UserError(
+            f"pwm: {pwm_hz:g} Hz; give {1.0 / period.high:g} to {1.0 / period.low:g} Hz"
+        )
     numbers = machine_numbers(sheet)
     tau, i_rated = numbers["tau_rated"].value, numbers["i_rated"].value
     omega = sheet.speed_rpm * RPM_TO_RAD_S

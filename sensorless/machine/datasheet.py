@@ -129,8 +129,6 @@ def _inductances(s: Datasheet) -> tuple[Number, Number]:
             "inductance: incomplete; give l-d and l-q, or the average l and ratio = L_q / L_d; a "
             "sheet that has one inductance alone is usually that of surface magnets, ratio 1"
         )
-    if s.ratio <= 0.0:
-        raise UserError(f"ratio: {s.ratio:g}; give L_q / L_d, above 1 for buried magnets")
     how = f"{said}: average {s.L:g} H{halved}, L_q / L_d = {s.ratio:g} as given"
     L_d = 2.0 * share * s.L / (1.0 + s.ratio)
     return Number(L_d, how), Number(s.ratio * L_d, how)
