@@ -42,7 +42,7 @@ def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tupl
         found = _named(raw, path)
     except UserError:
         raise
-    except (OSError, ValueError, TypeError, NotImplementedError) as error:
+    except (OSError, ValueError, TypeError) as error:
         reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
         raise UserError(f"map: {path}: {reason}") from None
     i, psi = np.stack(found[:2], axis=-1), np.stack(found[2:], axis=-1)
@@ -71,14 +71,21 @@ def _text(path: Path, columns: str | None) -> dict[str, Any]:
         raise ValueError(f"no heading; name the columns: --columns {','.join(COLUMNS)}")
     else:
         names, rows = [head.strip() for head in heads], rows[1:]
-    table = np.array(
-        [re.split(r"[,;\t\s]+", row.strip().rstrip(",;")) for row in rows], dtype=float
-    )
-    if table.ndim != 2 or table.shape[1] < len(names):
-        raise ValueError(
-            f"{len(names)} column names, but rows of another length; name each column once"
-        )
+    if not rows:
+        raise ValueError("no numbers under the heading; give a flux map")
+    table = np.array([_numbers(row, len(names)) for row in rows])
     return {name: table[:, k] for k, name in enumerate(names)}
+
+
+def _numbers(row: str, n: int) -> list[float]:
+    """The first ``n`` numbers of a row."""
+    cells = re.split(r"[,;\t\s]+", row.strip().rstrip(",;"))
+    if len(cells) < n:
+        raise ValueError(f"row {row!r}: {len(cells)} numbers; give {n}, one for each column name")
+    try:
+        return [float(cell) for cell in cells[:n]]
+    except ValueError as error:
+        raise ValueError(f"row {row!r}: {error}; give {n} numbers") from None
 
 
 def _is_number(text: str) -> bool:
@@ -92,8 +99,16 @@ def _is_number(text: str) -> bool:
 def _matlab(path: Path) -> dict[str, Any]:
     from scipy.io import loadmat
 
+    try:
+        known = loadmat(path, squeeze_me=True)
+    except OSError:
+        raise
+    except NotImplementedError:
+        raise ValueError("MATLAB 7.3; save it with -v7, or as CSV") from None
+    except Exception as error:  # of a broken file SciPy raises whatever comes up
+        raise ValueError(f"not a MATLAB file ({error}); save it anew, or as CSV") from None
     found: dict[str, Any] = {}
-    for name, value in loadmat(path, squeeze_me=True).items():
+    for name, value in known.items():
         if name.startswith("__"):
             continue
         if getattr(value, "dtype", None) is not None and value.dtype.names:  # one struct of all

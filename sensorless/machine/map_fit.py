@@ -65,7 +65,8 @@ def fit_map(i: Floats, psi: Floats, i_rated: float, i_max: float) -> MapFit:
     Raises
     ------
     UserError
-        The map has too few points within ``i_max``, or the model has no inverse up to it.
+        The map has too few points within ``i_max``, a flux in it does not rise with its current, or
+        the model has no inverse up to it.
     """
     size = np.hypot(*i.T)
     use = size <= (1.0 + 1e-9) * i_max
@@ -74,6 +75,7 @@ def fit_map(i: Floats, psi: Floats, i_rated: float, i_max: float) -> MapFit:
             f"map: {int(use.sum())} points up to {size[use].max(initial=0.0):g} A within i_max = "
             f"{i_max:g} A; give at least 20, up to rated current"
         )
+    _require_rise(i[use], psi[use])
     weight = np.where(size[use] <= i_rated, 1.0, OUTSIDE)
     scale = float(np.abs(psi[use]).max())
     data = _Data(i[use], psi[use] / scale, weight)
@@ -188,7 +190,23 @@ def _unscaled(t: _Trial, scale: float) -> Saturation:
     )  # fmt: skip
 
 
+def _require_rise(i: Floats, psi: Floats) -> None:
+    together = np.mean((i - i.mean(axis=0)) * (psi - psi.mean(axis=0)), axis=0)
+    for axis, rise in zip("dq", together, strict=True):
+        if not rise > 0.0:
+            raise UserError(
+                f"map: psi_{axis} does not rise with i_{axis}; give points at several i_{axis}, "
+                "and check names and signs of the columns"
+            )
+
+
 def _require_inverse(s: Saturation, i: Floats) -> None:
-    low = np.linalg.eigvalsh(inverse_inductance(s, flux(s, i)))[:, 0].min()
+    try:
+        low = np.linalg.eigvalsh(inverse_inductance(s, flux(s, i)))[:, 0].min()
+    except UserError:
+        low = -np.inf
     if low <= 0.0:
-        raise UserError("map: the fitted model has no inverse within i_max; lower i_max")
+        raise UserError(
+            "map: the fitted model has no inverse within i_max; check units and signs of the map, "
+            "or lower i_max"
+        )

@@ -83,8 +83,9 @@ def test_the_irons_axis_is_turned(tmp_path: Path) -> None:
     [
         ("i_d,i_q,psi_d\n1,2,3\n", "no column psi_q; found i_d, i_q, psi_d"),
         ("i_d,i_q,psi_d,psi_q\n1,2,3,4\n", "1 points"),
-        ("i_d,i_q,psi_d,psi_q\n1,2,much,4\n", "could not convert"),
-        ("i_d,i_q,psi_d,psi_q\n1,2,3\n1,2,3,4\n", "inhomogeneous"),
+        ("i_d,i_q,psi_d,psi_q\n1,2,much,4\n", "row '1,2,much,4': could not convert"),
+        ("i_d,i_q,psi_d,psi_q\n1,2,3\n1,2,3,4\n", "row '1,2,3': 3 numbers; give 4"),
+        ("i_d,i_q,psi_d,psi_q\n", "no numbers under the heading"),
         ("i_d [V],i_q,psi_d,psi_q\n1,2,3,4\n", "write one of A"),
         ("i_d,id,i_q,psi_d,psi_q\n1,2,3,4,5\n", "i_d twice"),
         ("1,2,3,4\n", "no heading"),
@@ -104,6 +105,8 @@ def test_what_is_no_map_is_one_line(text: str, said: str, tmp_path: Path) -> Non
 def test_missing_and_broken_files(name: str, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=name):
         load_map(tmp_path / name)
-    (tmp_path / name).write_bytes(b"\xff\xfe\x00garbage" * 40)
-    with pytest.raises(UserError, match=name):
-        load_map(tmp_path / name)
+    for broken in (b"\xff\xfe\x00garbage" * 40, b"", b"MATLAB 5.0 MAT-file".ljust(124) + b"\0\2IM"):
+        (tmp_path / name).write_bytes(broken)
+        with pytest.raises(UserError, match=name) as error:
+            load_map(tmp_path / name)
+        assert "\n" not in str(error.value)

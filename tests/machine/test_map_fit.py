@@ -99,3 +99,19 @@ def test_too_small_a_map_is_refused() -> None:
     i = 0.3 * grid(MOTOR)
     with pytest.raises(UserError, match="up to rated current"):
         fit_map(i, flux(MOTOR.saturation, i), MOTOR.i_rated, MOTOR.i_max)
+
+
+@pytest.mark.parametrize(
+    ("factor", "said"),
+    [
+        ((1.0, -1.0), "psi_q does not rise with i_q"),
+        ((0.0, 1.0), "psi_d does not rise with i_d"),
+        ((1e3, 1e3), "check units and signs"),
+    ],
+)
+@pytest.mark.usefixtures("one_start")
+def test_what_no_machine_has_is_named(factor: tuple[float, float], said: str) -> None:
+    i = grid(MOTOR)
+    psi = flux(MOTOR.saturation, i) * factor
+    with pytest.raises(UserError, match=said):
+        mapped(MOTOR, fit_map(i, psi, MOTOR.i_rated, MOTOR.i_max))
