@@ -12,6 +12,7 @@ from sensorless.cli.options import (
     console,
     errors,
     policy_progress,
+    require_machine,
 )
 
 
@@ -51,11 +52,10 @@ def demo_command(
     from sensorless.cli.demo_steps import SUITE, draw, fresh_folder, hand_over, judge
     from sensorless.cli.train import run_training
     from sensorless.design.drive import DriveDesign
-    from sensorless.design.records import control_record
     from sensorless.machine.motor import Motor
 
     machine, config = Motor.load(motor), TrainConfig(motor=motor, minutes=minutes)
-    control_record(machine, DriveDesign())  # refuses a machine before there is a folder
+    require_machine(machine, DriveDesign())
     fresh_folder(out)
     run = out / "ppo-table"
     errors.print(f"[bold]1/4[/] training a schedule for {minutes:g} min, starting from Eq. 25")

@@ -13,6 +13,7 @@ from sensorless.cli.options import (
     MotorOption,
     SetOption,
     console,
+    say_if_unsuited,
     say_json,
     say_wrote,
 )
@@ -81,7 +82,9 @@ def cross_coupling(
 
     check_writable(out)
     check_writable(plot, "plot")
-    found = identify_cross_coupling(Motor.load(motor), design_from(settings))
+    machine, design = Motor.load(motor), design_from(settings)
+    say_if_unsuited(machine, design)
+    found = identify_cross_coupling(machine, design)
     r = found.report()
     table = Table(title=f"{r['motor']}: θm/2, truth − injection estimate")
     for heading in ("fit", "slope [°/A]", "R²", "residual rms [°]", "largest [°]"):

@@ -133,7 +133,7 @@ def bench_of(
     Raises
     ------
     UserError
-        As ``bench``; or no drive can be designed for the machine.
+        As ``bench`` and ``say_if_unsuited``.
     """
     from sensorless.policies.bench import bench
 
@@ -144,19 +144,34 @@ def bench_of(
     return made
 
 
+def require_machine(motor: "Motor", design: "DriveDesign") -> None:
+    """Refuse a machine before any work on it.
+
+    Raises
+    ------
+    UserError
+        No drive can be designed for it, see ``control_record``, or its numbers contradict each
+        other.
+    """
+    from sensorless.design.records import control_record
+    from sensorless.suitability.plausible import require_plausible
+
+    control_record(motor, design)
+    require_plausible(motor)
+
+
 def say_if_unsuited(motor: "Motor", design: "DriveDesign") -> None:
     """Print the verdict of the check without its simulation, unless it is yes.
 
     Raises
     ------
     UserError
-        No drive can be designed for the machine, see ``control_record``.
+        As ``require_machine``.
     """
     from sensorless.design.derived import derive
-    from sensorless.design.records import control_record
     from sensorless.suitability.examine import examine
 
-    control_record(motor, design)
+    require_machine(motor, design)
     verdict = examine(motor, derive(motor, design).hfi_pll_hz).verdict
     if verdict.word != "yes":
         text = f"[bold]{escape(motor.name)}[/]: {escape(str(verdict))}"

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sensorless.errors import UserError
 from sensorless.machine.magnetics import currents, flux, plant_currents
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import polar
@@ -29,6 +30,22 @@ def plausible(motor: Motor) -> Iterator[Finding]:
     yield from _saturation(motor)
     yield from _correction(motor)
     yield from _inverter(motor)
+
+
+def require_plausible(motor: Motor) -> None:
+    """Refuse a machine whose numbers contradict each other.
+
+    Raises
+    ------
+    UserError
+        Names the machine, the first field that is wrong, and its value.
+    """
+    for finding in plausible(motor):
+        if finding.weight == NO:
+            raise UserError(
+                f"motor {motor.name!r}: {finding.text}; correct the motor file: sensorless motor "
+                "check shows all that is wrong"
+            )
 
 
 def _per_unit(m: Motor) -> Iterator[Finding]:

@@ -233,19 +233,21 @@ def test_training_says_first_what_speaks_against_a_machine(tmp_path: Path) -> No
     assert not (tmp_path / "demo").exists()
 
 
-def test_a_wrong_unit_is_said_wherever_a_drive_runs_and_refused_for_firmware(
+def test_a_wrong_unit_is_refused_and_a_poor_machine_named_wherever_a_drive_runs(
     tmp_path: Path,
 ) -> None:
     text = (MOTORS / "ipmsm_2200w.toml").read_text(encoding="utf-8")
     (tmp_path / "wrong.toml").write_text(text.replace("psi_f = 0.545 ", "psi_f = 8.0 "))
     words = ["--motor", "wrong.toml"]
+    for command in ("simulate", "export eq25 --out out", "demo --out out", "pil eq25 --out out"):
+        done = run(*command.split(), *words, cwd=tmp_path)
+        assert done.returncode == 2 and not (tmp_path / "out").exists()
+        assert "motor 'ipmsm_2200w': psi_f = 8: no-load EMF at rated speed" in done.stderr
+        assert "correct the motor file" in done.stderr and done.stderr.count("\n") == 1
+    (tmp_path / "wrong.toml").write_text(text.replace("adc_bits = 12", "adc_bits = 6", 1))
     done = run("simulate", *words, "--duration", "0.02", cwd=tmp_path)
-    assert done.returncode == 0
-    assert "suitable: no, because psi_f = 8: no-load EMF" in done.stderr.splitlines()[0]
-    done = run("export", "eq25", *words, "--out", "out", cwd=tmp_path)
-    assert done.returncode == 2 and not (tmp_path / "out").exists()
-    assert "does not suit, because psi_f = 8" in done.stderr.splitlines()[-1]
-    assert "correct the motor file" in done.stderr.splitlines()[-1]
+    assert done.returncode == 0 and done.stderr.count("\n") == 1
+    assert "suitable: with limits, because angle noise of injection" in done.stderr
 
 
 def test_weak_saliency_is_said_and_strong_is_not(capsys: pytest.CaptureFixture[str]) -> None:
