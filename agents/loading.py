@@ -29,7 +29,7 @@ def load_run(
     """
     policy, known = _schedule(Path(folder)), carried_by_run(folder)
     if not override:
-        refuse_other(known.made_for, motor, f"run {str(folder)!r}")
+        refuse_other(known, motor, f"run {str(folder)!r}")
     policy.settings = known.settings
     return policy
 
@@ -39,7 +39,7 @@ def load_table(path: Path, motor: Motor, *, override: bool = False) -> TablePoli
     table = KsTable.load(path)
     known = carried(table.provenance, str(path))
     if not override:
-        refuse_other(known.made_for, motor, str(path))
+        refuse_other(known, motor, str(path))
     return TablePolicy(path.stem, table, known.settings)
 
 

@@ -16,7 +16,7 @@ from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.design.fingerprint import fingerprint
 from sensorless.design.words import text_of
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.settings import read, settings_of
 
@@ -142,21 +142,35 @@ def _motor(provenance: Mapping[str, Any], where: str) -> Motor | None:
     return next((motor for motor in shipped if motor.digest == digest), None)
 
 
-def refuse_other(
-    made_for: tuple[str, str] | None, motor: Motor, word: str, why: str = "was asked for"
-) -> None:
+def refuse_other(known: Carried, motor: Motor, word: str, why: str = "was asked for") -> None:
     """Refuse a machine that a schedule was not made for; ``why`` tells where it comes from.
 
     Raises
     ------
     UserError
-        Names the schedule by ``word``, its machine and the one asked for.
+        Names the schedule by ``word``, its machine and the one asked for; of two machines of one
+        name also what differs.
     """
-    if made_for is not None and made_for[1] != motor.digest:
-        raise UserError(
-            f"motor: {motor.name} {why}, digest {motor.digest[:16]}, but {word} was made for "
-            f"{made_for[0]}, digest {made_for[1][:16]}: use that, or add --override"
-        )
+    made_for = known.made_for
+    if made_for is None or made_for[1] == motor.digest:
+        return
+    other = "" if known.motor is None else _difference(known.motor, motor)
+    raise UserError(
+        f"motor: {motor.name} {why}, digest {motor.digest[:16]}, but {word} was made for "
+        f"{made_for[0]}, digest {made_for[1][:16]}{other}: use that, or add --override"
+    )
+
+
+def _difference(then: Motor, now: Motor) -> str:
+    """What differs between two machines of one name."""
+    if then.name != now.name:
+        return ""
+    names = [f.name for f in dataclasses.fields(Motor) if f.name != "description"]
+    pairs = ((name, getattr(then, name), getattr(now, name)) for name in names)
+    texts = [f"{name} = {shown(a)} instead of {shown(b)}" for name, a, b in pairs if a != b]
+    return (
+        f", with {texts[0]}" + (f" and {len(texts) - 1} more" if texts[1:] else "") if texts else ""
+    )
 
 
 def refuse_settings(

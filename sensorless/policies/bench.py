@@ -84,7 +84,7 @@ def bench(
     if not override:
         why = "was asked for" if motor is not None else "comes with the first policy"
         for spec, known in brought.items():
-            refuse_other(known.made_for, machine, spec, why)
+            refuse_other(known, machine, spec, why)
             refuse_settings(known, asked, spec)
     notes = (_changed(spec, known, asked) for spec, known in brought.items())
     design = dataclasses.replace(DriveDesign(), **asked)

@@ -105,6 +105,9 @@ def test_policies_of_two_machines_are_refused(tmp_path: Path) -> None:
     specs = [made(tmp_path, PAPER, FAST, "a"), made(tmp_path, OTHER, FAST, "b")]
     with pytest.raises(UserError, match=r"paper comes with the first policy.*made for mine"):
         bench(specs)
+    changed = made(tmp_path, replace(PAPER, R_s=2.0, J=0.03), FAST, "c")
+    with pytest.raises(UserError, match=rf"with R_s = 2.0 instead of {PAPER.R_s} and 1 more"):
+        bench([changed], "paper")
     assert bench(specs, override=True).motor == PAPER
     assert len(bench(specs, override=True).policies(specs)) == 2
 
