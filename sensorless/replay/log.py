@@ -144,7 +144,8 @@ def read_log(
         theta_e = motor.n_p * columns["theta_m"]
     u = _later(_voltage(columns, i, u_dc, u_dt, inv_i_dt, where), 1 + delay)
     phases = np.stack([i[:, 0], i[:, 1], -i.sum(axis=1)], axis=-1)
-    doubts = tuple(of_voltage(u, clarke(phases), delay))
+    commanded = _later(_voltage(columns, i, u_dc, 0.0, inv_i_dt, where), 1 + delay)
+    doubts = tuple(of_voltage(commanded, clarke(phases), delay))  # free of the samples' noise
     return Log(
         t=t,
         i=i,

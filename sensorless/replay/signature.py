@@ -24,8 +24,13 @@ CURES = {
     "phases a and c of one of them are swapped; swap them with --map": ((-1.0, -1.0), (0.0, 1.0)),
 }  # fmt: skip
 """What mends currents that turn against the voltage, and the matrix that does so to i_a, i_b."""
-OPPOSITE, ASIDE = 135.0, 75.0
-"""Angles between a step of the voltage and its answer that no saliency makes [deg]."""
+ASIDE = 30.0
+"""Half of what phases in another order turn the answer by, or what is left to half a turn [deg]."""
+PAST = 12
+"""Rows before a step that tell what noise and EMF do to the current; 8 tell too little."""
+SURE = 50.0
+"""Logarithm of how much likelier one sign and delay has to be than another. In right logs of eight
+machines a wrong one is, by up to 43: noise is not all that is unknown."""
 AGREES, DIFFERS = 0.9, 0.6
 """Length of the mean of exp(j error) of an encoder that turns with the estimate, or does not."""
 TURNED = 2.0 * np.pi
@@ -75,41 +80,72 @@ def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
     delay : int
         Rows by which the voltage was shifted.
     """
-    du = np.diff(u[:, 0] + 1j * u[:, 1])[1:]
-    bend = np.diff(i[:, 0] + 1j * i[:, 1], n=2)
-    direct, mirrored = {}, {}
+    step, slope = (np.diff(x[:, 0] + 1j * x[:, 1]) for x in (u, i))
+    du, bend = step[1:], np.diff(slope)
+    if len(bend) < 4 * PAST:
+        return
+    direct, mirrored = [0j], [0.0]
     for lag in (0, -1, 1, 2):
         x, y = apart(du, bend, lag)
         size = max(float(np.linalg.norm(x) * np.linalg.norm(y)), 1e-30)
-        direct[lag], mirrored[lag] = complex(np.vdot(x, y)) / size, abs(complex(x @ y)) / size
-    best = max(direct, key=lambda lag: abs(direct[lag]))
-    most, other = abs(direct[best]), max(mirrored.values())
-    angle = abs(float(np.degrees(np.angle(direct[0]))))
-    if max(most, other) < CLEAR:
+        direct.append(complex(np.vdot(x, y)) / size)
+        mirrored.append(abs(complex(x @ y)) / size)
+    most = max(direct, key=abs)
+    if max(abs(most), *mirrored) < CLEAR:
         return
-    if other > most + BETTER:
+    angle = abs(float(np.degrees(np.angle(most))))
+    if max(mirrored) > abs(most) + BETTER:
         yield f"voltage and current turn opposite ways: {mirrored_by(*apart(du, bend, 0))}"
-    elif most > abs(direct[0]) + BETTER:
-        way = "later" if best > 0 else "earlier"
-        right = delay + best
-        cure = f"try --delay {right}" if 0 <= right <= 2 else "the two are out of step"
-        yield f"the current answers the voltage {abs(best)} rows {way} than it should: {cure}"
-    elif angle > OPPOSITE:
-        late = rows_late(du, bend)
-        if late and delay + late >= 0:
-            yield f"the current answers the voltage a row off: try --delay {delay + late}"
-        elif late:
-            yield "the voltages stand a row later than they act: move their columns one row up"
-        else:
-            yield (
-                "the current answers the voltage the wrong way round: turn a wrong sign with "
-                "--map, as in i_a=-i_a"
-            )
-    elif angle > ASIDE:
+    elif ASIDE < angle < 180.0 - ASIDE:
         yield (
             f"the current answers {angle:.0f} degrees beside the voltage: the phases of one are in "
             "another order; rename them with --map"
         )
+    else:
+        ways = answered(du, bend, slope, delay)
+        if ways[0] != (1, delay):
+            cures = " or ".join(_cure(*way, delay) for way in ways)
+            yield f"the current does not answer the voltage as it should: {cures}"
+
+
+def _cure(sign: int, right: int, delay: int) -> str:
+    """What mends a log whose current answers with this sign, and with the delay ``right``."""
+    if right < 0:
+        return "move the columns of the voltage one row up"
+    late = "" if right == delay else f"try --delay {right}"
+    turn = "turn the sign of all currents with --map, as in i_a=-i_a"
+    return late if sign > 0 else f"{turn}, and {late}" if late else turn
+
+
+def answered(du: Array, bend: Array, slope: Array, delay: int) -> list[tuple[int, int]]:
+    """Signs of the current's answer to the voltage with the delays that explain it, best first.
+
+    An injection that changes sign every row looks alike a row off and with the other sign. What
+    tells the two apart is the little that is left, and there a controller sets its voltage against
+    the noise that the samples before have bent. So what the ``PAST`` rows of the current tell is
+    taken off both first: noise and EMF are in them, and so is all that the controller knew.
+
+    Parameters
+    ----------
+    du, bend, slope : complex: steps of the voltage (n,) [V], of the current's slope (n,) [A], and
+        that slope (n + 1,) [A], as the log has them with this delay
+    delay : int
+        Rows by which the voltage was shifted; -1 in the result: it acts a row before it stands.
+    """
+    rows = np.arange(PAST - 1, len(bend) - 3)
+    rights = (0, 1, 2, -1)
+    known = np.stack([slope[rows - j] for j in range(PAST)], axis=-1)
+    new = np.stack([bend[rows], *(du[rows + delay - right] for right in rights)], axis=-1)
+    new -= known @ np.linalg.lstsq(known, new, rcond=None)[0]
+    y, likely = new[:, 0], {}
+    for right, x in zip(rights, new[:, 1:].T, strict=True):
+        answer = complex(np.vdot(x, y)) / max(float(np.linalg.norm(x)) ** 2, 1e-30)
+        rest = max(float(np.mean(np.abs(y - answer * x) ** 2)), 1e-30)
+        if right >= 0 or answer.real > 0.0:  # not two mistakes at once, of signs and a row late
+            likely[1 if answer.real > 0.0 else -1, right] = -len(y) * float(np.log(rest))
+    ways = [way for way in likely if likely[way] > max(likely.values()) - SURE]
+    ways = [way for way in ways if way[0] > 0 or way[1] == delay] or ways  # one mistake, if any
+    return sorted(ways, key=lambda way: (way != (1, delay), way[1] not in (0, 1), -likely[way]))
 
 
 def mirrored_by(du: Array, bend: Array) -> str:
@@ -132,22 +168,6 @@ def mirrored_by(du: Array, bend: Array) -> str:
 def apart(x: Array, y: Array, lag: int) -> tuple[Array, Array]:
     """Values of x beside those of y that stand ``lag`` rows behind them."""
     return x[max(-lag, 0) : len(x) - max(lag, 0)], y[max(lag, 0) : len(y) - max(-lag, 0)]
-
-
-def rows_late(du: Array, bend: Array) -> int:
-    """Rows, -1 to 1, by which the current answers late where it seems to answer the other way.
-
-    An injection that changes sign every row looks alike a row off and with the other sign, so it is
-    averaged away; what is left tells the two apart. It answers a row early as well: a controller
-    sets its voltage against the noise that the sample before has bent, hence half that row.
-
-    Parameters
-    ----------
-    du, bend : (n,) complex: steps of the voltage [V], and of the current's slope [A]
-    """
-    du, bend = (x[2:] + 2.0 * x[1:-1] + x[:-2] for x in (du, bend))
-    at = {lag: complex(np.vdot(*apart(du, bend, lag))).real for lag in (-2, -1, 0, 1)}
-    return max((0, 1, -1), key=lambda lag: abs(at[lag] + 0.5 * at[lag - 1]))
 
 
 def of_encoder(theta: Floats, theta_hat: Floats, own: Array, motor: Motor) -> Iterator[str]:

@@ -134,7 +134,7 @@ def test_a_wrong_sign_and_swapped_phases_are_seen(read: Read) -> None:
     turned = columns()
     turned |= {name: -turned[name] for name in ("i_a", "i_b")}
     (note,) = read(csv_of(turned)).notes
-    assert "wrong way round" in note
+    assert "turn the sign of all currents" in note and "--delay" not in note
     shifted = columns() | {"i_a": columns()["i_b"], "i_b": -TABLE["i_a"] - TABLE["i_b"]}
     (note,) = read(csv_of(shifted)).notes
     assert "another order" in note
