@@ -85,8 +85,12 @@ def machine_command(
     finally:
         if save_log is not None:
             write_log(source.parts, save_log)
-    table = Table(title=f"{given.name}: identified by its drive")
-    for heading in ("", "value", "uncertainty", "from"):
+    table = Table(
+        title=f"{given.name}: identified by its drive",
+        caption="scatter of the measurement; an error of the current sensors' mean gain comes on "
+        "top, in full, in R_s, L_d, L_q and J",
+    )
+    for heading in ("", "value", "scatter", "from"):
         table.add_column(heading)
     for row in screen(found):
         table.add_row(*row)

@@ -65,7 +65,7 @@ def motor_tables(found: Identified) -> dict[str, Any]:
 
 
 def screen(found: Identified) -> list[tuple[str, str, str, str]]:
-    """Rows of quantity, value, uncertainty and how it was found."""
+    """Rows of quantity, value, scatter and how it was found."""
     r, spin, plate = found.resistance, found.spin, found.plate
     L_d, L_q, psi_f = at_rest(found.map_fit.saturation, plate.i_rated)
     d, q = found.map_fit.rms_percent(plate.i_rated)
