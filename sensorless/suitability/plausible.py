@@ -15,6 +15,8 @@ from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 
 BEYOND = 3.0
 """A value this factor outside its usual range is an error, not an unusual machine."""
+BEYOND_J = 100.0
+"""The same of the start time, which a flywheel makes long."""
 AT_SPEED = ("psi_f", "L_d", "L_q")
 """Numbers whose voltage is that at rated speed."""
 TURN = (20.0, 8.0)
@@ -53,6 +55,8 @@ def _per_unit(m: Motor) -> Iterator[Finding]:
     u, w = m.u_dc / math.sqrt(3.0), m.omega_rated
     z = u / m.i_rated
     start = m.J * w / m.n_p / m.tau_rated
+    # magnet and iron, each at its best angle: above what both make together
+    most = 1.5 * m.n_p * m.i_rated * (m.psi_f + 0.5 * abs(m.L_q - m.L_d) * m.i_rated)
     found = {
         field: (value, low, high, what)
         for field, value, low, high, what in (
@@ -60,6 +64,7 @@ def _per_unit(m: Motor) -> Iterator[Finding]:
             ("R_s", m.R_s / z, 3e-4, 0.25, "voltage of rated current in R_s over the DC link's"),
             ("L_d", w * m.L_d / z, 0.02, 1.5, "voltage of rated current in L_d over the DC link's"),
             ("L_q", w * m.L_q / z, 0.03, 4.0, "voltage of rated current in L_q over the DC link's"),
+            ("tau_rated", m.tau_rated / most, 0.05, 2.0, "rated torque over that of rated current"),
             ("J", start, 0.004, 15.0, "seconds from rest to rated speed at rated torque"),
         )
         if not low <= value <= high
@@ -79,16 +84,16 @@ def _per_unit(m: Motor) -> Iterator[Finding]:
             )
     for field, (value, low, high, what) in found.items():
         yield Finding(
-            NO if _far(value, low, high) and field != "J" else LIMIT,
+            NO if _far(value, low, high, BEYOND_J if field == "J" else BEYOND) else LIMIT,
             field,
             f"{field} = {getattr(m, field):g}: {what} is {value:.3g}, usually {low:g} to {high:g}: "
             "wrong unit, factor or pole pairs?",
         )
 
 
-def _far(value: float, low: float, high: float) -> bool:
+def _far(value: float, low: float, high: float, beyond: float = BEYOND) -> bool:
     """Whether a value is so far outside that no machine has it."""
-    return max(low / value, value / high) > BEYOND
+    return max(low / value, value / high) > beyond
 
 
 def _axes(m: Motor) -> Iterator[Finding]:

@@ -43,6 +43,13 @@ def test_random_machines_are_suitable() -> None:
         ({"L_d": 36.0, "L_q": 51.0}, "no", "L_d = 36"),
         ({"L_d": 36e-6, "L_q": 51e-6}, "no", "L_d = 3.6e-05"),
         ({"J": 3.0}, "with limits", "J = 3"),
+        ({"J": 150.0}, "no", "J = 150"),
+        (
+            {"tau_rated": 14e3},
+            "no",
+            "tau_rated = 14000: rated torque over that of rated current",
+        ),
+        ({"i_rated": 6.08e-3}, "no", "i_rated"),
         ({"L_d": 0.051, "L_q": 0.036}, "no", "swapped"),
         ({"L_d": 0.05, "L_q": 0.05}, "no", "no saliency"),
         ({"i_max": 13.0, "i_trip": 20.0}, "no", "i_max = 13 A is above what the converter"),
