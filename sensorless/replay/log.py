@@ -16,15 +16,27 @@ from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 from sensorless.replay.recording import read_recording
-from sensorless.replay.signature import are_percent, is_degrees, of_voltage, time_scale
+from sensorless.replay.signature import (
+    are_percent,
+    is_degrees,
+    of_sum,
+    of_voltage,
+    time_scale,
+    usual_step,
+)
 
 VOLTAGES = (("u_alpha", "u_beta"), ("u_a", "u_b", "u_c"), ("d_a", "d_b", "d_c", "u_dc"))
 """Ways to give the voltage; the first complete one is used."""
-COLUMNS = ("t", "i_a", "i_b", "i_c", *sum(VOLTAGES, ()), "inj", "theta_e", "theta_m")
+CURRENTS = ("i_a", "i_b", "i_c")
+COLUMNS = ("t", *CURRENTS, *sum(VOLTAGES, ()), "inj", "theta_e", "theta_m")
 JITTER = 0.01
 """Largest deviation of a period that counts as uniform, over the period."""
+MOST_ROUNDING = 0.3
+"""Largest rounding of the times over the period, at which a row that is missing still shows."""
 MOST_SPEED = 10.0
 """Largest plausible speed over rated."""
+ROUNDED = 0.01
+"""How far a duty cycle may lie beyond 0 and 1, by rounding and a dead time that is put in."""
 BEYOND = 3.0
 """Largest plausible reading, over the converter's range or the trip, and over the DC link."""
 SIXTHS = np.exp(2j * np.pi * np.arange(3) / 3.0)
@@ -123,8 +135,8 @@ def read_log(
     for name in ("i_a", "i_b"):
         if name not in columns:
             raise UserError(
-                f"{where}: line 1: column {name}: missing; known are {', '.join(COLUMNS)}; name "
-                f"it with --map {name}=COLUMN"
+                f"{where}: column {name}: missing; name it with --map {name}=COLUMN; the file has "
+                f"{', '.join(recording.names)[:200]}"
             )
     notes = list(_put_right(columns, motor))
     t = columns["t"]
@@ -145,7 +157,10 @@ def read_log(
     u = _later(_voltage(columns, i, u_dc, u_dt, inv_i_dt, where), 1 + delay)
     phases = np.stack([i[:, 0], i[:, 1], -i.sum(axis=1)], axis=-1)
     commanded = _later(_voltage(columns, i, u_dc, 0.0, inv_i_dt, where), 1 + delay)
-    doubts = tuple(of_voltage(commanded, clarke(phases), delay))  # free of the samples' noise
+    doubts = (  # the voltage without what a dead time adds of the samples' noise
+        *of_sum({name: columns[name] for name in CURRENTS if name in columns}),
+        *of_voltage(commanded, clarke(phases), delay),
+    )[:1]
     return Log(
         t=t,
         i=i,
@@ -204,6 +219,14 @@ def _voltage(
         return values
     if way == VOLTAGES[1]:
         return clarke(values)
+    off = np.argwhere(np.abs(values[:, :3] - 0.5) > 0.5 + ROUNDED)
+    if len(off):
+        row, phase = off[0]
+        raise UserError(
+            f"{where}: {way[phase]}: {values[row, phase]:g}; give duty cycles from 0 to 1, or 0 to "
+            "100 %: a compare value over that of a whole period, or 0.5 + 0.5 m for a modulation m "
+            "from -1 to 1"
+        )
     over = 0.5 * (i + np.concatenate([i[1:], i[-1:]]))  # mean of the samples around the period
     phases = np.stack([over[:, 0], over[:, 1], -over.sum(axis=1)], axis=-1)
     loss = u_dt * np.clip(phases * inv_i_dt, -1.0, 1.0)
@@ -211,16 +234,19 @@ def _voltage(
 
 
 def _check_time(t: Floats, lines: Array, motor: Motor, where: str) -> None:
+    """Refuse another period and gaps; steps may differ by what the column is rounded to."""
     if len(t) < 3:
         raise UserError(f"{where}: {len(t)} rows; give at least 3")
-    step = np.diff(t)
-    period = float(np.median(step))
+    step, period = np.diff(t), usual_step(t)
     if abs(period - motor.T_s) > JITTER * motor.T_s:
         raise UserError(
             f"{where}: t: {period:g} s from row to row, but motor {motor.name!r} has T_s = "
             f"{motor.T_s:g} s; log every PWM period, or give the motor with this period"
         )
-    wrong = np.flatnonzero(np.abs(step - motor.T_s) > JITTER * motor.T_s)
+    apart = np.diff(np.sort(step))  # of steps that differ: what the times are rounded to
+    rounded = np.min(apart, initial=motor.T_s, where=apart > 0.1 * JITTER * motor.T_s)
+    most = max(JITTER * motor.T_s, rounded if rounded < MOST_ROUNDING * motor.T_s else 0.0)
+    wrong = np.flatnonzero(np.abs(step - motor.T_s) > most)
     if len(wrong):
         raise UserError(
             f"{where}: line {lines[wrong[0] + 1]}: t: {step[wrong[0]]:g} s after the row before; "
@@ -232,7 +258,7 @@ def _check_sizes(columns: dict[str, Floats], lines: Array, motor: Motor, where: 
     """Refuse readings that this drive cannot have made."""
     current = BEYOND * max(motor.i_trip, motor.adc_range)
     bounds = {
-        **{name: (-current, current, "A") for name in ("i_a", "i_b", "i_c")},
+        **{name: (-current, current, "A") for name in CURRENTS},
         **{
             name: (-BEYOND * motor.u_dc, BEYOND * motor.u_dc, "V") for name in sum(VOLTAGES[:2], ())
         },

@@ -1,13 +1,14 @@
 """Columns of numbers from what tools export: CSV of any kind, or MATLAB.
 
-Read as they are: separators ``,``, ``;`` and tab; decimal commas; comments with ``#`` or ``%``; a
-line of units below the header; units behind a name, as in ``i_a [mA]``; other names of the columns,
-if the caller gives them.
+Read as they are: separators ``,``, ``;`` and tab, also at the end of a line; decimal commas; what a
+tool writes above the header; comments with ``#`` or ``%``; a line of units below the header; units
+behind a name, as in ``i_a [mA]``; other names of the columns, if the caller gives them; UTF-8,
+Latin-1, and UTF-16 with its mark.
 """
 
 import csv
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,10 +31,11 @@ HEAD = re.compile(r"\s*(.+?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*")
 
 @dataclass(frozen=True)
 class Recording:
-    """Columns by name, and the line of the file of each row."""
+    """Columns by name, the line of the file of each row, and all names that the file has."""
 
     columns: dict[str, Floats]
     lines: Array
+    names: Sequence[str]
 
 
 def read_recording(
@@ -66,8 +68,9 @@ def read_recording(
 
 
 def _decoded(raw: bytes) -> str:
+    wide = raw[:2] in (b"\xff\xfe", b"\xfe\xff")
     try:
-        return raw.decode("utf-8-sig")
+        return raw.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
         return raw.decode("latin-1")
 
@@ -78,41 +81,61 @@ def _text(text: str, wanted: Sequence[str], names: Mapping[str, str], where: str
         for number, line in enumerate(text.splitlines(), start=1)
         if line.strip() and line.lstrip()[0] not in "#%"
     ]
-    first = lines[0][1] if lines else ""
-    mark = next((mark for mark in ";\t" if mark in first), ",")
+    sought = {names.get(name, name).removeprefix("-").strip() for name in wanted}
+    top = next((j for j, (_, line) in enumerate(lines) if _names(line, sought)), 0)
+    lines = lines[top:]
+    mark = _mark(lines[0][1]) if lines else ","
     try:
         cells = list(csv.reader((line for _, line in lines), delimiter=mark))
     except csv.Error as error:
         raise UserError(f"{where}: not a valid CSV file: {error}") from None
     header = [name.strip() for name in cells[0]] if cells else []
-    comma = mark != "," and any("," in cell for row in cells[1:4] for cell in row)
     used = _used(header, wanted, names, where, lines[0][0] if lines else 1)
     units = {name: _unit(header[j]) for name, (j, _) in used.items()}
     body = list(zip([number for number, _ in lines[1:]], cells[1:], strict=True))
-    if body and not any(_is_number(cell, comma) for cell in body[0][1]):  # a line of units
+    if body and not any(_is_number(cell) for cell in body[0][1]):  # a line of units
         for name, (j, _) in used.items():
             units[name] = UNITS.get(body[0][1][j].strip(" []()").lower(), units[name])
         body = body[1:]
     rows = []
     for number, row in body:
         at = f"{where}: line {number}"
+        while len(row) > len(header) and not row[-1].strip():
+            row = row[:-1]
         if len(row) != len(header):
             raise UserError(f"{at}: {len(row)} values; give {len(header)}, as in the header")
-        rows.append([_value(row[j], comma, at, header[j]) for j, _ in used.values()])
+        rows.append([_value(row[j], at, header[j]) for j, _ in used.values()])
     if not rows:
         raise UserError(f"{where}: no rows; give one per PWM period, at least 3")
     table = np.array(rows)
     columns = {
         name: sign * units[name] * table[:, k] for k, (name, (_, sign)) in enumerate(used.items())
     }
-    return Recording(columns, np.array([number for number, _ in body]))
+    return Recording(columns, np.array([number for number, _ in body]), header)
+
+
+def _mark(line: str) -> str:
+    """Separator of a line."""
+    return next((mark for mark in ";\t" if mark in line), ",")
+
+
+def _names(line: str, sought: Collection[str]) -> bool:
+    """Whether a line is the header: at least two of its cells are names of columns."""
+    bare = (_bare(cell.strip(' "')) for cell in line.split(_mark(line)))
+    return sum(name in sought for name in bare) > 1
+
+
+def _bare(name: str) -> str:
+    """A name without the unit behind it."""
+    found = HEAD.fullmatch(name)
+    return found[1] if found else name
 
 
 def _used(
     header: Sequence[str], wanted: Sequence[str], names: Mapping[str, str], where: str, line: int
 ) -> dict[str, tuple[int, float]]:
     """Place and sign of every wanted column that the file has."""
-    bare = [found[1] if (found := HEAD.fullmatch(name)) else name for name in header]
+    bare = [_bare(name) for name in header]
     taken = {given.removeprefix("-").strip() for given in names.values()}
     out = {}
     for name in wanted:
@@ -139,21 +162,21 @@ def _unit(name: str) -> float:
     return UNITS.get(found[2].lower(), 1.0) if found else 1.0
 
 
-def _number(text: str, comma: bool) -> float:
-    return float(text.replace(",", ".") if comma else text)
+def _number(text: str) -> float:
+    return float(text.replace(",", "."))
 
 
-def _is_number(text: str, comma: bool) -> bool:
+def _is_number(text: str) -> bool:
     try:
-        _number(text, comma)
+        _number(text)
     except ValueError:
         return False
     return True
 
 
-def _value(text: str, comma: bool, at: str, column: str) -> float:
+def _value(text: str, at: str, column: str) -> float:
     try:
-        value = _number(text, comma)
+        value = _number(text)
     except ValueError:
         value = np.nan
     if not abs(value) < 1e15:  # also NaN
@@ -187,4 +210,4 @@ def _matlab(path: Path, wanted: Sequence[str], names: Mapping[str, str], where: 
         if not np.all(np.abs(column) < 1e15):
             raise UserError(f"{where}: {name}: not all numbers are finite; mend or cut these rows")
     n = len(next(iter(columns.values()), ()))
-    return Recording(columns, np.arange(1, n + 1))
+    return Recording(columns, np.arange(1, n + 1), list(found))

@@ -1,6 +1,6 @@
 """What a log shows when it is not what it seems: units, signs, delay, by their signature."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -15,6 +15,7 @@ BETTER = 0.1
 CURES = {
     "i_a has the wrong sign: turn it with --map i_a=-i_a": ((-1.0, 0.0), (0.0, 1.0)),
     "i_b has the wrong sign: turn it with --map i_b=-i_b": ((1.0, 0.0), (0.0, -1.0)),
+    "u_alpha has the wrong sign: turn it with --map u_alpha=-u_alpha": ((-1.0, 0.0), (1.0, 1.0)),
     "phases a and b of one of them are swapped; swap them with --map i_a=i_b --map i_b=i_a": (
         (0.0, 1.0), (1.0, 0.0),
     ),
@@ -24,6 +25,8 @@ CURES = {
     "phases a and c of one of them are swapped; swap them with --map": ((-1.0, -1.0), (0.0, 1.0)),
 }  # fmt: skip
 """What mends currents that turn against the voltage, and the matrix that does so to i_a, i_b."""
+REST = 0.2
+"""Sum of three currents over that with one of them turned, from which its sign was wrong."""
 ASIDE = 30.0
 """Half of what phases in another order turn the answer by, or what is left to half a turn [deg]."""
 PAST = 12
@@ -43,12 +46,19 @@ STEPS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "periods": 0.0}
 
 def time_scale(t: Floats, T_s: float) -> tuple[float, str]:
     """Factor of a time column to seconds, and its unit; 1 and "s" if nothing fits."""
-    step = float(np.median(np.diff(t))) if len(t) > 1 else T_s
+    step = usual_step(t) if len(t) > 1 else T_s
     for unit, scale in STEPS.items():
         factor = scale or T_s
         if abs(factor * step - T_s) <= SAME_STEP * T_s:
             return factor, unit
     return 1.0, "s"
+
+
+def usual_step(t: Floats) -> float:
+    """Mean of the steps near their median, which a column of few digits has only roughly."""
+    step = np.diff(t)
+    middle = float(np.median(step))
+    return float(np.mean(step[np.abs(step - middle) <= 0.5 * abs(middle)]))
 
 
 def is_degrees(theta: Floats, T_s: float, omega_max: float) -> bool:
@@ -66,6 +76,19 @@ def is_degrees(theta: Floats, T_s: float, omega_max: float) -> bool:
 def are_percent(duties: Floats) -> bool:
     """Whether duty cycles (n, 3) are in percent."""
     return bool(1.5 < np.max(duties) <= 101.0 and np.median(duties) > 1.0)
+
+
+def of_sum(currents: Mapping[str, Floats]) -> Iterator[str]:
+    """Which of three currents (n,) [A] has the wrong sign: the sum is twice it, and should be 0."""
+    if len(currents) < 3:
+        return
+    total = np.sum(list(currents.values()), axis=0)
+    for name, values in currents.items():
+        if np.linalg.norm(total - 2.0 * values) < REST * np.linalg.norm(total):
+            yield (
+                f"{name} has the wrong sign, as the three currents do not add up to 0: turn it "
+                f"with --map {name}=-{name}"
+            )
 
 
 def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:

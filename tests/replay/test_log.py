@@ -151,7 +151,10 @@ def changed(name: str, row: int, value: float) -> Columns:
         (columns() | {"i_a": np.where(K == 7, 1000.0, 0.0)}, "line 9: i_a: 1000 A, 1 of 40 rows"),
         (columns() | {"u_beta": 1e4 + K}, "line 2: u_beta: 10000 V, 40 of 40 rows"),
         (columns() | {"u_dc": 0.0 * K}, "line 2: u_dc: 0 V, 40 of 40 rows"),
-        ({k: v for k, v in columns().items() if k != "i_a"}, "line 1: column i_a: missing"),
+        (
+            {k: v for k, v in columns().items() if k != "i_a"},
+            "column i_a: missing; name it with --map i_a=COLUMN; the file has t, i_b",
+        ),
         ({k: v[:2] for k, v in columns().items()}, "2 rows; give at least 3"),
     ],
 )

@@ -66,6 +66,53 @@ def test_separators_and_decimal_commas(read: Read, plain: Log) -> None:
     same(read("# a scope\n%\n" + csv_of(columns(), ";", ",")), plain)
 
 
+def test_a_comma_may_come_late_or_stand_in_quotes(read: Read, plain: Log) -> None:
+    still = {name: np.concatenate([np.zeros(6), x]) for name, x in columns("t", "u_dc").items()}
+    same(read(csv_of(still, ";", ",")), read(csv_of(still)))
+    table = csv_of(columns(), ";", ",")
+    quoted = "\n".join('"' + line.replace(";", '","') + '"' for line in table.splitlines())
+    same(read(quoted), plain)
+
+
+def test_what_tools_write_around_a_table(read: Read, plain: Log, tmp_path: Path) -> None:
+    text = csv_of(columns(), ";", ",")
+    same(read("sep=;\n" + text), plain)
+    same(read("Model,MSO\nDate,2026-01-02\n\n" + csv_of(columns())), plain)
+    same(read(text.replace("\n", ";\n")), plain)
+    head, _, body = text.partition("\n")
+    same(read(head + "\n" + body.replace("\n", ";\n")), plain)
+    path = tmp_path / "wide.csv"
+    path.write_text(csv_of(columns(), "\t"), encoding="utf-16")
+    same(read_log(path, MOTOR, u_dt=5.4, inv_i_dt=10.0), plain)
+
+
+def test_times_may_be_rounded(read: Read, plain: Log) -> None:
+    """Of 0.2 ms to 0.05 ms at an odd first time, but a row must not be missing."""
+    coarse = np.round((TABLE["t"] + 7e-5) / 5e-5 * 0.93) * 5e-5 / 0.93
+    assert read(csv_of(columns() | {"t": coarse})).notes == ()
+    assert read(csv_of(columns() | {"t": 1e3 * coarse})).notes == ("t: taken as ms",)
+    gone = {name: np.delete(x, 700) for name, x in (columns() | {"t": coarse}).items()}
+    with pytest.raises(UserError, match="line 702"):
+        read(csv_of(gone))
+
+
+def test_duty_cycles_beyond_0_and_1_are_refused(read: Read) -> None:
+    duties = {name: TABLE[name] for name in ("d_a", "d_b", "d_c")}
+    for factor, offset in ((2.0, -1.0), (4200.0, 0.0)):
+        made = {name: factor * d + offset for name, d in duties.items()}
+        text = csv_of(columns("u_alpha", "u_beta") | made)
+        with pytest.raises(UserError, match=r"duty cycles from 0 to 1"):
+            read(text)
+
+
+@pytest.mark.parametrize("name", ["i_a", "i_b", "i_c"])
+def test_one_of_three_currents_with_a_wrong_sign_is_named(name: str, read: Read) -> None:
+    values = columns() | {"i_c": -TABLE["i_a"] - TABLE["i_b"]}
+    assert read(csv_of(values)).notes == ()
+    (note,) = read(csv_of(values | {name: -values[name]})).notes
+    assert note.startswith(f"{name} has the wrong sign") and note.endswith(f"{name}=-{name}")
+
+
 def test_units_behind_a_name_and_below_it(read: Read, plain: Log) -> None:
     values = columns()
     values["t"], values["i_a"] = 1e3 * values["t"], 1e3 * values["i_a"]
@@ -148,6 +195,7 @@ def test_a_wrong_sign_and_swapped_phases_are_seen(read: Read) -> None:
         ({"i_a": (0.0, 1.0), "i_b": (1.0, 0.0)}, "--map i_a=i_b --map i_b=i_a"),
         ({"i_b": (-1.0, -1.0)}, "phases b and c"),
         ({"i_a": (-1.0, -1.0)}, "phases a and c"),
+        ({"i_a": (-1.0, 0.0), "i_b": (1.0, 1.0)}, "u_alpha has the wrong sign"),
     ],
 )
 def test_what_turns_the_current_round_is_named(
