@@ -24,7 +24,7 @@ static uint32_t crc_bytes(const void *data, size_t words, int half) {
 }
 
 static ks_table_t table(uint32_t n_axes, int half) {
-    static const uint32_t n[4] = {5, 4, 3, 2}, signal[4] = {0, 1, 2, 6};
+    static const uint32_t n[4] = {5, 4, 3, 3}, signal[4] = {0, 1, 2, 6};
     ks_table_t t;
     memset(&t, 0, sizeof t);
     t.magic = KS_TABLE_MAGIC, t.format = KS_TABLE_FORMAT;
@@ -85,6 +85,13 @@ static void lookups(uint32_t n_axes, int half) {
         check("far signal", near((double)ks_table_eval(&t, values, y), corners(&t, y, half), 3e-6));
         y[which] = j % 3 == 0 ? (float)NAN : (j % 3 == 1 ? (float)INFINITY : -(float)INFINITY);
         check("bad signal", ks_table_eval(&t, values, y) == 0.75f);
+    }
+    nodes[t.n_nodes] = (float)NAN; /* beyond the table */
+    for (uint32_t a = 0; a < n_axes; a++) {
+        y[t.axis[a].signal] = 1e3f;
+        float far = ks_table_eval(&t, values, y);
+        y[t.axis[a].signal] = t.axis[a].x0 + t.axis[a].top / t.axis[a].inv_step;
+        check("last node", near((double)ks_table_eval(&t, values, y), (double)far, 3e-6));
     }
     for (int k = 0; k < SIGNAL_N; k++) {
         y[k] = 0.0f;

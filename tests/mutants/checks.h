@@ -43,6 +43,7 @@ void check_start(void);
 void check_table(void);
 void check_drive(void);
 void check_lock(void);
+void check_match(void);
 uint32_t trajectory(void);
 
 #endif
