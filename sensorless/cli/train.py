@@ -149,6 +149,7 @@ def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume
             f"{100 * done:3.0f} %, {steps / 1e6:5.2f} M decisions, validation: "
             f"{describe(vars(found))}{mark}",
             highlight=False,
+            soft_wrap=True,
         )
 
     try:

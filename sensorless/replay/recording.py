@@ -210,4 +210,4 @@ def _matlab(path: Path, wanted: Sequence[str], names: Mapping[str, str], where: 
         if not np.all(np.abs(column) < 1e15):
             raise UserError(f"{where}: {name}: not all numbers are finite; mend or cut these rows")
     n = len(next(iter(columns.values()), ()))
-    return Recording(columns, np.arange(1, n + 1), list(found))
+    return Recording(columns, np.arange(1, n + 1), list(vectors))

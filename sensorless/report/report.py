@@ -110,7 +110,8 @@ class Report:
         own, shown = self.policy.name, self._shown(results[0], rivals)
         chosen = {c.scenario: c for r in results for c in cases(r, own, self.reference.name)}
         named = dict(zip(results[0].policies, words, strict=True))
-        over = self._evaluate("envelope", seed, grid * grid, [named[n] for n in (own, *rivals)])
+        mapped = [named[n] for n in (own, *rivals)]
+        over = self._evaluate("envelope", seed, grid * grid, mapped)
         drawn = {f"envelope {m.title}": m for m in maps.envelope(over, self.motor, SHOWN)}
         table = {f"table {m.title} {m.note}": m for m in self._table()}
         panels, about_panels = learning(self.run)
@@ -141,7 +142,7 @@ class Report:
             curves=[panel["label"] for panel in panels],
             learning=about_panels,
             about=self._about(),
-            commands=self._commands(command, results, grid * grid),
+            commands=self._commands(command, results, mapped, grid * grid),
             versions=self._versions(results[0]),
             design=asdict(design_for(self.policy, self.design)),
             formulas=tables.formulas(),
@@ -232,13 +233,15 @@ class Report:
         return out
 
     def _commands(
-        self, command: str, results: Sequence[Results], points: int
+        self, command: str, results: Sequence[Results], mapped: Sequence[str], points: int
     ) -> list[tuple[str, str]]:
         out = [("This page:", command)]
         if isinstance(self.policy, TablePolicy) and self.policy.table.provenance.get("command"):
             out.insert(0, ("The policy:", str(self.policy.table.provenance["command"])))
-        judged = [word for name in (self.run, *self.others) for word in ("--policy", name)]
-        sides = ["--policy", self.run, "--policy", self.plain]
+        judged, sides = (
+            [word for name in names for word in ("--policy", name)]
+            for names in ((self.run, *self.others), mapped)
+        )
         for r in results:
             setting = ["--suite", r.suite, "--seed", str(r.seed), "--size", str(r.size)]
             again = self._command("evaluate", *judged, *setting, "--details")

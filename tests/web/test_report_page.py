@@ -39,6 +39,12 @@ def test_nothing_is_wrong_with_the_page(driver: Any, page: Path) -> None:
     assert audit(driver, page, MOST) == []
 
 
+def test_the_command_of_the_maps_names_every_policy_that_they_show(page: Path) -> None:
+    sides = ("linear:100,700", "eq25", "linear-coupled-tuned")
+    words = " ".join(f"--policy {name}" for name in sides)
+    assert f"{words} --suite envelope" in page.read_text(encoding="utf-8")
+
+
 def test_a_heading_sorts(driver: Any, page: Path) -> None:
     driver.get(page.as_uri())
     column = """
