@@ -1,16 +1,50 @@
-"""Every picture of the theory pages is drawn by its command: ``make docs-test``."""
-
-from pathlib import Path
+"""Pictures of the theory pages and figures of whole suites: ``make docs-test``."""
 
 import pytest
 
 from docs.site import figures
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.suites import suite
+from sensorless.evaluation import compare
+from sensorless.evaluation.compare import outcomes
+from sensorless.export import judge
+from sensorless.machine.motor import MOTORS, Motor
 from sensorless.plots.figure import png
+from sensorless.policies.bench import bench
+from sensorless.policies.registry import make_policy
+from tests.helpers.documentation import ROOT, text
+from tests.helpers.drives import Alone
 
-ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
 
 
 @pytest.mark.parametrize("name", figures.FIGURES)
 def test_a_picture_is_drawn_from_a_few_points(name: str) -> None:
     assert png(figures.FIGURES[name](4)).startswith(b"\x89PNG")
     assert (ROOT / "docs" / f"{name}.png").is_file()
+
+
+def test_losses_of_the_weakest_motor(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The twins of lost drives run afterwards and alone, which is as good for what is counted."""
+    monkeypatch.setattr(compare, "suite", suite)
+    lost = {}
+    for path in MOTORS.glob("*.toml"):
+        motor = Motor.load(path.stem)
+        made = Alone(motor, DriveDesign())
+        lost[path.stem] = int(
+            outcomes(make_policy("eq25", motor), [made], "stress", 1, 200).lost.sum()
+        )
+    (worst,) = (name for name in lost if lost[name])
+    told = f"on six of the seven motors, and {lost[worst]} ({lost[worst] / 2:.0f} %) on `{worst}`"
+    assert len(lost) == 7 and told in text(DOCS / "index.md")
+
+
+@pytest.mark.usefixtures("all_draws")
+def test_the_verdict_on_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At its full size; other tests judge on a few scenarios."""
+    monkeypatch.setattr(judge, "SIZE", 200)
+    monkeypatch.setattr(compare, "SIZE", 400)
+    monkeypatch.setattr(compare, "suite", suite)
+    made = bench(["reference"])
+    judged = judge.judge_export(made.policy("reference"), made.motor, made.design)
+    assert judged.sentence in text(DOCS / "what-a-run-carries.md")

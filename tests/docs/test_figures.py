@@ -1,9 +1,8 @@
-"""Figures of the pages that follow from the code: sizes, gains, poles, a run, a verdict."""
+"""Figures of the pages that follow from the code: sizes, gains, poles, a run."""
 
 import math
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,31 +10,21 @@ import pytest
 from sensorless.core.api import SIM, ffi, lib
 from sensorless.design.derived import Derived, derive
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.scenarios.suites import suite
 from sensorless.envs.scenarios.words import plan_from
-from sensorless.evaluation import compare
-from sensorless.evaluation.compare import outcomes
 from sensorless.evaluation.trace import trace
 from sensorless.evaluation.trace_summary import plateaus
-from sensorless.export import judge
-from sensorless.machine.motor import MOTORS, Motor
+from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import LEAST
 from sensorless.observers.coupled_design import LAYER_SPEED, Bandwidths, bandwidths
 from sensorless.observers.start_design import peaks, polarity_pulse
 from sensorless.observers.tracking import voltage_drift
-from sensorless.policies.bench import bench
 from sensorless.policies.registry import make_policy
 from sensorless.suitability import seen
-from tests.helpers.drives import Alone
+from tests.helpers.documentation import ROOT, text
 
-ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 LANES = 16
 """Drives of a block."""
-
-
-def text(page: Path) -> str:
-    return " ".join(page.read_text(encoding="utf-8").split())
 
 
 def cells(page: str, first: str) -> list[str]:
@@ -99,21 +88,6 @@ def test_power_of_the_motors_that_are_named() -> None:
     for name, told in named:
         motor = Motor.load(name)
         assert near(told, motor.tau_rated * motor.omega_rated / motor.n_p / 1000.0), name
-
-
-def test_losses_of_the_weakest_motor(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The twins of lost drives run afterwards and alone, which is as good for what is counted."""
-    monkeypatch.setattr(compare, "suite", suite)
-    lost = {}
-    for path in MOTORS.glob("*.toml"):
-        motor = Motor.load(path.stem)
-        made = Alone(motor, DriveDesign())
-        lost[path.stem] = int(
-            outcomes(make_policy("eq25", motor), [made], "stress", 1, 200).lost.sum()
-        )
-    (worst,) = (name for name in lost if lost[name])
-    told = f"on six of the seven motors, and {lost[worst]} ({lost[worst] / 2:.0f} %) on `{worst}`"
-    assert len(lost) == 7 and told in text(DOCS / "index.md")
 
 
 def test_memory_of_gains_and_time_of_a_whole_check() -> None:
@@ -222,14 +196,3 @@ def test_steps_of_fig_9() -> None:
         told = cells("published-and-corrected.md", f"{found['target_rpm']:.0f}")
         names = ("settled_s", "overshoot_pct", "k_s", "angle_err_steady_deg")
         assert all(near(a, found[name]) for a, name in zip(told, names, strict=True)), told
-
-
-@pytest.mark.usefixtures("all_draws")
-def test_the_verdict_on_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At its full size; other tests judge on a few scenarios."""
-    monkeypatch.setattr(judge, "SIZE", 200)
-    monkeypatch.setattr(compare, "SIZE", 400)
-    monkeypatch.setattr(compare, "suite", suite)
-    made = bench(["reference"])
-    judged = judge.judge_export(made.policy("reference"), made.motor, made.design)
-    assert judged.sentence in text(DOCS / "what-a-run-carries.md")

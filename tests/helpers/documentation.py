@@ -1,4 +1,4 @@
-"""Commands that the documentation shows."""
+"""The documentation's text, and the commands that it shows."""
 
 import re
 import shlex
@@ -10,6 +10,11 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").g
 
 FENCED = re.compile(r"^( *)```.*?\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
 INDENTED = re.compile(r"(?<=\n\n)(?: {4,}\S.*\n)+")
+
+
+def text(page: Path) -> str:
+    """Words of a page with one space between them."""
+    return " ".join(page.read_text(encoding="utf-8").split())
 
 
 def shown(page: Path) -> Iterator[tuple[list[str], bool]]:
