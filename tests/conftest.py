@@ -106,7 +106,7 @@ def small() -> Iterator[None]:
     Self tests on export compile without optimisation; ``identity`` compares the levels. Commands
     that end with a verdict run it on few short scenarios; ``test_compare`` on more. Intervals are
     of a tenth of the draws, but for ``all_draws``. Pictures are drawn with a third of their dots a
-    side: half the bytes, as those of all dots have a palette.
+    side, where text falls: half the bytes, as those of all dots have a palette.
     Nothing waits for the disk.
     """
     with pytest.MonkeyPatch.context() as patch:
@@ -117,6 +117,7 @@ def small() -> Iterator[None]:
         patch.setattr(aggregate, "RESAMPLES", 200)
         patch.setattr(compare, "suite", lasting(0.1))
         patch.setattr(figure, "DPI", FULL_DPI // 3)
+        patch.setattr(figure, "LAYOUT", None)
         patch.setattr(files, "sync", lambda path: None)  # test_files has its own
         yield
 

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binomtest, bootstrap
 
 from sensorless.core.api import Array
 from sensorless.evaluation.rollout import CAUSES, Floats
@@ -23,6 +22,8 @@ def rate_interval(hits: Bools) -> Interval:
     """95 % Wilson score interval of the rate of ``hits``; NaN for none."""
     if not len(hits):
         return math.nan, math.nan
+    from scipy.stats import binomtest  # half of the start of a worker, which needs none
+
     test = binomtest(int(hits.sum()), len(hits))
     interval = test.proportion_ci(confidence_level=0.95, method="wilson")
     return float(interval.low), float(interval.high)
@@ -47,6 +48,8 @@ def interval_of(statistic: Callable[[Rows], Floats], n: int, seed: int) -> Inter
 def _interval(x: Floats | Rows, statistic: Callable[..., Any], seed: int) -> Interval:
     if len(x) < 2:
         return math.nan, math.nan
+    from scipy.stats import bootstrap
+
     result = bootstrap(
         (x,),
         statistic,

@@ -2,7 +2,7 @@
 
 import io
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
@@ -33,6 +33,8 @@ PALETTE = {
 }
 """Of waveforms, as in the style of a page."""
 DPI = 120
+LAYOUT: Literal["constrained"] | None = "constrained"
+"""No text lies over another; takes as long as drawing."""
 LARGE = 100_000
 """Pictures larger than this [byte] get a palette: waveforms do, maps with gradients do not."""
 
@@ -68,7 +70,7 @@ def new_figure(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Figure(figsize=size, layout=LAYOUT)
     FigureCanvasAgg(figure)
     grid = figure.subplots(rows, columns, squeeze=False, **shared)
     return figure, [list(row) for row in grid]
