@@ -18,7 +18,7 @@ import typer.testing
 from sensorless import files
 from sensorless.design.drive import DriveDesign
 from sensorless.evaluation import aggregate, compare
-from sensorless.export import fit, judge, selftest
+from sensorless.export import fit, judge, selftest, vectors
 from sensorless.export.export import Exported, export
 from sensorless.machine import map_fit
 from sensorless.machine.magnetics import Floats
@@ -33,6 +33,7 @@ from tests.helpers.objects import Failed, Objects
 from tests.helpers.scenarios import briefly, lasting
 
 SHIPPED_FLAGS, FULL_DPI, FULL_FIT = selftest.FLAGS, figure.DPI, fit.SIZE
+WHOLE_RUN = vectors.DURATION
 ALL_DRAWS = aggregate.RESAMPLES
 
 gc.disable()  # until all tests are imported
@@ -72,10 +73,11 @@ def target() -> None:
 def exported(
     tmp_path_factory: pytest.TempPathFactory, table: KsTable, motor: Motor, design: DriveDesign
 ) -> Exported:
-    """An export of ``table``, with the flags of a user's; ``test_code`` looks at the objects."""
+    """An export of ``table``, as a user has it; ``test_code`` looks at the objects."""
     folder = tmp_path_factory.mktemp("export") / "made" / "here"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(selftest, "FLAGS", (*SHIPPED_FLAGS, "-fno-pie", "-no-pie"))
+        patch.setattr(vectors, "DURATION", WHOLE_RUN)
         return export(table, motor, design, folder, policy="trial")
 
 
@@ -103,14 +105,15 @@ def knee() -> MapFit:
 def small() -> Iterator[None]:
     """What costs time and is not what a test is about, for all tests at once.
 
-    Self tests on export compile without optimisation; ``identity`` compares the levels. Commands
-    that end with a verdict run it on few short scenarios; ``test_compare`` on more. Intervals are
-    of a tenth of the draws, but for ``all_draws``. Pictures are drawn with a third of their dots a
-    side, where text falls: half the bytes, as those of all dots have a palette.
-    Nothing waits for the disk.
+    Self tests on export compile without optimisation, against a short golden run but for
+    ``whole_run``; ``identity`` compares the levels. Commands that end with a verdict run it on few
+    short scenarios; ``test_compare`` on more. Intervals are of a tenth of the draws, but for
+    ``all_draws``. Pictures are drawn with a third of their dots a side, where text falls: half the
+    bytes, as those of all dots have a palette. Nothing waits for the disk.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(selftest, "FLAGS", (*SHIPPED_FLAGS, "-O0"))
+        patch.setattr(vectors, "DURATION", 0.2)
         patch.setattr(judge, "SIZE", 8)
         patch.setattr(fit, "SIZE", 8)
         patch.setattr(compare, "SIZE", 8)
@@ -162,6 +165,12 @@ def brief() -> Iterator[None]:
 def all_draws(monkeypatch: pytest.MonkeyPatch) -> None:
     """Intervals are those of the commands, as another process has them."""
     monkeypatch.setattr(aggregate, "RESAMPLES", ALL_DRAWS)
+
+
+@pytest.fixture
+def whole_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Golden vectors are of a run as long as a user's."""
+    monkeypatch.setattr(vectors, "DURATION", WHOLE_RUN)
 
 
 @pytest.fixture

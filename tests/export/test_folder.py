@@ -72,6 +72,7 @@ def test_the_readme_names_the_observer_that_leads(
 
 
 @pytest.mark.usefixtures("without_selftest")
+@pytest.mark.usefixtures("whole_run")
 def test_the_same_policy_gives_the_same_files(
     exported: Exported, tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
 ) -> None:

@@ -150,6 +150,7 @@ def test_a_folder_corrupted_by_hand_fails(
         assert re.search(f"self test FAILED: {message}", done.stderr), done.stderr
 
 
+@pytest.mark.usefixtures("whole_run")
 def test_the_golden_run_crosses_over_both_ways(
     table: KsTable, motor: Motor, design: DriveDesign
 ) -> None:
@@ -236,6 +237,7 @@ def test_the_self_test_names_what_is_wrong_with_the_arithmetic(
     assert message is None or re.match(message, done.stdout)
 
 
+@pytest.mark.usefixtures("whole_run")
 def test_a_drive_that_gets_lost_still_gives_vectors(
     tmp_path: Path, motor: Motor, design: DriveDesign
 ) -> None:

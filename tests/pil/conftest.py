@@ -19,6 +19,7 @@ from sensorless.pil import pil as loop
 from sensorless.pil.pil import Report, pil
 from sensorless.table.ks_table import KsTable
 from tests.helpers.objects import Failed, Objects, flags
+from tests.helpers.scenarios import on_the_target
 
 
 @pytest.fixture(scope="session")
@@ -26,6 +27,7 @@ def report(target: None, table: KsTable, motor: Motor, design: DriveDesign) -> R
     """A run on the target; the export's own self test has tests of its own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(selftest, "find_compiler", lambda: None)
+        patch.setattr(loop, "pil_scenarios", on_the_target(1.4))
         return pil(table, motor, design, policy="trial")
 
 

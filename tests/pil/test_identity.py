@@ -11,7 +11,7 @@ from sensorless.pil.identity import ALL, Configuration, Outcome, identity
 from sensorless.pil.tools import missing_packages
 from sensorless.table.ks_table import KsTable
 
-PERIODS = 6000
+PERIODS = 3200
 
 TARGET = [c for c in ALL if c.machine == "target" and c.level != "-O2"]
 HOST = [c for c in ALL if c.machine == "host"]

@@ -14,9 +14,9 @@ from sensorless.reproduce.reproduce import cases, write
 
 @pytest.fixture(scope="session")
 def done(motor: Motor) -> list[Case]:
-    """All cases; those with the noise of real sensors are means of 8 runs instead of 16."""
+    """All cases; those with the noise of real sensors are means of 6 runs instead of 16."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(switching, "REPEATS", 8)
+        patch.setattr(switching, "REPEATS", 6)
         return cases(motor)
 
 

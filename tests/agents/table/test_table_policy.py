@@ -122,7 +122,7 @@ def test_a_monotone_table_falls_with_speed_whatever_the_gradient() -> None:
         torch.testing.assert_close(net.actor.values.detach(), start, rtol=0.0, atol=0.0)
         obs = torch.zeros(1, WIDTH)
         obs[0, 0], obs[0, 1] = 0.6, -0.5
-        for _ in range(300):
+        for _ in range(200):
             loss = -net.get_distribution(obs).mode().sum()
             net.optimizer.zero_grad()
             loss.backward()
