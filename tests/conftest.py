@@ -30,7 +30,7 @@ from sensorless.plots import figure
 from sensorless.table.ks_table import Axis, KsTable
 from tests.helpers.machines import MEASURED_MAP, knee_map
 from tests.helpers.objects import Failed, Objects
-from tests.helpers.scenarios import briefly, lasting
+from tests.helpers.scenarios import at_most, briefly, lasting
 
 SHIPPED_FLAGS, FULL_DPI, FULL_FIT = selftest.FLAGS, figure.DPI, fit.SIZE
 WHOLE_RUN = vectors.DURATION
@@ -158,6 +158,13 @@ def core_objects(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Objects]:
 def brief() -> Iterator[None]:
     """As ``briefly``."""
     with briefly():
+        yield
+
+
+@pytest.fixture(scope="module")
+def short_suites() -> Iterator[None]:
+    """Scenarios of 0.6 s where a module is about what is said of them, for all of the module."""
+    with at_most(0.6):
         yield
 
 

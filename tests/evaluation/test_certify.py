@@ -19,6 +19,8 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy
 
+pytestmark = pytest.mark.usefixtures("short_suites")
+
 PAPER, SMO = Motor.load("paper"), DriveDesign(estimator="smo")
 SUITE, SEED = "unload", 21
 """Eq. 25 on the SMO loses some of these."""

@@ -17,6 +17,8 @@ from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies, make_policy
 
+pytestmark = pytest.mark.usefixtures("short_suites")
+
 MOTOR = Motor.load("paper")
 DESIGN = DriveDesign()
 SIZE = 8

@@ -21,6 +21,8 @@ from sensorless.policies.bench import bench
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy
 
+pytestmark = pytest.mark.usefixtures("short_suites")
+
 DESIGN, SEED, N = DriveDesign(), 3, 2
 NAMES = ("reference", "sliding_mode")
 MOTORS = family(JUDGED + SEED, N)

@@ -21,6 +21,8 @@ from sensorless.evaluation.results_tables import (
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies
 
+pytestmark = pytest.mark.usefixtures("short_suites")
+
 
 @pytest.fixture(scope="module")
 def results() -> Results:

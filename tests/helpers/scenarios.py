@@ -4,10 +4,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
 import pytest
 
 from sensorless.envs.scenarios.scenario import Scenarios
-from sensorless.envs.scenarios.suites import suite
+from sensorless.envs.scenarios.suites import SuiteRows, suite
 from sensorless.machine.motor import Motor
 from sensorless.pil.scenarios import pil_scenarios
 
@@ -18,6 +19,21 @@ def briefly() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for module in ("distill", "validation"):
             patch.setattr(f"sensorless.agents.{module}.suite", lasting(0.3))
+        yield
+
+
+@contextmanager
+def at_most(seconds: float) -> Iterator[None]:
+    """Scenarios of every suite end after so long [s], however they are asked for."""
+    whole = SuiteRows.draw
+
+    def draw(rows: SuiteRows) -> Scenarios:
+        scenarios = whole(rows)
+        scenarios.duration[:] = np.minimum(scenarios.duration, seconds)
+        return scenarios
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(SuiteRows, "draw", draw)
         yield
 
 

@@ -26,13 +26,14 @@ from sensorless.evaluation.trace import trace
 from sensorless.machine.motor import Motor
 from sensorless.policies.bench import Bench
 from sensorless.policies.registry import make_policies
-from sensorless.report.cases import CROSSED, OURS, cases
 from sensorless.report.page import PARTS, UPLOT
 from sensorless.report.report import Report
 from sensorless.report.tables import COLUMNS
 from sensorless.report.waves import LEVELS
 from sensorless.table.ks_table import Axis, KsTable
 from sensorless.units import RAD_S_TO_RPM
+
+pytestmark = pytest.mark.usefixtures("short_suites")
 
 MOTOR, DESIGN = Motor.load("paper"), DriveDesign()
 SIZE = 6
@@ -262,30 +263,6 @@ def test_random_machines_have_a_report_too(tmp_path: Path) -> None:
     (speed,) = (curve for curve in curves if curve["name"] == "sensorless")
     top = float(np.max(run["omega_m"])) * RAD_S_TO_RPM
     assert speed["low"] + LEVELS * speed["step"] == pytest.approx(top, rel=1e-9)
-
-
-def test_cases_are_the_worst_and_a_typical_hand_over() -> None:
-    name = "linear:100,700"
-    results = evaluate(MOTOR, DESIGN, "handoff", 7, 12, make_policies([name, "eq25"], MOTOR))
-    found = cases(results, name, "eq25")
-    worst = results.policies[name]["worst"]
-    assert [c.scenario for c in found[:OURS]] == [c["scenario"] for c in worst[:OURS]]
-    rows = results.policies[name]["scenarios"]
-    crossed = [
-        i
-        for i in range(12)
-        if not rows["lost"][i] and rows["k_s_activity"][i] * rows["time_s"][i] >= CROSSED
-    ]
-    assert len(crossed) > 2
-    middle = sorted(crossed, key=lambda i: rows["torque_p2p_handover"][i])[(len(crossed) - 1) // 2]
-    words = [case.scenario for case in found]
-    assert f"handoff:7:{middle}" in words
-    assert len(set(words)) == len(words)
-
-
-def test_where_the_weight_never_moves_there_is_no_hand_over() -> None:
-    results = evaluate(MOTOR, DESIGN, "handoff", 7, 3, make_policies(["hfi", "eq25"], MOTOR))
-    assert not any("hand-over" in case.what for case in cases(results, "hfi", "eq25"))
 
 
 def test_a_report_needs_no_library_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,6 +11,8 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies
 from tests.helpers.script import script
 
+pytestmark = pytest.mark.usefixtures("short_suites")
+
 STUDY = script("studies/publish_reference.py")
 
 
