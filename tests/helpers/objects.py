@@ -28,22 +28,25 @@ class Objects:
 
     folder: Path
 
-    def place(self, core: Path, command: list[str]) -> Path:
-        """Where the objects of a folder ``core`` are kept under a command, if they are."""
+    def place(self, core: Path, command: list[str], *more: Path) -> Path:
+        """Where the objects of a folder ``core``, or of ``more``, are kept under a command."""
         program = Path(shutil.which(command[0]) or command[0]).resolve()
         levels = [word for word in command if word.startswith("-O")]
         others = {word for word in command[1:] if not word.startswith(("-O", "-W"))} - LINKING
         digest = hashlib.sha256(repr([program, levels[-1:], sorted(others)]).encode())
-        for path in sorted(core.glob("*.[ch]")):
+        for path in [*sorted(core.glob("*.[ch]")), *more, *(p.with_suffix(".h") for p in more)]:
             digest.update(path.name.encode() + path.read_bytes())
         return self.folder / digest.hexdigest()
 
-    def of(self, core: Path, command: list[str]) -> "list[Path] | Failed[str]":
-        """Objects of all sources in ``core``, or how the compiler failed."""
-        place = self.place(core, command)
+    def of(self, core: Path, command: list[str], *more: Path) -> "list[Path] | Failed[str]":
+        """Objects of all sources in ``core``, or how the compiler failed.
+
+        Or of ``more``, sources that include headers of their own names and of the core.
+        """
+        place = self.place(core, command, *more)
         if not place.is_dir():
             place.mkdir()
-            sources = map(str, sorted(core.glob("*.c")))
+            sources = map(str, more or sorted(core.glob("*.c")))
             done = subprocess.run(
                 [*command, "-c", *sources], cwd=place, capture_output=True, text=True, check=False
             )
