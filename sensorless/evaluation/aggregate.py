@@ -22,7 +22,7 @@ def rate_interval(hits: Bools) -> Interval:
     """95 % Wilson score interval of the rate of ``hits``; NaN for none."""
     if not len(hits):
         return math.nan, math.nan
-    from scipy.stats import binomtest  # half of the start of a worker, which needs none
+    from scipy.stats import binomtest  # two fifths of the start of a worker, which needs none
 
     test = binomtest(int(hits.sum()), len(hits))
     interval = test.proportion_ci(confidence_level=0.95, method="wilson")
