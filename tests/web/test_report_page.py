@@ -13,6 +13,8 @@ from sensorless.report.report import Report
 from web.audit import audit
 from web.browser import size_to
 
+pytestmark = pytest.mark.usefixtures("short_suites")
+
 MOST = 3_000_000
 """Largest page [bytes]."""
 RANGE = "return [...drawn.values()][0][0].scales.x.max - [...drawn.values()][0][0].scales.x.min"

@@ -125,7 +125,7 @@ def test_unload_slips_where_it_does_on_the_switching_inverter(
     monkeypatch.setattr(records, "designed", records.designed.__wrapped__)  # kept without APART
     policy = make_policy("reference-flux", motor)
     policy.settings = {}
-    s = suite("unload", motor, 11, 20)
+    s = suite("unload", motor, 11, 12)
     s.psi_f[:], s.R_s[:], s.J[:], s.dead_time[:] = 1.0, 1.0, 1.0, motor.dead_time
     peaks = []
     for detailed, carrier in ((True, True), (True, False), (False, False)):
