@@ -130,7 +130,7 @@ CORRUPTIONS = {
         ("params.h", r"MOTOR_HASH (0x\w+)UL", 0, "float table: check: made for another motor")
     ],
     "the lookup": [("core/ks_lookup.h", r"\*f = (pos) - ", 0, "float table: lookups")],
-    "a constant": [("core/frames.h", r"#define TWO_PI_F (6\.\d+)f", 0, "control core: periods")],
+    "a constant": [("core/control.h", r"rot_turn\(r, (1\.5)f", 0, "control core: periods")],
 }
 """File, pattern, which match, what the self test then says; together where none hides another."""
 

@@ -15,10 +15,10 @@ from sensorless.pil.scenarios import pil_scenarios
 
 @contextmanager
 def briefly() -> Iterator[None]:
-    """Training validates, and distilling samples, on scenarios of 0.3 s."""
+    """Training validates, and distilling samples, on scenarios of 0.2 s."""
     with pytest.MonkeyPatch.context() as patch:
         for module in ("distill", "validation"):
-            patch.setattr(f"sensorless.agents.{module}.suite", lasting(0.3))
+            patch.setattr(f"sensorless.agents.{module}.suite", lasting(0.2))
         yield
 
 
