@@ -8,6 +8,7 @@ import tempfile
 import time
 from pathlib import Path
 
+from benchmarks.words import parser
 from web.browser import chromium, missing_browser, size_to
 from web.build import build
 from web.wasm import missing_tools
@@ -41,6 +42,7 @@ SECONDS = 4.0
 
 def main() -> None:
     """Print the pace of computing alone, and that of the page with its pictures."""
+    parser(__doc__).parse_args()
     missing = [*missing_tools(), *missing_browser()]
     if missing:
         sys.exit(f"error: playground: needs {', '.join(missing)}")

@@ -5,7 +5,6 @@
 #include "checks.h"
 #include "faults.h"
 #include "params.h" /* made by run.py: PARAMS[5] of the paper's machine, one per estimator */
-
 typedef struct {
     vec_t psi; /* rotor frame */
     double theta, omega;
@@ -91,7 +90,7 @@ static void starts(void) {
 static void limits(void) {
     const guard_params_t *g = &PARAMS[4].guard;
     drive_state_t x;
-    drive_init(&PARAMS[4], &x, 0.0f, 0.0f, 0.25f);
+    drive_init(&PARAMS[4], &x, 0, 0, 0.25f);
     const float good[5] = {1.0f, -1.0f, 540.0f, 10.0f, 0.5f};
     const struct {
         int field, fault;
@@ -127,12 +126,18 @@ static void limits(void) {
         v[bad[j].field] = bad[j].becomes;
         check("guard", x.fault == bad[j].fault && memcmp(v, w, sizeof v) == 0);
     }
-    for (int j = 0; j < 12; j++) {
-        vec_t i = 9.8 * (j % 2 ? 1.001 : 0.999) * cexp(I * j);
-        ab_t i_ab = {(float)creal(i), (float)cimag(i)};
+    for (int j = 0; j < 40; j++) {
+        double beyond = j % 2 ? 1.001 : 0.999;
+        vec_t way = beyond * cexp(I * j), was = draw(-9, 9) + I * draw(-9, 9);
+        vec_t next = was + sqrt((double)g->i_step_sq) * way;
+        ab_t i_ab = {9.8f * (float)creal(way), 9.8f * (float)cimag(way)};
+        ab_t jump = {(float)creal(next), (float)cimag(next)};
         x.fault = 0;
         drive_guard_current(g, &x, i_ab);
         check("over-current", x.fault == (j % 2 ? FAULT_OVER_CURRENT : 0));
+        x.coupled.i_1.a = (float)creal(was), x.coupled.i_1.b = (float)cimag(was), x.fault = 0;
+        drive_guard_step(g, &x, jump);
+        check("step of the current", x.fault == (j % 2 ? FAULT_CURRENT : 0));
     }
     check("inputs", faults_inputs(&PARAMS[4]) == 0);
     check("angles", faults_angles(&PARAMS[4]) == 0);

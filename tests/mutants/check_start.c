@@ -25,7 +25,7 @@ static void axis(void) {
             x.i_2 = x.i_1;
             x.i_1 = i;
         }
-        float found = start_axis(&x, (float)wrapped(at + draw(-1.2, 1.2)));
+        float found = start_axis(&x, (float)wrapped(at + (j % 2 ? 1.5 : -1.5)));
         check("axis", fabs(wrapped((double)found - at)) < 0.02);
         double samples = 0.5 * (double)(2 * (p.n_scan - 1)); /* half a step is a sample's part */
         check("answers that count", near(cabs(of_ab(x.axis)) / diff, samples, 0.03));
@@ -34,7 +34,7 @@ static void axis(void) {
 
 static void pulses(void) {
     start_params_t p = {0};
-    const int rest = 5, pulse = 11, half = 27;
+    const int rest = 12, pulse = 11, half = 34;
     p.n_rest = rest, p.n_pulse = pulse;
     start_state_t x;
     start_begin(&x);

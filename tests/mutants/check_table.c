@@ -24,7 +24,7 @@ static uint32_t crc_bytes(const void *data, size_t words, int half) {
 }
 
 static ks_table_t table(uint32_t n_axes, int half) {
-    static const uint32_t n[4] = {5, 4, 3, 3}, signal[4] = {0, 1, 2, 6};
+    static const uint32_t n[4] = {5, 4, 3, 3}, signal[4] = {0, 1, 2, 11};
     ks_table_t t;
     memset(&t, 0, sizeof t);
     t.magic = KS_TABLE_MAGIC, t.format = KS_TABLE_FORMAT;
@@ -148,7 +148,7 @@ static void refusals(void) {
 }
 
 static void schedule(void) {
-    ks_table_t t = table(2, 0);
+    ks_table_t t = table(4, 0);
     signal_params_t signal = {0.03f, 190.0f, 1.0f, 1.0f, 1.0f, 1.0f};
     ks_schedule_params_t p = {&t, nodes, 9, {0.2f, 0.3f}, 3};
     check("flips", faults_flips(&t, nodes, 9) == 0);
@@ -159,7 +159,8 @@ static void schedule(void) {
     check("schedule",
           ks_schedule_init(&p, &x) == KS_OK && x.fault == 0 && x.wait == 0 && x.k_s_ref == 1.0f);
     for (int k = 0; k < 30; k++) {
-        at.omega = draw_f(0, 1), at.i_q = draw_f(-1, 1);
+        at.omega = draw_f(0, 1), at.i_q = draw_f(-1, 1), at.disagree = draw_f(-1, 1);
+        at.voltage = draw_f(0, 3);
         float y[SIGNAL_N], was = x.k_s_ref;
         signals_read(&signal, &at, y);
         float k_s = ks_schedule_step(&p, &x, &signal, &at);

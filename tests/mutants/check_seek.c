@@ -1,0 +1,117 @@
+/* A drive that seeks its rotor: lengths of its phases, what it keeps, what it refuses. */
+#include "checks.h"
+#include "params.h"
+
+/* FLY ends sooner after lost lock. */
+static void fly(void) {
+    const drive_params_t *p = &PARAMS[4];
+    drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
+    for (int again = 0; again < 2; again++) {
+        drive_state_t x;
+        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+        drive_find_again(&x);
+        start_enter(&x.start, START_FLY);
+        x.start.again = again;
+        int n = 0;
+        x.flux.psi.a = x.flux.psi.b = 1.0f, x.emf.pll.omega = 70.0f;
+        x.control.i_int = 3.0f;
+        for (; n < 1000 && x.start.phase == START_FLY; n++) {
+            drive_step(p, &x, &in);
+            check("load kept", (x.control.i_int == 3.0f) == again);
+            check("injection follows",
+                  x.start.phase != START_FLY || x.hfi.pll.omega == x.est.omega);
+        }
+        check("length of FLY", n == (again ? p->start.n_again : p->start.n_fly));
+        check("flux starts again", x.flux.psi.a == 0.0f && x.flux.psi.b == 0.0f);
+    }
+    drive_state_t x;
+    drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+    x.control.u_int.d = x.control.u_int.q = x.control.i_d_fw = -9.0f;
+    x.smo.z.a = x.smo.z.b = x.emf.e.a = x.emf.e.b = x.control.i_ref.q = 7.0f;
+    drive_find_again(&x);
+    check("no kick",
+          x.control.u_int.d == 0.0f && x.control.u_int.q == 0.0f && x.control.i_d_fw == 0.0f);
+    check("nothing of before", x.smo.z.a == 0.0f && x.smo.z.b == 0.0f && x.emf.e.a == 0.0f &&
+                                   x.emf.e.b == 0.0f && x.control.i_ref.q == 0.0f);
+}
+
+/* SCAN injects n_scan periods along each axis, and waits for two answers. */
+static void scan(void) {
+    const drive_params_t *p = &PARAMS[4];
+    drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
+    drive_state_t x;
+    drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+    drive_find_rotor(&x);
+    start_enter(&x.start, START_SCAN);
+    int n = 0;
+    for (; n < 1000 && x.start.phase == START_SCAN; n++) {
+        int wait = x.lock.wait;
+        drive_step(p, &x, &in);
+        check("tests in step", x.lock.wait == (wait > 1 ? wait - 1 : p->lock.n));
+    }
+    check("length of SCAN", n == 2 * p->start.n_scan + 2);
+}
+
+/* Dead time is compensated by the mean of two samples, also while the drive seeks its rotor. */
+static void compensated(void) {
+    const drive_params_t *p = &PARAMS[4];
+    for (int j = 0; j < 40; j++) {
+        drive_state_t x;
+        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+        drive_find_rotor(&x);
+        start_enter(&x.start, START_SCAN);
+        drive_in_t in = {draw_f(-1, 1), draw_f(-1, 1), 540.0f, 0.0f, 0.0f};
+        ab_t was = {draw_f(-1, 1), draw_f(-1, 1)}, i = phases_to_ab(in.i_a, in.i_b);
+        x.start.i_1 = was;
+        ab_t u = drive_step(p, &x, &in);
+        ab_t mean = dq_to_ab((dq_t){0.5f * (i.a + was.a), 0.5f * (i.b + was.b)}, rot_of(0.0f));
+        ab_t comp = dead_time_voltage(p->control.u_dt, p->control.inv_i_dt, mean);
+        check("seeking: dead time", near_v(of_ab(u) - of_ab(x.u_1), of_ab(comp), 1e-4));
+    }
+}
+
+/* A shaft that spins: what the schedule reads is its speed at once, without a low-pass. */
+static void spins(void) {
+    const drive_params_t *p = &PARAMS[4];
+    drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
+    for (int j = 0; j < 40; j++) {
+        drive_state_t x;
+        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+        drive_find_rotor(&x);
+        x.start.n = p->start.n_catch - 1;
+        x.start.omega = draw_f(200, 400) * (j % 2 ? 1.0f : -1.0f);
+        x.start.e_f.a = x.start.omega * p->control.psi_f;
+        drive_step(p, &x, &in);
+        double omega = (double)x.emf.pll.omega;
+        check("spins", x.start.phase == START_FLY && omega * (double)x.start.omega > 0.0);
+        double kept = 1.0 - (double)p->signal.alpha; /* the estimate itself follows in FLY */
+        check("spins: signal", near((double)x.signal.omega, kept * omega, 1e-4));
+        kept = 1.0 - (double)p->signal.alpha * (double)p->signal.alpha;
+        check("spins: second signal", near((double)x.signal.omega_2, kept * omega, 1e-4));
+    }
+}
+
+/* A start sequence whose counters or phase it never writes is damaged. */
+static void unsound(void) {
+    const drive_params_t *p = &PARAMS[4];
+    drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
+    for (int j = 0; j < 4; j++) {
+        drive_state_t x;
+        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+        drive_find_rotor(&x);
+        x.start.n = j == 1 ? -1 : x.start.n;
+        x.start.tries = j == 2 ? -1 : x.start.tries;
+        x.start.phase = j == 3 ? START_END : x.start.phase;
+        ab_t u = drive_step(p, &x, &in);
+        check("seeking: damaged", (x.fault == FAULT_STATE) == (j > 0));
+        check("seeking: no voltage", j == 0 || (u.a == 0.0f && u.b == 0.0f));
+    }
+}
+
+void check_seek(void) {
+    fly();
+    scan();
+    compensated();
+    spins();
+    unsound();
+}
