@@ -80,6 +80,19 @@ static void told_once(void) {
         check("alarm: counted", x.alarms == n);
         x.reason = 0;
     }
+    for (int n = 1; n <= p.n_grace + 1; n++) { /* counts down, nothing is judged; damage ends it */
+        memset(&x, 0, sizeof x);
+        x.bad = LOCK_GRACE + n, x.residual = 2.0f * p.e_floor;
+        lock_judge(&p, &x, 0.0f, 0.0f);
+        check("grace", x.bad == (n == 1 || n > p.n_grace ? 0 : LOCK_GRACE + n - 1) && !x.alarm);
+    }
+    for (int n = -1; n <= 1; n++) {
+        memset(&x, 0, sizeof x);
+        p.action = LOCK_STOP, x.bad = p.n_act + n;
+        check("acts", lock_acts(&p, &x) == (n >= 0));
+        x.calm = 1;
+        check("calm", !lock_acts(&p, &x));
+    }
 }
 
 /* One period at the end of LOCK, without current; turns: speed of the injection estimator, e: EMF

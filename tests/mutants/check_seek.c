@@ -84,10 +84,32 @@ static void spins(void) {
         drive_step(p, &x, &in);
         double omega = (double)x.emf.pll.omega;
         check("spins", x.start.phase == START_FLY && omega * (double)x.start.omega > 0.0);
+        double at = carg(of_ab(x.start.e_f) * (omega < 0.0 ? I : -I));
+        at += (double)p->T_s * omega;
+        check("spins: angle", fabs(wrapped((double)x.emf.pll.theta - at)) < 1e-4);
         double kept = 1.0 - (double)p->signal.alpha; /* the estimate itself follows in FLY */
         check("spins: signal", near((double)x.signal.omega, kept * omega, 1e-4));
         kept = 1.0 - (double)p->signal.alpha * (double)p->signal.alpha;
         check("spins: second signal", near((double)x.signal.omega_2, kept * omega, 1e-4));
+    }
+}
+
+/* On a machine whose pulses cannot show the pole the guess decides, after as long as they take. */
+static void guesses(void) {
+    drive_params_t p = PARAMS[4];
+    p.start.i_pole = 0.5f * p.start.i_pole_sure;
+    drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
+    int pulses = p.start.n_tries * 2 * (p.start.n_rest + 2 * p.start.n_pulse);
+    for (int last = 0; last < 2; last++) {
+        drive_state_t x;
+        drive_init(&p, &x, 0.0f, 0.0f, 0.5f);
+        drive_find_again(&x);
+        start_enter(&x.start, START_LOCK);
+        x.start.again = 1;
+        x.start.n = 2 * p.start.n_lock + pulses - 2 + last;
+        drive_step(&p, &x, &in);
+        check("guess", x.start.phase == (last ? START_DONE : START_LOCK));
+        check("guess: said", x.fault == (last ? FAULT_POLE : 0));
     }
 }
 
@@ -108,10 +130,28 @@ static void unsound(void) {
     }
 }
 
+/* Damage of the words that matter most is seen in the same period, of the others in its turn. */
+static void seen(void) {
+    const drive_params_t *p = &PARAMS[4];
+    for (int j = 0; j < 9; j++) {
+        drive_state_t x;
+        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+        float *word[9] = {&x.hfi.amplitude, &x.est.theta,     &x.flux.psi.a,
+                          &x.coupled.psi.a, &x.smo.omega_f,   &x.k_s,
+                          &x.control.i_int, &x.control.u_abs, &x.signal.omega_2};
+        ab_t u = {0.0f, 0.0f};
+        x.check = 0; /* this period's turn is elsewhere */
+        *word[j] = j % 2 ? 1e20f : -1e20f;
+        check("damage: seen at once", drive_sound(&p->guard, &x, u) == (j == 8));
+    }
+}
+
 void check_seek(void) {
     fly();
     scan();
     compensated();
     spins();
+    guesses();
     unsound();
+    seen();
 }

@@ -71,15 +71,16 @@ static void lookups(uint32_t n_axes, int half) {
     check("good table",
           ks_table_check(&t, values, 9) == KS_OK && ks_table_check(&t, values, 0) == KS_OK);
     check("CRC", ks_header_crc(&t) == t.crc_header && ks_values_crc(&t, values) == t.crc_values);
-    float y[SIGNAL_N];
+    float y[2 * SIGNAL_N];
     for (int j = 0; j < 150; j++) {
-        for (int k = 0; k < SIGNAL_N; k++) {
+        for (int k = 0; k < 2 * SIGNAL_N; k++) {
             y[k] = draw_f(-1, 3);
         }
         check("lookup", near((double)ks_table_eval(&t, values, y), corners(&t, y, half), 3e-6));
-        float many;
-        ks_table_eval_many(&t, values, y, &many, 1, SIGNAL_N);
-        check("lookups", many == ks_table_eval(&t, values, y));
+        float many[2];
+        ks_table_eval_many(&t, values, y, many, 2, SIGNAL_N);
+        check("lookups", many[0] == ks_table_eval(&t, values, y) &&
+                             many[1] == ks_table_eval(&t, values, y + SIGNAL_N));
         uint32_t which = t.axis[j % (int)n_axes].signal;
         y[which] = j % 3 ? 3e38f : -3e38f;
         check("far signal", near((double)ks_table_eval(&t, values, y), corners(&t, y, half), 3e-6));
@@ -123,6 +124,8 @@ static void refusals(void) {
     REFUSED(t.n_axes = 0, KS_BAD_AXES)
     REFUSED(t.n_axes = 5, KS_BAD_AXES)
     REFUSED(t.kind = 3, KS_BAD_AXES)
+    REFUSED((t.n_axes = 0, t.kind = 0, t.n_nodes = 1), KS_BAD_AXES)
+    REFUSED((t.n_axes = 5, t.kind = 5), KS_BAD_AXES)
     REFUSED(t.axis[1].signal = SIGNAL_N, KS_BAD_AXES)
     REFUSED(t.axis[0].n = 1, KS_BAD_AXES)
     REFUSED(t.axis[0].n = 2000, KS_BAD_AXES)
