@@ -20,11 +20,18 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from tests.mutants.build import DRIVE, FLAGS, ROOT, compile_checks, run_checks, write_params
+from tests.mutants.build import (
+    DRIVE,
+    FLAGS,
+    OBJECTS,
+    ROOT,
+    compile_checks,
+    run_checks,
+    write_params,
+)
 from tests.mutants.mutate import Mutant, all_mutants
 
 EXPLAINED = Path(__file__).with_name("survivors.json")
-OBJECTS = ("drive", "drive_lock", "drive_start", "ks_schedule", "ks_table")
 
 
 class Bench:
