@@ -91,7 +91,7 @@ static void limits(void) {
     const guard_params_t *g = &PARAMS[4].guard;
     drive_state_t x;
     drive_init(&PARAMS[4], &x, 0, 0, 0.25f);
-    const float good[5] = {1.0f, -1.0f, 540.0f, 10.0f, 0.5f};
+    const float good[5] = {1.0f, -1.0f, 540.0f, 780.0f, 0.5f};
     const struct {
         int field, fault;
         float value, becomes;

@@ -162,6 +162,10 @@ static void act(void) {
         check("act: phase", x.start.phase == (stop ? START_STOPPED : START_QUIET));
         check("act: fault", x.fault == (stop ? FAULT_STOPPED : 0U));
         check("act: tries", x.lock.restarts == tried + !stop);
+        drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
+        ab_t u = drive_step(&p, &x, &in);
+        check("act: no voltage",
+              u.a == 0.0f && u.b == 0.0f && x.fault == (stop ? FAULT_STOPPED : 0U));
     }
 }
 

@@ -50,6 +50,11 @@ static void scan(void) {
         check("tests in step", x.lock.wait == (wait > 1 ? wait - 1 : p->lock.n));
     }
     check("length of SCAN", n == 2 * p->start.n_scan + 2);
+    start_enter(&x.start, START_SCAN);
+    x.start.n = 2 * p->start.n_scan + 1, x.start.omega = 400.0f, x.start.e_f.a = 9.0f;
+    drive_step(p, &x, &in);
+    double most = cabs(of_ab(x.start.e_f)) / (double)p->control.psi_f;
+    check("no faster than the EMF", near((double)x.hfi.pll.omega, most, 1e-4));
 }
 
 /* Dead time is compensated by the mean of two samples, also while the drive seeks its rotor. */
@@ -60,13 +65,25 @@ static void compensated(void) {
         drive_init(p, &x, 0.0f, 0.0f, 0.5f);
         drive_find_rotor(&x);
         start_enter(&x.start, START_SCAN);
-        drive_in_t in = {draw_f(-1, 1), draw_f(-1, 1), 540.0f, 0.0f, 0.0f};
+        drive_in_t in = {draw_f(-1, 1), draw_f(-1, 1), draw_f(9, 540), 0.0f, 0.0f};
         ab_t was = {draw_f(-1, 1), draw_f(-1, 1)}, i = phases_to_ab(in.i_a, in.i_b);
         x.start.i_1 = was;
         ab_t u = drive_step(p, &x, &in);
         ab_t mean = dq_to_ab((dq_t){0.5f * (i.a + was.a), 0.5f * (i.b + was.b)}, rot_of(0.0f));
         ab_t comp = dead_time_voltage(p->control.u_dt, p->control.inv_i_dt, mean);
         check("seeking: dead time", near_v(of_ab(u) - of_ab(x.u_1), of_ab(comp), 1e-4));
+        check("seeking: voltage", cabs(of_ab(x.u_1)) < 1.00001 * (double)in.u_dc / sqrt(3.0));
+    }
+}
+
+/* Injection goes on n_hold periods after the last weight that asked for it. */
+static void injects(void) {
+    hfi_params_t p = PARAMS[4].hfi;
+    hfi_state_t x = {0};
+    for (int k = 0; k < 9; k++) {
+        check("injection: sign",
+              hfi_inject(&p, &x, k == 0) == (k < p.n_hold ? (k % 2 ? -1.0f : 1.0f) : 0.0f));
+        check("injection: held", x.hold == fmax(p.n_hold - k, 0.0));
     }
 }
 
@@ -150,6 +167,7 @@ void check_seek(void) {
     fly();
     scan();
     compensated();
+    injects();
     spins();
     guesses();
     unsound();

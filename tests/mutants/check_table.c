@@ -38,6 +38,7 @@ static ks_table_t table(uint32_t n_axes, int half) {
     }
     for (uint32_t j = 0; j < t.n_nodes; j++) {
         nodes[j] = draw_f(0, 1);
+        nodes[j] = j == 1 || j == 2 ? (float)(j - 1) : nodes[j]; /* the ends count */
         q15[j] = (int16_t)(32767.0f * nodes[j]);
     }
     t.slew_per_s = 50.0f, t.fallback = 0.75f, t.policy_hash = 3, t.motor_hash = 9;
@@ -128,6 +129,7 @@ static void refusals(void) {
     REFUSED((t.n_axes = 5, t.kind = 5), KS_BAD_AXES)
     REFUSED(t.axis[1].signal = SIGNAL_N, KS_BAD_AXES)
     REFUSED(t.axis[0].n = 1, KS_BAD_AXES)
+    REFUSED((t.axis[0].n = 1, t.axis[0].top = 0.0f, t.n_nodes = 4), KS_BAD_AXES)
     REFUSED(t.axis[0].n = 2000, KS_BAD_AXES)
     REFUSED(t.axis[0].x0 = (float)NAN, KS_BAD_AXES)
     REFUSED(t.axis[1].inv_step = 0.0f, KS_BAD_AXES)
@@ -140,6 +142,7 @@ static void refusals(void) {
     REFUSED(t.fallback = 1.1f, KS_BAD_VALUE)
     REFUSED(t.slew_per_s = 0.0f, KS_BAD_VALUE)
     REFUSED(t.slew_per_s = (float)INFINITY, KS_BAD_VALUE)
+    REFUSED(nodes[0] = 1.01f, KS_BAD_VALUE)
     REFUSED(nodes[3] = 1.01f, KS_BAD_VALUE)
     REFUSED(nodes[3] = -0.01f, KS_BAD_VALUE)
     REFUSED(nodes[t.n_nodes - 1] = (float)NAN, KS_BAD_VALUE)
