@@ -104,7 +104,7 @@ def main() -> None:
             asked["steps"] = args.steps
             done.append({**asked, "size": args.size, "core": core, **row})
             study = {"motor": args.motor, "versions": versions(), "runs": done}
-            write_atomic(args.out, json.dumps(study, indent=1) + "\n")
+            write_atomic(args.out, json.dumps(study) + "\n")
             more = 100.0 * (row["torque_dev_rms"] / row["eq25_torque_dev_rms"] - 1.0)
             print(
                 f"{name:32} seed {seed}: lost {100 * row['lost_rate']:.2f} %, torque deviation "

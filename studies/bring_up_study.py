@@ -72,7 +72,7 @@ def main() -> None:
         "versions": versions(),
     }
     show(found)
-    write_atomic(args.out, json.dumps(found, indent=2) + "\n")
+    write_atomic(args.out, json.dumps(found) + "\n")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@
 Without --policy it judges every policy that ships, and drops all other rows at the end. With
 --policy it judges these alone and leaves the other rows as they are. The machine is the paper's.
 With --pair it runs nothing: it compares two policies scenario by scenario on the first suite, from
-results/leaderboard.npy, which has torque deviation and ripple in each.
+results/leaderboard.npz, which has torque deviation and ripple in each.
 """
 
 import argparse
@@ -36,7 +36,7 @@ from sensorless.versions import versions
 
 ROOT = Path(__file__).parents[1]
 CSV, PAGE = ROOT / "results" / "leaderboard.csv", ROOT / "docs" / "leaderboard.md"
-EACH = ROOT / "results" / "leaderboard.npy"
+EACH = ROOT / "results" / "leaderboard.npz"
 STEP, LOST = 1e-5, 65535
 """Unit of ``EACH``, over rated torque; its largest number stands for a scenario not survived."""
 HEADROOM = ROOT / "results" / "studies" / "clairvoyant.json"
@@ -141,17 +141,14 @@ def kept_each(path: Path) -> dict[str, Short]:
     """Errors by scenario, by policy; none without a file."""
     if not path.is_file():
         return {}
-    found = np.load(path)
-    return {name: found[name] for name in found.dtype.names}
+    with np.load(path) as found:
+        return {name: found[name] for name in found.files}
 
 
 def write_each(path: Path, each: Mapping[str, Short]) -> None:
-    """Write errors by scenario, as an array (n,) with a field for each policy."""
-    out = np.zeros(FROZEN[0].size, dtype=[(name, "<u2", (2,)) for name in sorted(each)])
-    for name, x in each.items():
-        out[name] = x
+    """Write errors by scenario, an array (n, 2) for each policy; the same bytes for the same."""
     file = io.BytesIO()
-    np.save(file, out)
+    np.savez_compressed(file, **{name: each[name] for name in sorted(each)})
     write_atomic(path, file.getvalue())
 
 

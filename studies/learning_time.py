@@ -120,7 +120,7 @@ def main() -> None:
         "near": NEAR, "wanted_s": WANTED, "machine": platform.platform(),
         "in_time": {what: in_time(runs, what) for what in WANTED}, "runs": runs,
     }  # fmt: skip
-    write_atomic(options.out, json.dumps(record, indent=1) + "\n")
+    write_atomic(options.out, json.dumps(record) + "\n")
     console.print(f"wrote {options.out}")
 
 

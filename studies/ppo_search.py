@@ -91,7 +91,7 @@ def summary(study: optuna.Study, asked: dict[str, Any]) -> str:
         for t in sorted(trials, key=lambda t: (t.value, t.number))
     ]
     facts = {**asked, "versions": {**versions(), "optuna": optuna.__version__}}
-    return json.dumps({**facts, "trials": rows}, indent=1) + "\n"
+    return json.dumps({**facts, "trials": rows}) + "\n"
 
 
 def main() -> None:

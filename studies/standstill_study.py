@@ -142,7 +142,7 @@ def main() -> None:
         }
         console.print(show(found[motor.name], motor.name))
     record = {"seeds": list(seeds), "policy": "eq25", "versions": versions(), "motors": found}
-    write_atomic(options.out, json.dumps(record, indent=1) + "\n")
+    write_atomic(options.out, json.dumps(record) + "\n")
     console.print(f"wrote {options.out}")
 
 

@@ -79,7 +79,7 @@ def test_an_interrupted_run_keeps_the_rows_of_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At the end, and only then, rows of policies that do not ship any more go."""
-    for name, file in (("CSV", "a.csv"), ("EACH", "a.npy"), ("PAGE", "a.md")):
+    for name, file in (("CSV", "a.csv"), ("EACH", "a.npz"), ("PAGE", "a.md")):
         shutil.copy(getattr(STUDY, name), tmp_path / file)
         monkeypatch.setattr(STUDY, name, tmp_path / file)
     old = {(row["suite"], row["policy"]): row for row in ROWS}
