@@ -6,6 +6,7 @@
 
 static void speed(void) {
     check("reasons", LOCK_EMF == 1 && LOCK_SPEED == 2 && LOCK_CURRENT == 4);
+    check("actions", LOCK_REPORT == 0 && LOCK_RESTART == 1 && LOCK_STOP == 2);
     lock_params_t p = PARAMS[4].lock;
     p.i_off = 1e9f, p.e_floor = 1e9f;
     for (int j = 0; j < 400; j++) {
@@ -122,6 +123,7 @@ static void pole(void) {
         told = told && x.start.again;
         double south = told && by * turns < 0.0 ? M_PI : 0.0;
         check("pole: told", x.start.phase == (told ? START_DONE : START_POLE));
+        check("pole: no fault", !told || x.fault == 0);
         check("pole: angle", fabs(wrapped((double)x.hfi.pll.theta - at - south)) < 1e-4);
         check("pole: speed", !told || near((double)x.emf.pll.omega, south > 0.0 ? -by : by, 1e-3));
     }

@@ -82,6 +82,7 @@ static void curves(void) {
                                     (double)c.y[k] + (t - k) * slope + t * slope, 1e-5));
     }
     curve_pos_t lost = curve_locate((float)NAN, 2.0f);
+    check("nodes of a curve", CURVE_N == 9);
     check("curve of NaN", lost.j == CURVE_N - 2 && lost.f == 1.0f);
 }
 

@@ -52,7 +52,9 @@ static void scan(void) {
     check("length of SCAN", n == 2 * p->start.n_scan + 2);
     start_enter(&x.start, START_SCAN);
     x.start.n = 2 * p->start.n_scan + 1, x.start.omega = 400.0f, x.start.e_f.a = 9.0f;
+    x.est.theta = 1.5f, x.start.axis.a = 1.0f, x.start.axis.b = 0.0f;
     drive_step(p, &x, &in);
+    check("the nearer end", fabs((double)x.hfi.pll.theta) < 1e-3);
     double most = cabs(of_ab(x.start.e_f)) / (double)p->control.psi_f;
     check("no faster than the EMF", near((double)x.hfi.pll.omega, most, 1e-4));
 }

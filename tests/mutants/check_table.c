@@ -107,18 +107,29 @@ static void lookups(uint32_t n_axes, int half) {
     check("damaged fallback", ks_table_eval(&t, values, y) == 1.0f);
 }
 
+/* One axis with every node that a table may have. */
+static void as_large_as_it_gets(ks_table_t *t) {
+    ks_axis_t x = {0, KS_TABLE_NODES, 0.0f, 1.0f, KS_TABLE_NODES - 1.0f};
+    for (int j = 0; j < KS_TABLE_NODES; j++) {
+        nodes[j] = 0.5f;
+    }
+    t->axis[0] = x, t->n_axes = 1, t->kind = 1, t->n_nodes = KS_TABLE_NODES;
+}
+
 /* Each change of a good header, with its sum made right, is refused with its reason. */
 #define REFUSED(change, why)                                                                       \
     {                                                                                              \
         ks_table_t t = table(2, 0);                                                                \
         change;                                                                                    \
-        t.crc_values = crc_bytes(nodes, t.n_nodes < 99 ? t.n_nodes : 99, 0);                       \
+        t.crc_values =                                                                             \
+            crc_bytes(nodes, t.n_nodes < KS_TABLE_NODES ? t.n_nodes : KS_TABLE_NODES, 0);          \
         t.crc_header = crc_bytes(&t, sizeof t / 4 - 1, 0);                                         \
         check("refused: " #change, ks_table_check(&t, nodes, 9) == (why));                         \
     }
 
 static void refusals(void) {
     REFUSED(t.magic ^= 1U, KS_BAD_MAGIC)
+    REFUSED(as_large_as_it_gets(&t), KS_OK)
     REFUSED(t.format += 1U, KS_BAD_FORMAT)
     REFUSED(t.value_format += 1U, KS_BAD_FORMAT)
     REFUSED(t.motor_hash += 1U, KS_BAD_MOTOR)
