@@ -39,6 +39,8 @@ from sensorless.report.waves import packed
 PAGE = "index.html"
 SUITES = ("stress-1", "handoff")
 PLAIN = "eq25"
+PAPER = "sliding_mode"
+"""Eq. 25 on the paper's observers."""
 OPEN = 5
 """Policies that tables show at first."""
 SHEET = (65, 51)
@@ -80,8 +82,8 @@ class Report:
         self.run, self.bench = run, bench
         self.motor, self.design = bench.motor, bench.design
         self.options, self.progress = options, progress
-        wanted = others or ("sliding_mode", "eq25", *_tuned(), "oracle", "sensored")
-        self.others = [word for word in wanted if word != run] or ["sliding_mode"]
+        wanted = others or (PAPER, PLAIN, *_tuned(), "oracle", "sensored")
+        self.others = [word for word in wanted if word != run] or [PAPER]
         self.plain = PLAIN if PLAIN in self.others else self.others[0]
         self.policy, self.reference = bench.policy(run), bench.policy(self.plain)
 
@@ -107,6 +109,7 @@ class Report:
         rivals = self._rivals(results[0])
         contrasts = [contrast(r, other) for other in rivals for r in results]
         said = verdict(results, contrasts, isinstance(self.policy, TablePolicy))
+        beside = self._beside(rivals)
         own, shown = self.policy.name, self._shown(results[0], rivals)
         chosen = {c.scenario: c for r in results for c in cases(r, own, self.reference.name)}
         named = dict(zip(results[0].policies, words, strict=True))
@@ -125,15 +128,15 @@ class Report:
             name=own,
             motor=f"{self.motor.name}, {self.motor.description}",
             verdict=said,
-            contrasts=contrasts,
+            contrasts=[contrast(r, other) for other in beside for r in results],
             balance=balance(results[0], rivals),
             basis=self._basis(results),
             least=f"{LEAST:g}",
-            sections=[self._section(r, shown, [own, *rivals]) for r in results],
+            sections=[self._section(r, shown, [own, *beside]) for r in results],
             shown=shown,
             columns=[heading for _, heading, _, _ in tables.COLUMNS],
             place_columns=[heading for _, heading, _, _ in tables.PLACE_COLUMNS],
-            sides=[own, *rivals],
+            sides=[own, *beside],
             fails=[*(tables.said(r, own) for r in results), tables.held(over, self.motor)],
             envelope=list(drawn),
             most=SHOWN,
@@ -157,6 +160,11 @@ class Report:
         """Names of Eq. 25, or else the first other policy, and of the best tuned rule."""
         best = best_rule(results, self.others)
         return list(dict.fromkeys(filter(None, (self.reference.name, best))))
+
+    def _beside(self, rivals: Sequence[str]) -> list[str]:
+        """Rivals, and the paper's rule on the paper's observers where it is on others too."""
+        paper = [PAPER] if PLAIN in rivals and PAPER in self.others else []
+        return list(dict.fromkeys([*rivals, *paper]))
 
     def _shown(self, results: Results, rivals: Sequence[str]) -> list[str]:
         bounds = [name for name, p in results.policies.items() if p["bound"]][-1:]
@@ -186,12 +194,13 @@ class Report:
 
     def _basis(self, results: Sequence[Results]) -> str:
         first = results[0].policies[self.policy.name]
+        there = f"; {PAPER} is that rule on the paper’s observers" if PAPER in self.others else ""
         return (
             f"Simulated on {' and '.join(map(_drawn, results))}. "
             f"{feasible(results[0], first)} scenarios of {results[0].suite} bound its lost rate to "
             f"{100.0 * first['lost_ci'][1]:.1f} % at most (95 %); sensorless certify bounds it "
             "closer. Eq. 25 is the linear rule of the source paper, here on the drive’s default "
-            "estimator."
+            f"estimator{there}."
         )
 
     def _waves(self, case: Case, count: int) -> list[dict[str, Any]]:

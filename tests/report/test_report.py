@@ -37,7 +37,7 @@ pytestmark = pytest.mark.usefixtures("short_suites")
 
 MOTOR, DESIGN = Motor.load("paper"), DriveDesign()
 SIZE = 6
-OTHERS = ("eq25", "flux_observer", "sensored")
+OTHERS = ("eq25", "sliding_mode", "sensored")
 CURVE = "steps,seconds,lost_rate,torque_dev,torque_ripple,objective,best\n" + "".join(
     f"{1000 * j},{20.0 * j},{0.04 - 0.01 * j},0.06,0.017,{0.5 - 0.1 * j},1\n" for j in range(4)
 )
@@ -138,7 +138,7 @@ def judged(run: Path) -> Results:
 
 
 def test_the_page_says_what_the_evaluation_says(run: Path, page: Page, judged: Results) -> None:
-    names = ["mine & yours", "eq25", "flux_observer", "sensored"]
+    names = ["mine & yours", *OTHERS]
     table = [row for row in page.rows if len(row) == 1 + len(COLUMNS)][: 1 + len(names)]
     assert [row[0].split(" ")[0] for row in table] == ["policy", "mine", *names[1:]]
     for row, name in zip(table[1:], names, strict=True):
@@ -150,6 +150,19 @@ def test_the_page_says_what_the_evaluation_says(run: Path, page: Page, judged: R
     rate = judged.policies["eq25"]["lost_rate"]
     assert written["policies"]["eq25"]["lost_rate"] == pytest.approx(rate, rel=1e-8)
     assert "scenarios" not in written["policies"]["eq25"]
+
+
+def test_where_the_papers_rule_stands_it_is_on_the_papers_observers_too(page: Page) -> None:
+    """In rows or columns of every table, and in what the verdict stands on."""
+    for suite in ("stress-1", "handoff"):
+        for name in ("eq25", "sliding_mode"):
+            assert f"Beside {name} on {suite}" in page.text
+    heads = [row for row in page.rows if row[0] == "place"]
+    assert len(heads) == 2
+    for head in heads:
+        assert [x.split()[-1] for x in head if x.startswith("lost")][1:] == ["eq25", "sliding_mode"]
+    first = [row[0].split(" ")[0] for row in page.rows]
+    assert first.count("eq25") == first.count("sliding_mode") == 4, "all and pairs of two suites"
 
 
 def test_pairs_are_ours_minus_theirs(page: Page, judged: Results) -> None:
