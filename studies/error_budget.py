@@ -1,16 +1,19 @@
 """What each error of sensors and inverter costs: a suite again without it.
 
     python studies/error_budget.py --suite stress-1 --seed 11 --size 1000
+    python studies/error_budget.py --suite unload --seed 21 --policy ppo-coupled
 
-Eq. 25 and the sensored drive run the same scenarios; a row leaves out what it names.
+The policy and the sensored drive run the same scenarios; a row leaves out what it names. Ripple and
+deviation are means over the scenarios survived, the angle error is the largest of all of them.
 """
 
 import argparse
+from dataclasses import replace
 
 import numpy as np
 
 from sensorless.design.drive import ESTIMATORS, DriveDesign
-from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import UserError
 from sensorless.evaluation.metrics.catalogue import METRICS
@@ -19,9 +22,13 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 
 WITHOUT: tuple[tuple[str, ...], ...] = (
-    (), ("offset",), ("gain",), ("offset", "gain"), ("noise",), ("dead_time",)
+    (), ("offset",), ("gain",), ("offset", "gain"), ("noise",), ("dead_time",),
+    ("dead_time", "R_s", "psi_f"),
 )  # fmt: skip
-"""Errors that a row leaves out: channel gains are 1, the dead time is the motor file's."""
+"""Errors that a row leaves out: ratios are 1, the dead time is the motor file's."""
+NO_DEAD_TIME = "any dead time, R_s, ..."
+"""Last row: the same, but the inverter has no dead time and the drive compensates none. Not for a
+policy that brings settings of its own."""
 SHOWN = ("torque_ripple_rms", "torque_dev_rms")
 
 
@@ -32,6 +39,7 @@ def main() -> None:
     parser.add_argument("--suite", default="stress-1")
     parser.add_argument("--seed", type=int, default=11)
     parser.add_argument("--size", type=int, default=1000)
+    parser.add_argument("--policy", default="eq25")
     parser.add_argument("--estimator", choices=ESTIMATORS, default=DriveDesign().estimator)
     args = parser.parse_args()
     try:
@@ -41,23 +49,34 @@ def main() -> None:
 
 
 def table(args: argparse.Namespace) -> None:
-    """Run and print a row for each of ``WITHOUT``."""
+    """Run and print a row for each of ``WITHOUT``, and one without dead time."""
     motor = Motor.load(args.motor)
-    factory = SimFactory(motor, DriveDesign(estimator=args.estimator))
-    exact = {"gain": 1.0, "dead_time": motor.dead_time}
-    print(
-        f"{'without':14}  " + "  ".join(f"{p} ripple, deviation [%]" for p in ("eq25", "sensored"))
-    )
+    design = DriveDesign(estimator=args.estimator)
+    exact = {"gain": 1.0, "dead_time": motor.dead_time, "R_s": 1.0, "psi_f": 1.0}
+    what = "ripple, deviation [%], angle [deg]"
+    print(f"{'without':23}" + "     ".join(f"{p} {what}" for p in (args.policy, "sensored")))
     for names in WITHOUT:
         scenarios = SuiteRows(args.suite, motor, args.seed, args.size).draw()
         for name in names:
             getattr(scenarios, name)[:] = exact.get(name, 0.0)
-        columns = []
-        for policy in (make_policy(p, motor) for p in ("eq25", "sensored")):
-            r = with_twin_to_the_end(rollout(policy, scenarios, factory), factory, policy.settings)
-            means = [100.0 * np.mean(METRICS[name](r)[r.lost == 0]) for name in SHOWN]
-            columns.append("  ".join(f"{x:6.2f}" for x in means) + f"  {np.sum(r.lost != 0)} lost")
-        print(f"{', '.join(names) or 'nothing':14}  " + "     ".join(columns), flush=True)
+        row(", ".join(names) or "nothing", scenarios, motor, design, args.policy)
+    if make_policy(args.policy, motor).settings:
+        return
+    scenarios.dead_time[:] = 0.0
+    row(NO_DEAD_TIME, scenarios, motor, replace(design, dead_time_share=0.0), args.policy)
+
+
+def row(name: str, scenarios: Scenarios, motor: Motor, design: DriveDesign, policy: str) -> None:
+    """Run the scenarios under the policy and with a sensor, and print what is shown of both."""
+    factory = SimFactory(motor, design)
+    columns = []
+    for p in (make_policy(policy, motor), make_policy("sensored", motor)):
+        r = with_twin_to_the_end(rollout(p, scenarios, factory), factory, p.settings)
+        kept = r.lost == 0
+        shown = [100.0 * np.mean(METRICS[m](r)[kept]) for m in SHOWN]
+        shown.append(np.max(METRICS["angle_err_max_deg"](r)[kept], initial=0.0))
+        columns.append("  ".join(f"{x:6.2f}" for x in shown) + f"  {np.sum(~kept)} lost")
+    print(f"{name:23}" + "     ".join(columns), flush=True)
 
 
 if __name__ == "__main__":
