@@ -91,7 +91,7 @@ static void limits(void) {
     const guard_params_t *g = &PARAMS[4].guard;
     drive_state_t x;
     drive_init(&PARAMS[4], &x, 0, 0, 0.25f);
-    const float good[5] = {1.0f, -1.0f, 540.0f, 780.0f, 0.5f};
+    const float good[5] = {1.0f, -1.0f, 540.0f, 780.0f, 0.95f};
     const struct {
         int field, fault;
         float value, becomes;
@@ -255,7 +255,7 @@ static void begins(void) {
     double ready = fabs((double)x.control.i_int);
     ready += (double)d->u_dt * (1.0 + (double)d->inv_i_true); /* lost as the drive compensates */
     check("init: nothing else", near(sum, 5.0 * 1.0 + 8.0 * 50.0 + 2.0 * 0.25 + 1.0 + ready, 1e-5));
-    check("init: no fault", x.fault == 0 && x.start.phase == START_DONE);
+    check("init: no fault", x.fault == 0 && x.check == 0 && x.start.phase == START_DONE);
 }
 
 static uint32_t mix_in(uint32_t sum, const void *data, size_t words) {

@@ -129,6 +129,27 @@ static void pole(void) {
     }
 }
 
+/* At the end of SETTLE the EMF has the last word, if the drive had lost its rotor. */
+static void settles(void) {
+    const drive_params_t *p = &PARAMS[4];
+    drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
+    for (int j = 0; j < 4; j++) {
+        drive_state_t x;
+        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+        drive_find_again(&x);
+        start_enter(&x.start, START_SETTLE);
+        x.start.n = p->start.n_lock - 1;
+        x.start.again = j % 2;
+        float by = (j < 2 ? -3.0f : 3.0f) * p->start.omega_pole;
+        x.start.e_f.b = by * p->control.psi_f;
+        x.hfi.pll.omega = 3.0f * p->start.omega_pole;
+        drive_step(p, &x, &in);
+        double south = j == 1 ? M_PI : 0.0;
+        check("settles", x.start.phase == START_DONE);
+        check("settles: pole", fabs(wrapped((double)x.emf.pll.theta - south)) < 0.2);
+    }
+}
+
 /* The last period of a pair of pulses, without current. */
 static void pulses(void) {
     const drive_params_t *p = &PARAMS[4];
@@ -190,6 +211,7 @@ static void mend(void) {
 void check_lock(void) {
     speed();
     pole();
+    settles();
     pulses();
     sums();
     told_once();

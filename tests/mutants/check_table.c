@@ -41,6 +41,7 @@ static ks_table_t table(uint32_t n_axes, int half) {
         nodes[j] = j == 1 || j == 2 ? (float)(j - 1) : nodes[j]; /* the ends count */
         q15[j] = (int16_t)(32767.0f * nodes[j]);
     }
+    nodes[t.n_nodes] = (float)NAN, q15[t.n_nodes] = -1; /* beyond the table */
     t.slew_per_s = 50.0f, t.fallback = 0.75f, t.policy_hash = 3, t.motor_hash = 9;
     t.crc_values = half ? crc_bytes(q15, t.n_nodes, 1) : crc_bytes(nodes, t.n_nodes, 0);
     t.crc_header = crc_bytes(&t, sizeof t / 4 - 1, 0);
@@ -88,7 +89,6 @@ static void lookups(uint32_t n_axes, int half) {
         y[which] = j % 3 == 0 ? (float)NAN : (j % 3 == 1 ? (float)INFINITY : -(float)INFINITY);
         check("bad signal", ks_table_eval(&t, values, y) == 0.75f);
     }
-    nodes[t.n_nodes] = (float)NAN; /* beyond the table */
     for (uint32_t a = 0; a < n_axes; a++) {
         y[t.axis[a].signal] = 1e3f;
         float far = ks_table_eval(&t, values, y);
