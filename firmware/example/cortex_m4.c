@@ -46,7 +46,12 @@
 enum { MODE_CHECK, MODE_RUN, MODE_TRIPPED };
 
 static drive_state_t drive;
+#if KS_TABLE_GAINS
+static gain_schedule_state_t schedule;
+static drive_params_t live; /* drive_params with the gains in force */
+#else
 static ks_schedule_state_t schedule;
+#endif
 static bring_up_state_t check;
 static volatile int mode;        /* MODE_* */
 static volatile float speed_rpm; /* reference, set by the application */
@@ -76,20 +81,28 @@ static void pwm_set_next(ab_t u, float u_dc) {
 
 /* Angle and pole are unknown, as at power-up and after a trip. */
 static void control_start(void) {
-#if DRIVE_FINDS_ROTOR
     drive_init(&drive_params, &drive, 0.0f, 0.0f, 1.0f);
+#if DRIVE_FINDS_ROTOR /* else the shaft has been aligned with phase a */
     drive_find_rotor(&drive);
-#else /* the shaft has been aligned with phase a */
-    drive_init(&drive_params, &drive, 0.0f, 0.0f, 1.0f);
 #endif
+#if KS_TABLE_GAINS
+    gain_schedule_init(&gain_schedule_params, &schedule, &drive_params, &live);
+#else
     ks_schedule_init(&schedule_params, &schedule);
+#endif
 }
 
 static ab_t control(float i_a, float i_b, float u_dc) {
     float omega_ref = speed_rpm * (TWO_PI_F / 60.0f) * (float)MOTOR_POLE_PAIRS;
     drive_in_t in = {i_a, i_b, u_dc, omega_ref, 0.0f};
+#if KS_TABLE_GAINS
+    in.k_s_ref =
+        gain_schedule_step(&gain_schedule_params, &schedule, &drive_params, &live, &drive.signal);
+    return drive_step(&live, &drive, &in);
+#else
     in.k_s_ref = ks_schedule_step(&schedule_params, &schedule, &drive_params.signal, &drive.signal);
     return drive_step(&drive_params, &drive, &in);
+#endif
 }
 
 /* End of the injected conversions, which TIM1 triggers at the top of its count, where all low-side

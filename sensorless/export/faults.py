@@ -60,7 +60,7 @@ def _rows(found: list[Bit], do: Mapping[str, str]) -> str:
 
 def fault_tables(gains: bool = True) -> dict[str, str]:
     """Rows for the README by the word that holds the bits: ``drive``, ``schedule``, ``check``."""
-    found = list(bits(gains))
+    found = sorted(bits(gains), key=lambda bit: bit.value)
     heads = {"drive": "FAULT_", "schedule": "KS_FAULT_", "check": "BRING_UP_FAULT_"}
     return {
         word: _rows([b for b in found if b.name.startswith(head)], DO)

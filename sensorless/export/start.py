@@ -4,6 +4,7 @@
 """
 
 from sensorless.machine.motor import Motor
+from sensorless.observers.lock_design import ACTIONS, RESTARTS
 from sensorless.observers.start_design import knows_poles
 
 FINDS = """\
@@ -25,6 +26,14 @@ and set `FAULT_POLE`. Pass `drive_init` the angle within 90 degrees, from an ali
 current or from a sensor. `sensorless simulate --start` refuses this machine for the same reason.
 With a measured [saturation] in the motor file, the drive may be able to find the pole."""
 
+LOST = {
+    "report": "goes on: stop it or start it again, as the application allows",
+    "restart": "takes its torque\naway for some 20 to 40 ms, seeks the rotor and goes on; after "
+    f"{RESTARTS} restarts without a second of health it stops",
+    "stop": "applies no\nvoltage any more and says `FAULT_STOPPED`, until `drive_init`",
+}
+"""What a drive does that has lost its rotor, by the setting ``lost_lock``."""
+
 
 def start_call(motor: Motor) -> str:
     """Lines of C for the README that start the drive."""
@@ -34,6 +43,15 @@ def start_call(motor: Motor) -> str:
 def start_text(motor: Motor) -> str:
     """What the README says about these lines."""
     return FINDS_TEXT if knows_poles(motor) else KNOWN_TEXT
+
+
+def lost_text(action: int) -> str:
+    """What the README says about a lost rotor; ``action`` is one of ``ACTIONS``."""
+    name = next(name for name, number in ACTIONS.items() if number == action)
+    return f"""\
+When it loses its rotor, the drive sets `FAULT_LOCK` and {LOST[name]}.
+That is `lost_lock={name}`, `.lock.action` in `params.c`; `--set lost_lock=` of `sensorless export`
+takes {", ".join(LOST)}."""
 
 
 def start_define(motor: Motor) -> str:

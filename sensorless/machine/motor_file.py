@@ -60,7 +60,9 @@ def table_lines(
 def toml_value(value: object) -> str:
     """A number, a text or rows of numbers as TOML writes it."""
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)  # a TOML basic string has JSON's escapes
+        text = value.encode("utf-8", "replace").decode()  # bytes of no sign, from a shell, become ?
+        # a TOML basic string has JSON's escapes, and one more
+        return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, tuple):
         rows = "".join(f"    [{', '.join(map(repr, row))}],\n" for row in value)
         return f"[\n{rows}]"

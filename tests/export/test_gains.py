@@ -1,5 +1,7 @@
 """An export whose schedule also sets gains."""
 
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -38,8 +40,6 @@ def test_the_self_test_covers_gains(with_gains: Exported) -> None:
 
 
 def test_a_damaged_value_fails_the_self_test(with_gains: Exported, tmp_path: Path) -> None:
-    import shutil
-
     from sensorless.errors import UserError
     from sensorless.export.selftest import run_selftest
 
@@ -57,6 +57,19 @@ def test_the_readme_calls_the_schedule_with_gains(with_gains: Exported) -> None:
     assert "gain_schedule_init(&gain_schedule_params, &schedule, &drive_params, &live)" in text
     assert "drive_step(&live, &drive, &in)" in text
     assert "| amplitude | 0.5 | 1 | 10 |" in text
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+def test_the_bare_example_sets_gains(with_gains: Exported, exported: Exported) -> None:
+    """On the folder at hand: one with gains steps them and gives them to the drive."""
+    for made, gains in ((with_gains, True), (exported, False)):
+        source = made.folder / "example" / "cortex_m4.c"
+        words = ["gcc", "-std=c99", "-Wall", "-Werror", "-Wno-int-to-pointer-cast"]
+        subprocess.run([*words, "-fsyntax-only", source], check=True)
+        seen = subprocess.run([*words, "-E", source], check=True, capture_output=True, text=True)
+        body = seen.stdout.rpartition("adc_interrupt(void);")[0]
+        assert ("return drive_step(&live, &drive, &in)" in body) == gains
+        assert ("return drive_step(&drive_params, &drive, &in)" in body) != gains
 
 
 def test_what_sets_gains_ships_only_with_gains(with_gains: Exported, exported: Exported) -> None:

@@ -12,7 +12,9 @@ from sensorless.export.core_files import core_files
 from sensorless.export.export import Exported
 from sensorless.export.faults import DO, bits, fault_tables
 from sensorless.export.hook import hook_text
+from sensorless.export.start import LOST, lost_text
 from sensorless.machine.motor import Motor
+from sensorless.observers.lock_design import ACTIONS
 from sensorless.table.ks_table import KsTable
 
 
@@ -27,7 +29,17 @@ def test_every_bit_of_the_core_is_in_a_table_and_says_what_to_do() -> None:
     assert {b.name: b.value for b in bits()} == compiled
     assert set(compiled) <= set(DO)
     assert all(b.meaning for b in bits())
-    assert sum(rows.count("\n") + 1 for rows in fault_tables().values()) == len(compiled)
+    tables = fault_tables()
+    assert sum(rows.count("\n") + 1 for rows in tables.values()) == len(compiled)
+    for rows in tables.values():
+        values = [int(row.split()[1]) for row in rows.splitlines()]
+        assert values == sorted(values)
+
+
+@pytest.mark.parametrize("name", ACTIONS)
+def test_what_a_drive_does_that_lost_its_rotor(name: str) -> None:
+    said = lost_text(ACTIONS[name])
+    assert f"lost_lock={name}" in said and LOST[name] in said
 
 
 def test_a_bit_is_read_from_its_header(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -46,7 +58,7 @@ def test_the_order_is_that_of_the_questions(exported: Exported, motor: Motor) ->
     found = [next(j for j, h in enumerate(headings) if word in h) for word in asked]
     assert found == sorted(found)
     assert f"({motor.i_trip:g} A, peak)" in said and f"`MOTOR_POLE_PAIRS` ({motor.n_p})" in said
-    assert "$" not in said
+    assert "$" not in said and "lost_lock=report" in said
     for name in re.findall(r"`core/([\w.]+)`", said):
         assert name in core_files()
 

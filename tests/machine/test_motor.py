@@ -10,6 +10,7 @@ import pytest
 
 from sensorless.errors import LONGEST, UserError
 from sensorless.machine.motor import MOTORS, Motor, Saturation
+from sensorless.machine.motor_file import toml_value
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -206,3 +207,9 @@ def test_digest_sees_the_saturation(name: str) -> None:
     motor = Motor.load("paper")
     other = replace(motor.saturation, **{name: other_value(getattr(motor.saturation, name))})
     assert replace(motor, saturation=other).digest != motor.digest
+
+
+def test_a_text_of_any_bytes_is_read_back() -> None:
+    for text in ('a "b" \\ c\nd', "m\u00e9", "\x00\x1f\x7f", "bad\udcff"):
+        read = tomllib.loads(f"name = {toml_value(text)}")["name"]
+        assert read == text.replace("\udcff", "?")
