@@ -148,7 +148,8 @@ def kept_each(path: Path) -> dict[str, Short]:
 def write_each(path: Path, each: Mapping[str, Short]) -> None:
     """Write errors by scenario, an array (n, 2) for each policy; the same bytes for the same."""
     file = io.BytesIO()
-    np.savez_compressed(file, **{name: each[name] for name in sorted(each)})
+    named: dict[str, Any] = {name: each[name] for name in sorted(each)}
+    np.savez_compressed(file, **named)
     write_atomic(path, file.getvalue())
 
 
