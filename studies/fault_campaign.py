@@ -7,7 +7,8 @@ each in several scenarios of ``stress-1``; Eq. 25 is the schedule. Scenarios in 
 lost without a fault are left out. The bridge opens when the drive says over-current, and when the
 hardware trips at ``i_trip``, which needs no software and which the firmware passes on
 (``drive_trip``): ``lost`` counts wrong angles, ``tripped`` trips of the hardware. A loss is unseen
-if no fault bit comes within ``LATEST`` of it, a trip if the drive had none before.
+if no fault bit comes within ``LATEST`` of it, untold if none comes at all; a trip is unseen if the
+drive had none before.
 ``unseen peak`` is the largest current before the first bit. Writes
 ``results/studies/fault_campaign.json``.
 """
@@ -126,6 +127,7 @@ def summary(end: Array, plan: list[Case], T_s: float) -> dict[str, dict[str, Any
             "flagged": int((rows["k_flag"] >= 0).sum()),
             "lost": int(harmed(rows, lib.LOST_ANGLE).sum()),
             "lost_unseen": int((harmed(rows, lib.LOST_ANGLE) & unseen(rows, T_s)).sum()),
+            "lost_untold": int((harmed(rows, lib.LOST_ANGLE) & (rows["k_flag"] < 0)).sum()),
             "tripped": int(harmed(rows, lib.LOST_CURRENT).sum()),
             "tripped_unseen": int(rows["by_trip"].sum()),
             "peak_A": float(rows["i_peak"].max()),
@@ -142,6 +144,7 @@ def show(found: dict[str, dict[str, Any]], title: str) -> Table:
         "flagged": "flagged",
         "lost": "lost",
         "lost_unseen": "unseen",
+        "lost_untold": "untold",
         "tripped": "tripped",
         "tripped_unseen": "unseen",
         "peak_A": "peak, A",
@@ -149,7 +152,13 @@ def show(found: dict[str, dict[str, Any]], title: str) -> Table:
     }
     for heading in columns.values():
         table.add_column(heading, justify="right")
-    for kind, row in found.items():
+    every = {
+        key: max(row[key] for row in found.values())
+        if "_A" in key
+        else sum(row[key] for row in found.values())
+        for key in columns
+    }
+    for kind, row in {**found, "all": every}.items():
         table.add_row(
             kind, *(f"{row[key]:.1f}" if "_A" in key else str(row[key]) for key in columns)
         )

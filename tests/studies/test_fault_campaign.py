@@ -81,4 +81,5 @@ def test_the_study_writes_its_record(
     record = json.loads(out.read_text())["coupled"]
     assert record["scenarios"] == 2
     assert record["faults"]["open"]["cases"] == 2 * len(study.DURATIONS)
-    assert 0 <= record["faults"]["late"]["lost_unseen"] <= record["faults"]["late"]["lost"]
+    late = record["faults"]["late"]
+    assert 0 <= late["lost_untold"] <= late["lost_unseen"] <= late["lost"]
