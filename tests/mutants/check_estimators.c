@@ -186,6 +186,8 @@ static void flux(void) {
 }
 
 void check_estimators(void) {
+    check("switching", SMO_SIGMOID == 0 && SMO_SIGN == 1 && SMO_SUPER_TWISTING == 2);
+    check("schemes", HFI_ROTATING == 0 && HFI_STATIONARY == 1);
     injection();
     sliding();
     flux();

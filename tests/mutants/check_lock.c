@@ -54,6 +54,8 @@ static void sums(void) {
         check("EMF: residual", near((double)x.lock.residual, to, 1e-4));
         to = (double)was.emf + alpha * (emf - (double)was.emf);
         check("EMF: expected", near((double)x.lock.emf, to, 1e-4) && x.lock.i_q == x.control.i.q);
+        drive_judge(&p, &x);
+        check("tests: the next", x.lock.wait == p.lock.n);
     }
 }
 
@@ -86,6 +88,12 @@ static void told_once(void) {
         x.bad = LOCK_GRACE + n, x.residual = 2.0f * p.e_floor;
         lock_judge(&p, &x, 0.0f, 0.0f);
         check("grace", x.bad == (n == 1 || n > p.n_grace ? 0 : LOCK_GRACE + n - 1) && !x.alarm);
+    }
+    for (int n = -2; n <= 1; n++) { /* restarts are forgotten once it was calm for n_calm */
+        memset(&x, 0, sizeof x);
+        x.calm = p.n_calm + n, x.restarts = 2;
+        lock_judge(&p, &x, 0.0f, 0.0f);
+        check("restarts: forgotten", x.restarts == (n >= -1 ? 0 : 2));
     }
     for (int n = -1; n <= 1; n++) {
         memset(&x, 0, sizeof x);

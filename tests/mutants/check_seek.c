@@ -35,6 +35,22 @@ static void fly(void) {
                                    x.emf.e.b == 0.0f && x.control.i_ref.q == 0.0f);
 }
 
+/* QUIET ends as soon as there is no current, and after n_quiet periods at the latest. */
+static void quiet(void) {
+    const drive_params_t *p = &PARAMS[4];
+    for (int j = 0; j < 2; j++) {
+        drive_in_t in = {2.0f * p->start.i_quiet * (float)j, 0.0f, 540.0f, 0.0f, 0.0f};
+        drive_state_t x;
+        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+        drive_find_again(&x);
+        int n = 0;
+        for (; n < 1000 && x.start.phase == START_QUIET; n++) {
+            drive_step(p, &x, &in);
+        }
+        check("length of QUIET", n == (j ? p->start.n_quiet : 1));
+    }
+}
+
 /* SCAN injects n_scan periods along each axis, and waits for two answers. */
 static void scan(void) {
     const drive_params_t *p = &PARAMS[4];
@@ -167,6 +183,7 @@ static void seen(void) {
 
 void check_seek(void) {
     fly();
+    quiet();
     scan();
     compensated();
     injects();

@@ -24,7 +24,7 @@ static uint32_t crc_bytes(const void *data, size_t words, int half) {
 }
 
 static ks_table_t table(uint32_t n_axes, int half) {
-    static const uint32_t n[4] = {5, 4, 3, 3}, signal[4] = {0, 1, 2, 11};
+    static const uint32_t n[4] = {5, 4, 3, 2}, signal[4] = {0, 1, 2, 11};
     ks_table_t t;
     memset(&t, 0, sizeof t);
     t.magic = KS_TABLE_MAGIC, t.format = KS_TABLE_FORMAT;
@@ -149,6 +149,8 @@ static void refusals(void) {
     REFUSED(t.axis[1].top = 4.0f, KS_BAD_AXES)
     REFUSED(t.n_nodes = 19, KS_BAD_AXES)
     REFUSED((t.axis[0].n = 600, t.axis[0].top = 599.0f), KS_BAD_AXES)
+    REFUSED(t.fallback = 1.0f, KS_OK)
+    REFUSED(t.fallback = 0.0f, KS_OK)
     REFUSED(t.fallback = -0.1f, KS_BAD_VALUE)
     REFUSED(t.fallback = 1.1f, KS_BAD_VALUE)
     REFUSED(t.slew_per_s = 0.0f, KS_BAD_VALUE)
