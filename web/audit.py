@@ -3,6 +3,7 @@
 Usage: python -m web.audit FILE...
 """
 
+import argparse
 import json
 import os
 import sys
@@ -87,11 +88,13 @@ def _requests(driver: Any, own: str) -> list[str]:
 
 def main() -> None:
     """Check the files of the command line; status 1 if something is wrong."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("page", type=Path, nargs="+", help="HTML files")
+    files = parser.parse_args().page
     missing = missing_browser()
     if missing:
         sys.exit(f"error: install {', '.join(missing)}")
-    files = [Path(word) for word in sys.argv[1:]]
-    if not files or not all(file.is_file() for file in files):
+    if not all(file.is_file() for file in files):
         sys.exit(f"error: {', '.join(map(str, files))}: give pages that exist")
     with chromium() as driver:
         root = Path(os.path.commonpath([file.resolve().parent for file in files]))

@@ -3,6 +3,7 @@
 Usage: python -m web.build [FILE], build/playground/playground.html by default.
 """
 
+import argparse
 import sys
 from pathlib import Path
 
@@ -35,7 +36,9 @@ def build(path: Path) -> int:
 
 def main() -> None:
     """Build the file that the command line names."""
-    path = Path(sys.argv[1]) if len(sys.argv) > 1 else BUILD / "playground.html"
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("page", type=Path, nargs="?", default=BUILD / "playground.html")
+    path = parser.parse_args().page
     try:
         print(f"wrote {path}, {build(path) / 1000:.0f} KB")
     except UserError as error:

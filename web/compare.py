@@ -3,6 +3,7 @@
 Usage: python -m web.compare; needs Debian's clang, lld and nodejs.
 """
 
+import argparse
 import json
 import shutil
 import subprocess
@@ -74,6 +75,7 @@ def in_wasm(sims: Array, table: KsTable, periods: int) -> Array:
 
 def main() -> None:
     """Print one line an estimator; fail if a byte differs."""
+    argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0]).parse_args()
     if shutil.which("node") is None:
         sys.exit("error: compare: needs nodejs; run: apt-get install nodejs")
     motor = Motor.load("paper")

@@ -3,6 +3,7 @@
 Usage: python -m web.picture [FILE.png [PAGE.html]], docs/playground.png by default.
 """
 
+import argparse
 import sys
 import tempfile
 import time
@@ -18,8 +19,12 @@ SECONDS = 6.0
 
 def main() -> None:
     """Save what the page looks like: of the playground, its first scenario."""
-    path = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "playground.png"
-    named = Path(sys.argv[2]) if len(sys.argv) > 2 else None
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    picture = ROOT / "docs" / "playground.png"
+    parser.add_argument("picture", type=Path, nargs="?", default=picture)
+    parser.add_argument("page", type=Path, nargs="?", help="of this page, not of the playground")
+    words = parser.parse_args()
+    path, named = words.picture, words.page
     missing = [*([] if named else missing_tools()), *missing_browser()]
     if missing:
         sys.exit(f"error: picture: needs {', '.join(missing)}")

@@ -23,7 +23,7 @@ def test_help(
     assert said.out.startswith("usage: ")
 
 
-@pytest.mark.parametrize("folder", ["benchmarks", "studies"])
+@pytest.mark.parametrize("folder", ["benchmarks", "studies", "web"])
 def test_every_script_with_a_command_line_parses_it(folder: str) -> None:
     for path in (ROOT / folder).glob("*.py"):
         text = path.read_text(encoding="utf-8")
