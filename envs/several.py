@@ -32,6 +32,8 @@ class SeveralMachines(VectorEnv[Observation, ArrayLike, Any]):
         There is no environment, or one with another autoreset mode.
     """
 
+    envs: tuple[BlendVectorEnv, ...] = ()  # what was refused is closed, too, when it is deleted
+
     def __init__(self, envs: Sequence[BlendVectorEnv]) -> None:
         modes = {env.metadata["autoreset_mode"] for env in envs}
         if modes != {AutoresetMode.SAME_STEP}:

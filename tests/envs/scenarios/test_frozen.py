@@ -24,5 +24,5 @@ def test_the_digest_sees_every_field_but_not_the_last_bit_of_a_double() -> None:
         near = np.nextafter(x, np.inf) if x.dtype.kind == "f" else x
         assert digest(dataclasses.replace(drawn, **{field.name: near})) == was, field.name
         far = x.copy()
-        far.flat[-1] = far.flat[-1] ^ 1 if x.dtype.kind in "bu" else 3.25
+        far.flat[-1] = far.flat[-1] ^ x.dtype.type(1) if x.dtype.kind in "bu" else 3.25
         assert digest(dataclasses.replace(drawn, **{field.name: far})) != was, field.name
