@@ -15,8 +15,8 @@ int32_t page_decide(sim_t *s, const ks_table_t *table, const void *values, int32
                     double *rows);
 
 /* Least and largest value of n curves over so many rows of a trace. */
-void page_range(const double *rows, int32_t periods, const plotted_t *curves, int32_t n, float *least,
-                float *most);
+void page_range(const double *rows, int32_t periods, const plotted_t *curves, int32_t n,
+                float *least, float *most);
 
 int32_t page_decide(sim_t *s, const ks_table_t *table, const void *values, int32_t periods,
                     double *rows) {
@@ -25,8 +25,8 @@ int32_t page_decide(sim_t *s, const ks_table_t *table, const void *values, int32
     return sim_trace(s, periods, ks_table_eval(table, values, signals), rows);
 }
 
-void page_range(const double *rows, int32_t periods, const plotted_t *curves, int32_t n, float *least,
-                float *most) {
+void page_range(const double *rows, int32_t periods, const plotted_t *curves, int32_t n,
+                float *least, float *most) {
     for (int32_t c = 0; c < n; c++) {
         const plotted_t curve = curves[c];
         double low = 1e300, high = -1e300;
