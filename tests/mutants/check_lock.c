@@ -25,6 +25,23 @@ static void speed(void) {
     }
 }
 
+/* The first test of a drive in control comes LOCK_FIRST periods after it began, then one every n. */
+static void first(void) {
+    const drive_params_t *p = &PARAMS[4];
+    drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.5f};
+    drive_state_t x;
+    drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+    for (int k = 1; k < 4 * p->lock.n; k++) {
+        drive_step(p, &x, &in);
+        int left = LOCK_FIRST - k;
+        check("tests: in turn",
+              x.lock.wait == (left > 0 ? left : p->lock.n - (k - LOCK_FIRST) % p->lock.n));
+    }
+    x.lock.wait = p->lock.n + LOCK_FIRST + 2; /* damage */
+    drive_step(p, &x, &in);
+    check("tests: damaged", x.lock.wait == p->lock.n);
+}
+
 /* The EMF's part of an evaluation: r and the EMF expected, both low-passed, from a drive's state. */
 static void sums(void) {
     drive_params_t p = PARAMS[4];
@@ -222,6 +239,7 @@ void check_lock(void) {
     settles();
     pulses();
     sums();
+    first();
     told_once();
     act();
     mend();

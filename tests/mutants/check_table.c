@@ -159,7 +159,17 @@ static void refusals(void) {
     REFUSED(nodes[3] = 1.01f, KS_BAD_VALUE)
     REFUSED(nodes[3] = -0.01f, KS_BAD_VALUE)
     REFUSED(nodes[t.n_nodes - 1] = (float)NAN, KS_BAD_VALUE)
-    ks_table_t t = table(2, 1);
+    ks_table_t t = table(1, 0);
+    as_large_as_it_gets(&t);
+    for (int j = 0; j < KS_TABLE_NODES; j++) {
+        nodes[j] = (float)j / KS_TABLE_NODES;
+    }
+    for (int j = 0; j < 50; j++) {
+        float y[SIGNAL_N] = {draw_f(0, KS_TABLE_NODES - 1)};
+        check("large table",
+              near((double)ks_table_eval(&t, nodes, y), (double)y[0] / KS_TABLE_NODES, 1e-6));
+    }
+    t = table(2, 1);
     q15[4] = -1;
     t.crc_values = crc_bytes(q15, t.n_nodes, 1);
     t.crc_header = crc_bytes(&t, sizeof t / 4 - 1, 0);
