@@ -127,10 +127,7 @@ static void pole(void) {
     const drive_params_t *p = &PARAMS[4];
     drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
     for (int j = 0; j < 3000; j++) {
-        drive_state_t x;
-        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
-        drive_find_again(&x);
-        start_enter(&x.start, START_LOCK);
+        drive_state_t x = seeking(p, START_LOCK, 1);
         x.start.n = p->start.n_lock - 1;
         x.start.again = j % 4 != 0;
         double turns = draw(-90, 90), theta = draw(-3, 3);
@@ -159,10 +156,7 @@ static void settles(void) {
     const drive_params_t *p = &PARAMS[4];
     drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
     for (int j = 0; j < 4; j++) {
-        drive_state_t x;
-        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
-        drive_find_again(&x);
-        start_enter(&x.start, START_SETTLE);
+        drive_state_t x = seeking(p, START_SETTLE, 1);
         x.start.n = p->start.n_lock - 1;
         x.start.again = j % 2;
         float by = (j < 2 ? -3.0f : 3.0f) * p->start.omega_pole;
@@ -180,10 +174,7 @@ static void pulses(void) {
     const drive_params_t *p = &PARAMS[4];
     drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
     for (int j = 0; j < 200; j++) {
-        drive_state_t x;
-        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
-        drive_find_rotor(&x);
-        start_enter(&x.start, START_POLE);
+        drive_state_t x = seeking(p, START_POLE, 0);
         x.start.n = 2 * (p->start.n_rest + 2 * p->start.n_pulse) - 1;
         float theta = draw_f(-3, 3), sure = p->start.i_pole_sure * draw_f(1.01, 3);
         x.hfi.pll.theta = theta, x.start.i_pole = j % 2 ? sure : -sure;

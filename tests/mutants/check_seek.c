@@ -7,10 +7,7 @@ static void fly(void) {
     const drive_params_t *p = &PARAMS[4];
     drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
     for (int again = 0; again < 2; again++) {
-        drive_state_t x;
-        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
-        drive_find_again(&x);
-        start_enter(&x.start, START_FLY);
+        drive_state_t x = seeking(p, START_FLY, 1);
         x.start.again = again;
         int n = 0;
         x.flux.psi.a = x.flux.psi.b = 1.0f, x.emf.pll.omega = 70.0f;
@@ -55,10 +52,7 @@ static void quiet(void) {
 static void scan(void) {
     const drive_params_t *p = &PARAMS[4];
     drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
-    drive_state_t x;
-    drive_init(p, &x, 0.0f, 0.0f, 0.5f);
-    drive_find_rotor(&x);
-    start_enter(&x.start, START_SCAN);
+    drive_state_t x = seeking(p, START_SCAN, 0);
     int n = 0;
     for (; n < 1000 && x.start.phase == START_SCAN; n++) {
         int wait = x.lock.wait;
@@ -79,10 +73,7 @@ static void scan(void) {
 static void compensated(void) {
     const drive_params_t *p = &PARAMS[4];
     for (int j = 0; j < 40; j++) {
-        drive_state_t x;
-        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
-        drive_find_rotor(&x);
-        start_enter(&x.start, START_SCAN);
+        drive_state_t x = seeking(p, START_SCAN, 0);
         drive_in_t in = {draw_f(-1, 1), draw_f(-1, 1), draw_f(9, 540), 0.0f, 0.0f};
         ab_t was = {draw_f(-1, 1), draw_f(-1, 1)}, i = phases_to_ab(in.i_a, in.i_b);
         x.start.i_1 = was;
@@ -136,10 +127,7 @@ static void guesses(void) {
     drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
     int pulses = p.start.n_tries * 2 * (p.start.n_rest + 2 * p.start.n_pulse);
     for (int last = 0; last < 2; last++) {
-        drive_state_t x;
-        drive_init(&p, &x, 0.0f, 0.0f, 0.5f);
-        drive_find_again(&x);
-        start_enter(&x.start, START_LOCK);
+        drive_state_t x = seeking(&p, START_LOCK, 1);
         x.start.again = 1;
         x.start.n = 2 * p.start.n_lock + pulses - 2 + last;
         drive_step(&p, &x, &in);

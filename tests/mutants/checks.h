@@ -31,6 +31,19 @@ static inline double wrapped(double x) { return remainder(x, 2.0 * M_PI); }
 static inline double bounded(double x, double most) { return fmax(fmin(x, most), -most); }
 static inline double sgn(double x) { return x < 0.0 ? -1.0 : 1.0; }
 
+/* A drive that seeks its rotor, at rest at angle 0; again: after lost lock. */
+static inline drive_state_t seeking(const drive_params_t *p, int32_t phase, int again) {
+    drive_state_t x;
+    drive_init(p, &x, 0.0f, 0.0f, 0.5f);
+    if (again) {
+        drive_find_again(&x);
+    } else {
+        drive_find_rotor(&x);
+    }
+    start_enter(&x.start, phase);
+    return x;
+}
+
 /* Uniform number from a fixed sequence. */
 double draw(double lo, double hi);
 float draw_f(double lo, double hi);
