@@ -1,10 +1,10 @@
-/* The whole drive: limits, damage, a closed loop with a machine of constant inductances, and the
+/* The whole drive: damage, a closed loop with a machine of constant inductances, and the
  * sum over a trajectory of states. */
 #include <string.h>
 
 #include "checks.h"
-#include "faults.h"
 #include "params.h" /* made by run.py: PARAMS[5] of the paper's machine, one per estimator */
+
 typedef struct {
     vec_t psi; /* rotor frame */
     double theta, omega;
@@ -85,63 +85,6 @@ static void starts(void) {
         check("start: pole", ((x.fault & FAULT_POLE) != 0) == !knows);
         check("start: flies", n == (knows ? p.start.n_catch + p.start.n_fly : n));
     }
-}
-
-static void limits(void) {
-    const guard_params_t *g = &PARAMS[4].guard;
-    drive_state_t x;
-    drive_init(&PARAMS[4], &x, 0, 0, 0.25f);
-    const float good[5] = {1.0f, -1.0f, 540.0f, 780.0f, 0.95f};
-    const struct {
-        int field, fault;
-        float value, becomes;
-    } bad[] = {
-        {0, FAULT_CURRENT, 11.1f, 0.0f},
-        {0, FAULT_CURRENT, -11.1f, 0.0f},
-        {1, FAULT_CURRENT, 11.1f, 0.0f},
-        {1, 0, 10.9f, 10.9f},
-        {2, FAULT_U_DC, 811.0f, 0.0f},
-        {2, FAULT_U_DC, 269.0f, 269.0f},
-        {2, FAULT_U_DC, -9.0f, 0.0f},
-        {2, 0, 809.0f, 809.0f},
-        {2, 0, 270.0f, 270.0f},
-        {3, FAULT_COMMAND, 790.0f, 0.0f},
-        {3, FAULT_COMMAND, -790.0f, 0.0f},
-        {3, 0, -780.0f, -780.0f},
-        {4, FAULT_COMMAND, 1.01f, 0.25f},
-        {4, FAULT_COMMAND, -0.01f, 0.25f},
-        {4, 0, 1.0f, 1.0f},
-        {4, 0, 0.0f, 0.0f},
-        {4, FAULT_COMMAND, (float)NAN, 0.25f},
-    };
-    for (unsigned j = 0; j < sizeof bad / sizeof bad[0]; j++) {
-        float v[5], w[5];
-        memcpy(v, good, sizeof v);
-        v[bad[j].field] = bad[j].value;
-        drive_in_t in, out;
-        memcpy(&in, v, sizeof in);
-        x.fault = 0;
-        out = drive_guard(g, &x, &in);
-        memcpy(w, &out, sizeof w);
-        v[bad[j].field] = bad[j].becomes;
-        check("guard", x.fault == bad[j].fault && memcmp(v, w, sizeof v) == 0);
-    }
-    for (int j = 0; j < 40; j++) {
-        double beyond = j % 2 ? 1.001 : 0.999;
-        vec_t way = beyond * cexp(I * j), was = draw(-9, 9) + I * draw(-9, 9);
-        vec_t next = was + sqrt((double)g->i_step_sq) * way;
-        ab_t i_ab = {9.8f * (float)creal(way), 9.8f * (float)cimag(way)};
-        ab_t jump = {(float)creal(next), (float)cimag(next)};
-        x.fault = 0;
-        drive_guard_current(g, &x, i_ab);
-        check("over-current", x.fault == (j % 2 ? FAULT_OVER_CURRENT : 0));
-        x.coupled.i_1.a = (float)creal(was), x.coupled.i_1.b = (float)cimag(was), x.fault = 0;
-        drive_guard_step(g, &x, jump);
-        check("step of the current", x.fault == (j % 2 ? FAULT_CURRENT : 0));
-    }
-    check("inputs", faults_inputs(&PARAMS[4]) == 0);
-    check("angles", faults_angles(&PARAMS[4]) == 0);
-    check("weights", faults_weights(&PARAMS[4]) == 0);
 }
 
 /* Damage to each word: no voltage beyond the limit, and a sound state again within a round. */
@@ -289,7 +232,6 @@ uint32_t trajectory(void) {
 }
 
 void check_drive(void) {
-    limits();
     begins();
     for (int j = 0; j < 300; j++) {
         meets(j);

@@ -116,49 +116,49 @@ static void as_large_as_it_gets(ks_table_t *t) {
     t->axis[0] = x, t->n_axes = 1, t->kind = 1, t->n_nodes = KS_TABLE_NODES;
 }
 
-/* Each change of a good header, with its sum made right, is refused with its reason. */
-#define REFUSED(change, why)                                                                       \
+/* Each change of a good header, with its sum made right, gets its answer. */
+#define ANSWERS(change, why)                                                                       \
     {                                                                                              \
         ks_table_t t = table(2, 0);                                                                \
         change;                                                                                    \
         t.crc_values =                                                                             \
             crc_bytes(nodes, t.n_nodes < KS_TABLE_NODES ? t.n_nodes : KS_TABLE_NODES, 0);          \
         t.crc_header = crc_bytes(&t, sizeof t / 4 - 1, 0);                                         \
-        check("refused: " #change, ks_table_check(&t, nodes, 9) == (why));                         \
+        check("answer: " #change, ks_table_check(&t, nodes, 9) == (why));                          \
     }
 
-static void refusals(void) {
-    REFUSED(t.magic ^= 1U, KS_BAD_MAGIC)
-    REFUSED(as_large_as_it_gets(&t), KS_OK)
-    REFUSED(t.format += 1U, KS_BAD_FORMAT)
-    REFUSED(t.value_format += 1U, KS_BAD_FORMAT)
-    REFUSED(t.motor_hash += 1U, KS_BAD_MOTOR)
-    REFUSED(t.n_axes = 0, KS_BAD_AXES)
-    REFUSED(t.n_axes = 5, KS_BAD_AXES)
-    REFUSED(t.kind = 3, KS_BAD_AXES)
-    REFUSED((t.n_axes = 0, t.kind = 0, t.n_nodes = 1), KS_BAD_AXES)
-    REFUSED((t.n_axes = 5, t.kind = 5), KS_BAD_AXES)
-    REFUSED(t.axis[1].signal = SIGNAL_N, KS_BAD_AXES)
-    REFUSED(t.axis[0].n = 1, KS_BAD_AXES)
-    REFUSED((t.axis[0].n = 1, t.axis[0].top = 0.0f, t.n_nodes = 4), KS_BAD_AXES)
-    REFUSED(t.axis[0].n = 2000, KS_BAD_AXES)
-    REFUSED(t.axis[0].x0 = (float)NAN, KS_BAD_AXES)
-    REFUSED(t.axis[1].inv_step = 0.0f, KS_BAD_AXES)
-    REFUSED(t.axis[1].inv_step = -2.0f, KS_BAD_AXES)
-    REFUSED(t.axis[1].inv_step = (float)INFINITY, KS_BAD_AXES)
-    REFUSED(t.axis[1].top = 4.0f, KS_BAD_AXES)
-    REFUSED(t.n_nodes = 19, KS_BAD_AXES)
-    REFUSED((t.axis[0].n = 600, t.axis[0].top = 599.0f), KS_BAD_AXES)
-    REFUSED(t.fallback = 1.0f, KS_OK)
-    REFUSED(t.fallback = 0.0f, KS_OK)
-    REFUSED(t.fallback = -0.1f, KS_BAD_VALUE)
-    REFUSED(t.fallback = 1.1f, KS_BAD_VALUE)
-    REFUSED(t.slew_per_s = 0.0f, KS_BAD_VALUE)
-    REFUSED(t.slew_per_s = (float)INFINITY, KS_BAD_VALUE)
-    REFUSED(nodes[0] = 1.01f, KS_BAD_VALUE)
-    REFUSED(nodes[3] = 1.01f, KS_BAD_VALUE)
-    REFUSED(nodes[3] = -0.01f, KS_BAD_VALUE)
-    REFUSED(nodes[t.n_nodes - 1] = (float)NAN, KS_BAD_VALUE)
+static void answers(void) {
+    ANSWERS(t.magic ^= 1U, KS_BAD_MAGIC)
+    ANSWERS(as_large_as_it_gets(&t), KS_OK)
+    ANSWERS(t.format += 1U, KS_BAD_FORMAT)
+    ANSWERS(t.value_format += 1U, KS_BAD_FORMAT)
+    ANSWERS(t.motor_hash += 1U, KS_BAD_MOTOR)
+    ANSWERS(t.n_axes = 0, KS_BAD_AXES)
+    ANSWERS(t.n_axes = 5, KS_BAD_AXES)
+    ANSWERS(t.kind = 3, KS_BAD_AXES)
+    ANSWERS((t.n_axes = 0, t.kind = 0, t.n_nodes = 1), KS_BAD_AXES)
+    ANSWERS((t.n_axes = 5, t.kind = 5), KS_BAD_AXES)
+    ANSWERS(t.axis[1].signal = SIGNAL_N, KS_BAD_AXES)
+    ANSWERS(t.axis[0].n = 1, KS_BAD_AXES)
+    ANSWERS((t.axis[0].n = 1, t.axis[0].top = 0.0f, t.n_nodes = 4), KS_BAD_AXES)
+    ANSWERS(t.axis[0].n = 2000, KS_BAD_AXES)
+    ANSWERS(t.axis[0].x0 = (float)NAN, KS_BAD_AXES)
+    ANSWERS(t.axis[1].inv_step = 0.0f, KS_BAD_AXES)
+    ANSWERS(t.axis[1].inv_step = -2.0f, KS_BAD_AXES)
+    ANSWERS(t.axis[1].inv_step = (float)INFINITY, KS_BAD_AXES)
+    ANSWERS(t.axis[1].top = 4.0f, KS_BAD_AXES)
+    ANSWERS(t.n_nodes = 19, KS_BAD_AXES)
+    ANSWERS((t.axis[0].n = 600, t.axis[0].top = 599.0f), KS_BAD_AXES)
+    ANSWERS(t.fallback = 1.0f, KS_OK)
+    ANSWERS(t.fallback = 0.0f, KS_OK)
+    ANSWERS(t.fallback = -0.1f, KS_BAD_VALUE)
+    ANSWERS(t.fallback = 1.1f, KS_BAD_VALUE)
+    ANSWERS(t.slew_per_s = 0.0f, KS_BAD_VALUE)
+    ANSWERS(t.slew_per_s = (float)INFINITY, KS_BAD_VALUE)
+    ANSWERS(nodes[0] = 1.01f, KS_BAD_VALUE)
+    ANSWERS(nodes[3] = 1.01f, KS_BAD_VALUE)
+    ANSWERS(nodes[3] = -0.01f, KS_BAD_VALUE)
+    ANSWERS(nodes[t.n_nodes - 1] = (float)NAN, KS_BAD_VALUE)
     ks_table_t t = table(1, 0);
     as_large_as_it_gets(&t);
     for (int j = 0; j < KS_TABLE_NODES; j++) {
@@ -217,6 +217,6 @@ void check_table(void) {
         lookups(n, 0);
         lookups(n, 1);
     }
-    refusals();
+    answers();
     schedule();
 }

@@ -57,6 +57,7 @@ void check_table(void);
 void check_drive(void);
 void check_lock(void);
 void check_match(void);
+void check_guard(void);
 void check_seek(void);
 uint32_t trajectory(void);
 
