@@ -9,7 +9,9 @@ void check_guard(void) {
     const guard_params_t *g = &PARAMS[4].guard;
     drive_state_t x;
     drive_init(&PARAMS[4], &x, 0.0f, 0.0f, 0.25f);
-    const float good[5] = {1.0f, -1.0f, 540.0f, 780.0f, 0.95f};
+    /* All that is beside a bad value is good, and just so. */
+    const float good[2][5] = {{g->i_sample, -g->i_sample, g->u_dc_max, g->omega, 1.0f},
+                              {-g->i_sample, g->i_sample, g->u_dc_min, -g->omega, 0.0f}};
     const struct {
         int field, fault;
         float value, becomes;
@@ -32,9 +34,10 @@ void check_guard(void) {
         {4, 0, 0.0f, 0.0f},
         {4, FAULT_COMMAND, (float)NAN, 0.25f},
     };
-    for (unsigned j = 0; j < sizeof bad / sizeof bad[0]; j++) {
+    for (unsigned k = 0; k < 2 * (sizeof bad / sizeof bad[0]); k++) {
+        const unsigned j = k / 2;
         float v[5], w[5];
-        memcpy(v, good, sizeof v);
+        memcpy(v, good[k % 2], sizeof v);
         v[bad[j].field] = bad[j].value;
         drive_in_t in, out;
         memcpy(&in, v, sizeof in);
