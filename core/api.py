@@ -185,9 +185,21 @@ def sim_run(
     )
 
 
-def sim_set_gain(sims: Array, gains: Array, g: int) -> None:
-    """Bring gain ``g`` of n records of ``GAINS`` into force; no drive moves."""
-    lib.sim_set_gain(pointer(sims, "sim_t[]"), pointer(gains, "sim_gains_t[]"), len(sims), g)
+def sim_set_due(sims: Array, gains: Array, period: int, periods: int) -> None:
+    """Bring the gains into force that come before a period of a decision; no drive moves.
+
+    One comes before each period but the first, in the order of the records; the last period takes
+    all that are left.
+
+    Parameters
+    ----------
+    sims, gains : array of SIM and of GAINS, shape (n,)
+    period, periods : int
+        The period, counted from 0, of the decision's ``periods``.
+    """
+    lib.sim_set_due(
+        pointer(sims, "sim_t[]"), pointer(gains, "sim_gains_t[]"), len(sims), period, periods
+    )
 
 
 def sim_signals(sims: Array, obs: Array) -> None:

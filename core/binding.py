@@ -25,6 +25,7 @@ from source_hash import FIRMWARE, WIRE, source_hash  # noqa: E402  (a build scri
 GENERATED = CORE.parent / "build" / "generated"
 SOURCES = sorted(path.relative_to(CORE).as_posix() for path in CORE.glob("*/*.c"))
 HEADERS = (
+    "sim/sim_gains.h",
     "sim/simulate.h",
     "sim/start.h",
     "sim/trace.h",

@@ -89,12 +89,3 @@ def write_wanted(gains: Array, values: Values) -> None:
     if len(gains):
         n = int(gains["n"][0])
         gains["wanted"][:, :n] = values[:, gains["which"][0, :n]]
-
-
-def due(period: int, periods: int, n: int) -> range:
-    """Which of n gains come into force in a period of a decision, as ``gain_schedule_step`` has it.
-
-    ``period`` counts from 0; the last period takes all that are left.
-    """
-    first = min(max(period - 1, 0), n)
-    return range(first, n if period == periods - 1 else min(period, n))

@@ -34,12 +34,8 @@ int batch_fits(const sim_t *sims, int32_t count, int most) {
     return simd < most ? simd : most;
 }
 
-void batch_run(sim_t *sims, int32_t count, int32_t periods, int simd, const float *k_s_ref) {
-    if (simd == SIMD_AVX512) {
-        block_avx512(sims, count, periods, k_s_ref);
-    } else {
-        block_avx2(sims, count, periods, k_s_ref);
-    }
+int32_t batch_run(const block_run_t *run, int simd) {
+    return simd == SIMD_AVX512 ? block_avx512(run) : block_avx2(run);
 }
 
 #else
@@ -51,12 +47,9 @@ int batch_fits(const sim_t *sims, int32_t count, int most) {
     return SIMD_NONE;
 }
 
-void batch_run(sim_t *sims, int32_t count, int32_t periods, int simd, const float *k_s_ref) {
-    (void)sims;
-    (void)count;
-    (void)periods;
+int32_t batch_run(const block_run_t *run, int simd) {
     (void)simd;
-    (void)k_s_ref;
+    return run->done;
 }
 
 #endif

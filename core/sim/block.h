@@ -9,6 +9,7 @@
 #define SENSORLESS_BLOCK_H
 
 #include "block_copy.h"
+#include "block_run.h"
 
 #ifdef BLOCK_RUN
 
@@ -164,32 +165,57 @@ static void block_act(sim_t *sims, uint32_t bits) {
     }
 }
 
+/* Whether a drive in `bits` moves on. */
+static int block_moves(const sim_t *sims, uint32_t bits) {
+    int moves = 0;
+    for (int l = 0; l < LANES; l++) {
+        moves |= (bits >> l & 1U) != 0 && !sim_over(&sims[l]);
+    }
+    return moves;
+}
+
 /* A drive at its end is stored at once, and its lane runs on without effect; so do the lanes beyond
  * count, which repeat the first drive. Drives that leave early have periods left. */
-void BLOCK_RUN(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
+int32_t BLOCK_RUN(const block_run_t *run) {
+    sim_t *sims = run->sims;
     block_t block;
     sim_t nowhere;
     float wanted[LANES];
     const sim_t *from[LANES];
     for (int l = 0; l < LANES; l++) {
-        int lane = l < count ? l : 0;
+        int lane = l < run->count ? l : 0;
         from[l] = &sims[lane];
-        wanted[l] = k_s_ref[lane];
+        wanted[l] = run->k_s_ref[lane];
     }
-    block_load(&block, from);
-    uint32_t live = ((1U << count) - 1U) & ~block_at_end(&block);
+    block_load(&block, from, 0, UNITS);
+    uint32_t all = (1U << run->count) - 1U;
+    uint32_t live = all & ~block_at_end(&block);
     period_t period = block_loop(sims);
-    for (int32_t j = 0; j < periods && live != 0; j++) {
+    int32_t gains = run->gains != 0 ? (int32_t)run->gains->n : 0;
+    int32_t done = run->done;
+    int32_t due = done; /* gains of this period are in force */
+    int apart = gains > 0 && block_moves(sims, all & ~live);
+    while (live != 0 && done < run->periods && due == done) {
         period(&block, wanted);
+        done++;
         block_lock(&block);
         uint32_t over = live & block_at_end(&block);
         if (over != 0) {
             block_take(&block, sims, over, &nowhere);
             block_act(sims, over);
             live &= ~over;
+            apart = gains > 0 && block_moves(sims, all & ~live);
+        }
+        if (!apart || done > gains) {
+            due = done;
+            if (sim_set_due(sims, run->gains, run->count, done, run->periods)) {
+                block_load(&block, from, UNIT_CONTROL, UNIT_SENSOR);
+            }
         }
     }
     block_take(&block, sims, live, &nowhere);
+    int32_t least = run->done + 1;
+    return live == 0 && due >= gains ? run->periods : done > least ? done : least;
 }
 
 #endif

@@ -2,9 +2,9 @@
 #ifndef SENSORLESS_BLOCK_AVX512_H
 #define SENSORLESS_BLOCK_AVX512_H
 
-#include "sim.h"
+#include "block_run.h"
 
-/* Advances up to LANES drives that fit, see batch.h. */
-void block_avx512(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref);
+/* Advances drives; returns the period reached, see block_run.h. */
+int32_t block_avx512(const block_run_t *run);
 
 #endif

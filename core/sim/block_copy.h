@@ -18,6 +18,8 @@
 #include "sim_fields.h"
 
 #define UNITS (sizeof(sim_t) / 8)
+#define UNIT_CONTROL (offsetof(sim_t, control) / 8)
+#define UNIT_SENSOR (offsetof(sim_t, sensor) / 8 + 1)
 #define UNIT_STATE (offsetof(sim_t, drive) / 8) /* parameters before it, the state after */
 
 typedef struct {
@@ -108,11 +110,11 @@ CORE_INLINE void store_4x8(const block_t *block, sim_t *const *to, size_t u, int
     }
 }
 
-/* Copies all of the drives from[LANES]. The last four units may overlap those before. */
-static inline void block_load(block_t *block, const sim_t *const *from) {
-    for (size_t u = 0; u < UNITS; u += 4) {
+/* Copies units first ... end - 1 of the drives from[LANES]. The last four may overlap those before. */
+static inline void block_load(block_t *block, const sim_t *const *from, size_t first, size_t end) {
+    for (size_t u = first; u < end; u += 4) {
         for (int l = 0; l < LANES; l += 8) {
-            load_4x8(block, from, u + 4 <= UNITS ? u : UNITS - 4, l);
+            load_4x8(block, from, u + 4 <= end ? u : end - 4, l);
         }
     }
 }

@@ -4,11 +4,6 @@
 
 #include "sim_period.h"
 
-/* Whether a drive does not advance any more. */
-CORE_INLINE int sim_over(const sim_t *s) {
-    return (s->lost != 0 && s->go_on == 0) || s->k >= s->k_end;
-}
-
 /* One period; that of a lost drive changes neither sums nor verdict. extra: that of the plant,
  * passed so that it can be constant. Returns the inputs of the drive's controller. */
 CORE_INLINE drive_in_t sim_advance(sim_t *s, float k_s_ref, int extra) {

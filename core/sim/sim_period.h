@@ -7,6 +7,11 @@
 #include "edges.h"
 #include "sim.h"
 
+/* Whether a drive does not advance any more. */
+CORE_INLINE int sim_over(const sim_t *s) {
+    return (s->lost != 0 && s->go_on == 0) || s->k >= s->k_end;
+}
+
 /* Sampled currents and present commands as the controller sees them. Drive and twin have the same
  * noise. */
 CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_ref, int detail) {

@@ -31,29 +31,30 @@ typedef struct {
     float *obs;
 } run_t;
 
-void sim_set_gain(sim_t *s, sim_gains_t *gains, int32_t n, uint32_t g) {
-    for (int32_t i = 0; i < n; i++) {
-        sim_gains_t *x = &gains[i];
-        float wanted = gain_bounded(&x->limit[g], x->wanted[g]);
-        x->value[g] =
-            gain_step(&x->limit[g], x->which[g], x->value[g], wanted, &x->design, &s[i].control);
-    }
-}
-
-/* Advances up to LANES drives; their sums go on. */
-static void run_lanes(const run_t *run, int32_t first, int32_t count, int32_t periods) {
+/* Advances up to LANES drives from period `done` of the decision on; their sums go on. Returns how
+ * many periods are done: all, unless a gain has to come into force first. */
+static int32_t run_lanes(const run_t *run, int32_t first, int32_t count, int32_t done) {
     sim_t *s = &run->s[first];
+    sim_gains_t *gains = run->gains != 0 ? &run->gains[first] : 0;
+    const float *k_s_ref = &run->k_s_ref[first];
     int32_t k[LANES];
     for (int32_t i = 0; i < count; i++) {
-        k[i] = s[i].k_end - s[i].k < periods ? s[i].k_end : s[i].k + periods;
+        k[i] = s[i].k;
     }
+    sim_set_due(s, gains, count, done, run->periods);
     int simd = batch_fits(s, count, run->simd);
+    int32_t to = done + 1;
     if (simd != SIMD_NONE) {
-        batch_run(s, count, periods, simd, &run->k_s_ref[first]);
+        block_run_t block = {s, count, done, run->periods, k_s_ref, gains};
+        to = batch_run(&block, simd);
+    } else if (gains == 0 || done >= (int32_t)gains->n) {
+        to = run->periods;
     }
     for (int32_t i = 0; i < count; i++) { /* also what drives left when they left their block */
-        run_one(&s[i], k[i], run->k_s_ref[first + i]);
+        int32_t most = s[i].k_end - k[i];
+        run_one(&s[i], k[i] + (most < to - done ? most : to - done), k_s_ref[i]);
     }
+    return to;
 }
 
 /* Runs LANES drives, or those that are left. */
@@ -66,19 +67,9 @@ static void run_piece(void *job, int32_t piece) {
     for (int32_t i = 0; i < count; i++) {
         s[i].sums = none;
     }
-    int32_t left = run->periods;
-    if (run->gains != 0) {
-        uint32_t g = 0;
-        sim_gains_t *gains = &run->gains[first];
-        for (; g < gains->n && left > 1; g++, left--) {
-            run_lanes(run, first, count, 1);
-            sim_set_gain(s, gains, count, g);
-        }
-        for (; g < gains->n; g++) {
-            sim_set_gain(s, gains, count, g);
-        }
+    for (int32_t done = 0; done < run->periods;) {
+        done = run_lanes(run, first, count, done);
     }
-    run_lanes(run, first, count, left);
     sim_signals(s, count, &run->obs[(long)first * SIGNAL_N]);
 }
 

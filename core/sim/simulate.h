@@ -2,19 +2,9 @@
 #ifndef SENSORLESS_SIMULATE_H
 #define SENSORLESS_SIMULATE_H
 
-#include "drive/gains.h"
 #include "sim.h"
+#include "sim_gains.h"
 #include "simd.h"
-
-/* Gains that a decision sets besides k_s, of one drive. */
-typedef struct {
-    drive_params_t design;       /* the drive's parameters with static gains */
-    uint32_t n;                  /* gains, 1 ... GAIN_N */
-    uint32_t which[GAIN_N];      /* GAIN_* of each, rising */
-    gain_limits_t limit[GAIN_N]; /* of each */
-    float value[GAIN_N];         /* in force */
-    float wanted[GAIN_N];        /* values of this decision; what is out of bounds is clipped */
-} sim_gains_t;
 
 /* Advances drive i of n by up to `periods` periods with the weight k_s_ref[i], then reads its
  * signals into obs[i * SIGNAL_N]. Drives that are lost or at their end do not move. simd, threads:
@@ -26,8 +16,5 @@ void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads
  * gain_schedule_step has it; all drives have the same number of them. */
 void sim_run_gains(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
                    const float *k_s_ref, sim_gains_t *gains, float *obs);
-
-/* Brings gain g of n drives into force; no drive moves. */
-void sim_set_gain(sim_t *s, sim_gains_t *gains, int32_t n, uint32_t g);
 
 #endif

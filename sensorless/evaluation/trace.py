@@ -9,9 +9,9 @@ from sensorless.core.api import (
     SIGNAL_N,
     TRACE_NAMES,
     Array,
-    sim_set_gain,
+    sim_set_due,
 )
-from sensorless.core.gains import due, gain_records
+from sensorless.core.gains import gain_records
 from sensorless.core.runs import Recording
 from sensorless.decision import decision_periods, decision_time
 from sensorless.design.drive import DriveDesign
@@ -75,8 +75,7 @@ def trace(
         if ranges:
             decide_gains(policy, obs.copy(), gains)
             for period in range(periods):
-                for g in due(period, periods, len(ranges)):
-                    sim_set_gain(sim, gains, g)
+                sim_set_due(sim, gains, period, periods)
                 counts.append(run.advance(1, k_s))
                 own.append(run.status())
         else:

@@ -14,10 +14,10 @@ from sensorless.core.api import (
     ffi,
     lib,
     pointer,
-    sim_set_gain,
+    sim_set_due,
     sim_signals,
 )
-from sensorless.core.gains import due, gain_records, write_wanted
+from sensorless.core.gains import gain_records, write_wanted
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
@@ -108,8 +108,7 @@ def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: in
             if j % periods == 0:
                 sim_signals(sim, obs)
                 write_wanted(gains, table.evaluate_gains(obs))
-            for g in due(j % periods, periods, len(table.gains)):
-                sim_set_gain(sim, gains, g)
+            sim_set_due(sim, gains, j % periods, periods)
         if not lib.sim_trace(drives, 1, k_s_ref, row):  # the drive was lost: keep what it did
             out = out[:j]
             break

@@ -13,10 +13,10 @@ from sensorless.core.api import (
     lib,
     pointer,
     sim_run,
-    sim_set_gain,
+    sim_set_due,
     sim_signals,
 )
-from sensorless.core.gains import due, gain_records, write_wanted
+from sensorless.core.gains import gain_records, write_wanted
 from sensorless.pil.device import (
     DRIVE_IN,
     DRIVES,
@@ -126,8 +126,7 @@ def lockstep(
             k_s = table.evaluate(obs)
             if table.gains:
                 write_wanted(gains, table.evaluate_gains(obs))
-        for g in due(k % periods, periods, len(table.gains)):
-            sim_set_gain(sims, gains, g)
+        sim_set_due(sims, gains, k % periods, periods)
         schedule["k_s_ref"], schedule["wait"] = k_s, periods - 1 - k % periods
         lib.sim_inputs(pointer(sims, "sim_t[]"), n, pointer(inputs, "drive_in_t[]"))
         device.send(Operation.STEP, inputs)

@@ -6,13 +6,9 @@
 #include "sim/simd.h"
 
 /* Only which drives would run as a block is of interest here. */
-void block_avx2(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
-    (void)sims, (void)count, (void)periods, (void)k_s_ref;
-}
+int32_t block_avx2(const block_run_t *run) { return run->periods; }
 
-void block_avx512(sim_t *sims, int32_t count, int32_t periods, const float *k_s_ref) {
-    (void)sims, (void)count, (void)periods, (void)k_s_ref;
-}
+int32_t block_avx512(const block_run_t *run) { return run->periods; }
 
 void t_batch_fits(const sim_t *sims, int count, int32_t *simd) {
     *simd = batch_fits(sims, count, SIMD_AVX512);

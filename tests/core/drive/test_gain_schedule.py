@@ -14,9 +14,10 @@ from sensorless.core.api import (
     lib,
     pointer,
     sim_run,
+    sim_set_due,
     sim_signals,
 )
-from sensorless.core.gains import GAIN_NAMES, due, gain_records
+from sensorless.core.gains import DEFAULT, GAIN_NAMES, gain_records, ranks
 from sensorless.decision import decision_periods, decision_time
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
@@ -168,8 +169,16 @@ def test_one_gain_a_period_after_the_decision(firmware: Firmware, motor: Motor) 
 
 @pytest.mark.parametrize(("periods", "n"), [(1, 4), (2, 3), (3, 4), (5, 4), (25, 2)])
 def test_every_gain_is_due_once(periods: int, n: int) -> None:
-    found = [g for period in range(periods) for g in due(period, periods, n)]
-    assert found == list(range(n))
+    names = ranks(GAIN_NAMES)[:n]
+    sims = np.zeros(2, dtype=SIM)
+    gains = gain_records(sims, {name: DEFAULT[name] for name in names}, 1.0)
+    gains["wanted"] = -1.0
+    moved = []
+    for period in range(periods):
+        gains["value"] = 0.0
+        sim_set_due(sims, gains, period, periods)
+        moved += list(np.flatnonzero(gains["value"][1]))
+    assert moved == list(range(n))
 
 
 def test_a_refused_grid_leaves_gains_static(firmware: Firmware, motor: Motor) -> None:

@@ -3,8 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 
 from sensorless.core.api import SIGNAL_N, Array, lib, sim_run
+from sensorless.core.gains import DEFAULT, gain_records
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.stress import stress_1_scenarios
@@ -29,6 +31,29 @@ def nervous(go_on: bool) -> Array:
     sims["err_limit"][2::8] *= 0.1
     sims["go_on"] = go_on
     return sims
+
+
+def run_with_gains(plain: bool, periods: int) -> Array:
+    """Decisions on k_s and on all gains, at random."""
+    sims = nervous(True)
+    gains = gain_records(sims, DEFAULT, 1e-3)
+    obs, rng = np.zeros((N, SIGNAL_N), np.float32), np.random.default_rng(1)
+    for _ in range(600):
+        gains["wanted"] = rng.uniform(-1.0, 1.0, gains["wanted"].shape)
+        k_s = rng.uniform(0.0, 1.0, N).astype(np.float32)
+        sim_run(sims, periods, k_s, obs, gains, plain=plain, threads=1)
+    return sims
+
+
+@pytest.mark.parametrize("periods", [1, 3, 5])
+def test_blocks_with_gains_equal_the_plain_loop(
+    periods: int, state_bytes: Callable[[Array], bytes]
+) -> None:
+    sims, expected = (run_with_gains(plain, periods) for plain in (False, True))
+    assert state_bytes(sims) == state_bytes(expected)
+    assert (sims["control"]["hfi"]["u_inj"] == expected["control"]["hfi"]["u_inj"]).all()
+    assert (expected["drive"]["x"]["lock"]["restarts"] > 0).any()
+    assert (expected["lost"] == 0).sum() > 5
 
 
 def run(go_on: bool, plain: bool) -> Array:
