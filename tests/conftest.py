@@ -73,10 +73,9 @@ def target() -> None:
 def exported(
     tmp_path_factory: pytest.TempPathFactory, table: KsTable, motor: Motor, design: DriveDesign
 ) -> Exported:
-    """An export of ``table``, as a user has it; ``test_code`` looks at the objects."""
+    """An export of ``table``, as a user has it."""
     folder = tmp_path_factory.mktemp("export") / "made" / "here"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(selftest, "FLAGS", (*SHIPPED_FLAGS, "-fno-pie", "-no-pie"))
         patch.setattr(vectors, "DURATION", WHOLE_RUN)
         return export(table, motor, design, folder, policy="trial")
 

@@ -2,6 +2,10 @@
 
 import os
 import shutil
+import subprocess
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -17,6 +21,42 @@ SANITIZERS = ("-O1", "-fsanitize=fuzzer-no-link,address,undefined", "-fno-saniti
 def copied(exported: Exported, tmp_path: Path) -> Path:
     """Return a copy of the exported folder that a test may change."""
     return shutil.copytree(exported.folder, tmp_path / "copy")
+
+
+def selftest(folder: Path, *settings: str) -> subprocess.CompletedProcess[str]:
+    """``make selftest`` in a folder, and how it ended."""
+    return subprocess.run(
+        ["make", "selftest", *settings], cwd=folder, capture_output=True, text=True, check=False
+    )
+
+
+@dataclass(frozen=True)
+class Made:
+    """A copy of the exported folder after ``make selftest``, and how that ended."""
+
+    folder: Path
+    done: subprocess.CompletedProcess[str]
+
+
+Make = Callable[[str, str], Made]
+
+
+@pytest.fixture(scope="session")
+def made(
+    exported: Exported, tmp_path_factory: pytest.TempPathFactory, core_objects: Objects
+) -> Make:
+    """``make selftest`` of a compiler at a level, once; its objects are there for other tests."""
+
+    @cache
+    def make(compiler: str, level: str) -> Made:
+        folder = shutil.copytree(exported.folder, tmp_path_factory.mktemp("made") / "folder")
+        done = selftest(folder, f"CC={compiler}", f"CFLAGS={level}")
+        if not done.returncode:
+            command = [compiler, *flags(folder / "Makefile", "FLAGS"), level]
+            core_objects.keep(folder / "core", command, folder / "build" / "core")
+        return Made(folder, done)
+
+    return make
 
 
 @pytest.fixture(scope="session")

@@ -18,17 +18,9 @@ from sensorless.export.export import Exported, export
 from sensorless.export.vectors import drive_vectors
 from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import Axis, KsTable
-from tests.export.conftest import SANITIZERS
-from tests.helpers.objects import Objects, flags
+from tests.export.conftest import SANITIZERS, Make, selftest
 
-Done = subprocess.CompletedProcess[str]
 GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
-
-
-def selftest(folder: Path, *settings: str) -> Done:
-    return subprocess.run(
-        ["make", "selftest", *settings], cwd=folder, capture_output=True, text=True, check=False
-    )
 
 
 @GCC
@@ -37,47 +29,14 @@ def test_the_self_test_ran_on_export(exported: Exported) -> None:
     assert re.fullmatch(r"self test passed: \d{4} vectors", exported.self_test.message)
 
 
-def keep(folder: Path, compiler: str, level: str, core_objects: Objects) -> None:
-    """What ``make selftest`` has compiled is there for other tests."""
-    command = [compiler, *flags(folder / "Makefile", "FLAGS"), level]
-    core_objects.keep(folder / "core", command, folder / "build" / "core")
-
-
-@pytest.fixture(scope="module")
-def built(
-    exported: Exported, tmp_path_factory: pytest.TempPathFactory, core_objects: Objects
-) -> tuple[Path, Done]:
-    """The exported folder after a self test without optimisation, and how that ended."""
-    folder = shutil.copytree(exported.folder, tmp_path_factory.mktemp("built") / "folder")
-    done = selftest(folder, "CC=gcc", "CFLAGS=-O0")
-    if not done.returncode:
-        keep(folder, "gcc", "-O0", core_objects)
-    return folder, done
-
-
-def passes(done: Done) -> bool:
-    assert done.returncode == 0 and not done.stderr, done.stderr
-    return "self test passed" in done.stdout
-
-
-@GCC
-def test_make_selftest_passes_without_optimisation(
-    built: tuple[Path, Done],
-) -> None:
-    assert passes(built[1])
-
-
-@pytest.mark.parametrize(
-    ("compiler", "level"),
-    [("gcc", "-O2"), ("gcc", "-O3"), ("clang", "-O0"), ("clang", "-O2"), ("clang", "-O3")],
-)
-def test_make_selftest_passes_without_a_warning(
-    copied: Path, compiler: str, level: str, core_objects: Objects
-) -> None:
+@pytest.mark.parametrize("level", ["-O0", "-O2", "-O3"])
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_make_selftest_passes_without_a_warning(compiler: str, level: str, made: Make) -> None:
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler}: not found")
-    assert passes(selftest(copied, f"CC={compiler}", f"CFLAGS={level}"))
-    keep(copied, compiler, level, core_objects)
+    done = made(compiler, level).done
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    assert "self test passed" in done.stdout
 
 
 def test_sanitizers_find_nothing(copied: Path, watched: list[Path]) -> None:
@@ -138,10 +97,10 @@ CORRUPTIONS = {
 @GCC
 @pytest.mark.parametrize("edits", CORRUPTIONS.values(), ids=CORRUPTIONS)
 def test_a_folder_corrupted_by_hand_fails(
-    built: tuple[Path, Done], tmp_path: Path, edits: list[tuple[str, str, int, str]]
+    made: Make, tmp_path: Path, edits: list[tuple[str, str, int, str]]
 ) -> None:
     """``make`` compiles again what an edit touches."""
-    copied = shutil.copytree(built[0], tmp_path / "copy")
+    copied = shutil.copytree(made("gcc", "-O0").folder, tmp_path / "copy")
     for file, pattern, which, _ in edits:
         edit(copied / file, pattern, damaged, which)
     done = selftest(copied, "CC=gcc", "CFLAGS=-O0")
