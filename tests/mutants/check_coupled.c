@@ -1,7 +1,7 @@
 /* Coupled observer: one period against its equations in complex numbers. */
 #include "checks.h"
 
-static coupled_params_t some(int j) {
+static coupled_params_t some_coupled(int j) {
     coupled_params_t p = {0};
     p.R_s = 2.0f, p.L_d = 0.06f, p.psi_sq_min = j % 3 ? 0.05f : 1.4f;
     p.gain_0 = 0.004f, p.gain_w = 2e-5f, p.layer = 0.3f, p.inv_layer = j % 4 ? 3.3f : 0.0f;
@@ -56,7 +56,7 @@ static void drift(const drift_params_t *p, const drift_state_t *was, const drift
 
 static void one(int j) {
     const double T = (double)2e-4f;
-    coupled_params_t p = some(j);
+    coupled_params_t p = some_coupled(j);
     coupled_state_t x = {0};
     x.psi.a = draw_f(-1, 1), x.psi.b = draw_f(-1, 1);
     x.i_1.a = draw_f(-5, 5), x.i_1.b = draw_f(-5, 5);

@@ -32,7 +32,7 @@ static void axis(void) {
     }
 }
 
-static void pulses(void) {
+static void pulse_pairs(void) {
     start_params_t p = {0};
     const int rest = 12, pulse = 11, half = 34;
     p.n_rest = rest, p.n_pulse = pulse;
@@ -97,7 +97,7 @@ static void begin(void) {
 
 void check_start(void) {
     axis();
-    pulses();
+    pulse_pairs();
     emf();
     begin();
 }
