@@ -37,7 +37,8 @@ class Plant:
     def current(self, psi: Vectors, theta: Floats) -> Vectors:
         """Stator currents [A] of fluxes [Vs]: a machine without bridge term and correction."""
         m, turn = self.map, np.exp(1j * theta)
-        d, q = (psi / turn).real, (psi / turn).imag
+        turned = psi * turn.conj()
+        d, q = turned.real, turned.imag
         abs_d, abs_q = np.abs(d), np.abs(q)
         cross = abs_d ** m["U"] * abs_q ** m["V"]
         i_d = (m["a_d0"] + m["a_dd"] * abs_d ** m["S"] + m["c_d"] * cross * q * q) * d - m["i_f"]
@@ -61,28 +62,29 @@ class Plant:
         stops = self.motor.L_d / (2.0 / 3.0 * u_dc)
         for step in range(steps):
             begin, end = step * h, (step + 1) * h
-            i = (self.current(self.psi, self.theta) * PHASES.conj()).real
+            i_s = self.current(self.psi, self.theta)
+            i = (i_s * PHASES.conj()).real
             late = np.minimum(self.scenarios.dead_time, np.abs(i) * stops)
             for edge, at, against in ((rise, commanded[0], i > 0.0), (fall, commanded[1], i < 0.0)):
                 now = (at >= begin) & (at < end) & against
                 edge[now] += late[now]
             on = np.clip(np.minimum(fall, end) - np.maximum(rise, begin), 0.0, h) / h
-            self._midpoint(2.0 / 3.0 * ((on - 0.5) * u_dc * PHASES).sum(axis=0), load, h)
+            self._midpoint(2.0 / 3.0 * ((on - 0.5) * u_dc * PHASES).sum(axis=0), i_s, load, h)
 
-    def _midpoint(self, u: Vectors, load: Floats, h: float) -> None:
-        half = self._slopes(self.psi, self.theta, self.omega, u, load)
+    def _midpoint(self, u: Vectors, i: Vectors, load: Floats, h: float) -> None:
+        half = self._slopes(self.psi, i, self.omega, u, load)
         x = (self.psi, self.theta, self.omega)
         middle = [a + 0.5 * h * b for a, b in zip(x, half, strict=True)]
-        slopes = self._slopes(middle[0], middle[1].real, middle[2].real, u, load)
+        i = self.current(middle[0], middle[1].real)
+        slopes = self._slopes(middle[0], i, middle[2].real, u, load)
         self.psi = self.psi + h * slopes[0]
         self.theta = self.theta + h * slopes[1].real
         self.omega = self.omega + h * slopes[2].real
 
     def _slopes(
-        self, psi: Vectors, theta: Floats, omega: Floats, u: Vectors, load: Floats
+        self, psi: Vectors, i: Vectors, omega: Floats, u: Vectors, load: Floats
     ) -> tuple[Vectors, Floats, Floats]:
         m, s = self.motor, self.scenarios
-        i = self.current(psi, theta)
         torque = 1.5 * m.n_p * (psi.conj() * i).imag
         J = s.J * m.J
         return u - s.R_s * m.R_s * i, m.n_p * omega, (torque - load - m.B * omega) / J

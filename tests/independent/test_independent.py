@@ -18,7 +18,7 @@ def test_the_simulator_does_not_flatter() -> None:
     scenarios = SuiteRows("stress-1", motor, 5, 16).draw()
     scenarios.duration[:] = 0.5
     scenarios.noise[:] = 0.0
-    o = run(motor, scenarios, steps=10)
+    o = run(motor, scenarios, steps=5)
     assert not lost(o.err, motor.T_s).any() and not lost(o.err_sim, motor.T_s).any()
     here, there = rms(np.rad2deg(o.err)), rms(np.rad2deg(o.err_sim))
     assert here == pytest.approx(there, abs=0.3) and there.max() > 3.0

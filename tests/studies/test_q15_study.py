@@ -8,6 +8,7 @@ import pytest
 from sensorless.core.api import SIGNAL_N
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
+from tests.helpers.scenarios import at_most
 from tests.helpers.script import script
 
 MOTOR = Motor.load("paper")
@@ -20,16 +21,19 @@ def q15() -> ModuleType:
 
 @pytest.mark.parametrize(
     ("word", "seed", "size"),
-    [("reference", 1, 128), ("reference-flux", 2, 128), ("logistic-tuned", 1, 256)],
+    [("reference", 1, 128), ("reference-flux", 2, 128), ("logistic-tuned", 1, 192)],
 )
 def test_metrics_change_by_less_than_one_percent(
     q15: ModuleType, word: str, seed: int, size: int
 ) -> None:
-    """The flux observer slips once in a thousand runs or so, by any rounding: none of these slips.
+    """Over the first second, in which every metric but those of a rest has its share.
+
+    The flux observer slips once in a thousand runs or so, by any rounding: none of these slips.
 
     With fewer scenarios a single unsteady one is a percent.
     """
-    found = q15.study(word, MOTOR, "stress-1", seed, size)
+    with at_most(1.0):
+        found = q15.study(word, MOTOR, "stress-1", seed, size)
     assert found["lost_otherwise"] == 0
     assert len(found["metrics"]) > 20
     for name, row in found["metrics"].items():
