@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -21,16 +22,16 @@ from sensorless.evaluation.evaluate import evaluate, score
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies
 from sensorless.tuning import tune as tuning
-from tests.helpers.command import process, run
+from tests.helpers.command import run
 from tests.helpers.scenarios import lasting
 
 MOTOR = Motor.load("paper")
 DESIGN = DriveDesign()
 
 
-@pytest.fixture(scope="module")
-def cluster() -> Iterator[Any]:
-    """A node of one processor that others can be added to; required where CI=true."""
+@pytest.fixture(scope="module", autouse=True)
+def surroundings() -> Iterator[None]:
+    """What Ray's clusters find in the environment; Ray itself is required where CI=true."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("RAY_AUTH_MODE", "token")
         patch.setenv("RAY_AUTH_TOKEN", "0123456789abcdef" * 4)
@@ -38,19 +39,36 @@ def cluster() -> Iterator[Any]:
         patch.setenv("RAY_IGNORE_UNHANDLED_ERRORS", "1")  # of chunks behind the first that fails
         for name in ("prestart_worker_first_driver", "enable_worker_prestart"):
             patch.setenv(f"RAY_{name}", "0")  # no worker that none of these tests needs
-        try:
-            from ray.cluster_utils import Cluster
-        except ImportError:
+        if find_spec("ray") is None:
             if os.environ.get("CI") == "true":
                 pytest.fail("CI needs ray: pip install -e '.[scale]'")
             pytest.skip("needs ray: pip install -e '.[scale]'")
-        quick = {"health_check_period_ms": 1000, "health_check_failure_threshold": 3}
-        bare = {"include_dashboard": False, "include_log_monitor": False, "no_monitor": True}
-        head = {"num_cpus": 1, "_system_config": quick, **bare}
-        with ray_engine.own_signals():
-            made = Cluster(initialize_head=True, head_node_args=head)
-        yield made
-        made.shutdown()
+        yield
+
+
+@pytest.mark.usefixtures("all_draws")
+def test_the_command_starts_a_cluster_of_its_own(tmp_path: Path) -> None:
+    """Before this process has another cluster."""
+    for engine in ("local", "ray"):
+        words = f"evaluate --policy eq25 --suite paper --size 6 --engine {engine} --out {engine}"
+        done = run(*words.split(), cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert done.stderr == f"evaluated eq25\nwrote {engine}\n"
+    assert (tmp_path / "local").read_bytes() == (tmp_path / "ray").read_bytes()
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    """A node of one processor that others can be added to."""
+    from ray.cluster_utils import Cluster
+
+    quick = {"health_check_period_ms": 1000, "health_check_failure_threshold": 3}
+    bare = {"include_dashboard": False, "include_log_monitor": False, "no_monitor": True}
+    head = {"num_cpus": 1, "_system_config": quick, **bare}
+    with ray_engine.own_signals():
+        made = Cluster(initialize_head=True, head_node_args=head)
+    yield made
+    made.shutdown()
 
 
 @pytest.fixture(scope="module")
@@ -158,16 +176,6 @@ def test_a_worker_that_dies_every_time_ends_the_work(cluster: Any, engine: Engin
 def test_no_cluster_there(cluster: Any, address: str) -> None:
     with pytest.raises(UserError, match="ray-address"), engine_named("ray", address):
         pytest.fail("entered")
-
-
-@pytest.mark.usefixtures("all_draws")
-def test_the_command_starts_a_cluster_of_its_own(cluster: Any, tmp_path: Path) -> None:
-    for engine, start in (("local", run), ("ray", process)):
-        words = f"evaluate --policy eq25 --suite paper --size 6 --engine {engine} --out {engine}"
-        done = start(*words.split(), cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        assert done.stderr == f"evaluated eq25\nwrote {engine}\n"
-    assert (tmp_path / "local").read_bytes() == (tmp_path / "ray").read_bytes()
 
 
 def test_a_cluster_of_ours_is_for_us_alone(cluster: Any, monkeypatch: pytest.MonkeyPatch) -> None:
