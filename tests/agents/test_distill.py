@@ -83,7 +83,7 @@ def test_roughness_knows_lines_from_bends() -> None:
 def test_a_table_follows_the_network_and_says_how_far() -> None:
     net, rounds = teacher(), []
     net.layers["w0"][1] = 0.0  # at standstill no table follows the sign of the torque current
-    fine = (Axis("speed", 0.0, 1.2, 37), Axis("torque_current", -1.5, 1.5, 13))
+    fine = (Axis("speed", 0.0, 1.2, 31), Axis("torque_current", -1.5, 1.5, 9))
     found = distill(
         net, fine, SimFactory(MOTOR, DriveDesign()), rounds=2, size=24, seed=1, smoothness=1e-4,
         validate_size=16, report=lambda j, rms, cost: rounds.append((j, rms)),

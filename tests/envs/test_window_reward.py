@@ -24,7 +24,7 @@ from sensorless.policies.registry import make_policy
 
 TUNED = Path(__file__).parents[2] / "results" / "reference" / "tuned"
 RULES = ("eq25", str(TUNED / "logistic-tuned.json"), str(TUNED / "gated-tuned.json"))
-SIZE = 64
+SIZE = 32
 
 
 def test_returns_rank_rules_as_the_published_metrics_do(motor: Motor) -> None:

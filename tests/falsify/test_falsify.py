@@ -46,7 +46,7 @@ def test_a_find_on_a_random_machine_comes_back_on_it(tmp_path: Path) -> None:
     """The SMO loses a third of these; the file names the machine of each search."""
     out = tmp_path / "finds.json"
     words = ["falsify", "eq25", "--set", "estimator=smo", "--suite", "machines"]
-    done = CliRunner().invoke(app, [*words, "--size", "300", "--seed", "5", "--out", str(out)])
+    done = CliRunner().invoke(app, [*words, "--size", "200", "--seed", "5", "--out", str(out)])
     assert done.exit_code == 0, done.output
     finds = load(out)
     assert {find.machine for find in finds} <= {(5, i) for i in range(2)}

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from sensorless.cli.app import app
-from sensorless.envs.scenarios.machine_family import family
+from sensorless.envs.scenarios.machine_family import member
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.errors import UserError
 from sensorless.identify.machine.electric import Sensors
@@ -53,7 +53,7 @@ def test_an_exact_drive_finds_its_machine_exactly() -> None:
 
 def test_a_voltage_that_runs_ahead_of_a_slow_current_is_lowered() -> None:
     """The ramp's first voltage with a current ends up driving more than rated current."""
-    slow = family(606, 22)[21]
+    slow = member(606, 21)
     drive = real_drive(slow, 606 + 21)
     source, plate = Simulated(slow, drive), Nameplate.of(slow)
     found = measure_resistance(source, plate, measure_offsets(source))

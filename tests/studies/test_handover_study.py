@@ -45,7 +45,7 @@ def test_the_search_stays_in_its_ranges_and_repeats(
     study: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(study, "SEARCHED", 4)
-    monkeypatch.setattr(study, "suite", lasting(2.5))
+    monkeypatch.setattr(study, "suite", lasting(1.7))
     found = [study.quietest(MOTOR, DriveDesign(), 1, 1) for _ in range(2)]
     assert found[0] == found[1]
     assert found[0] != RULE.defaults()

@@ -12,7 +12,6 @@ from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.design.records import control_record
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.stress import stress_1_scenarios
-from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.metrics.catalogue import angle_err_max_deg
 from sensorless.evaluation.rollout import rollout
 from sensorless.evaluation.steady import make_ideal, steady
@@ -22,6 +21,7 @@ from sensorless.observers.tracking import voltage_drift
 from sensorless.policies.registry import make_policy
 from sensorless.units import RPM_TO_RAD_S
 from tests.helpers.drives import Alone
+from tests.helpers.scenarios import lasting
 
 Call = Callable[..., None]
 State = Callable[[Array], bytes]
@@ -128,7 +128,7 @@ def test_injection_holds_a_flux_that_the_voltages_turn(c: Call, motor: Motor, k_
 
 @pytest.mark.parametrize(("carrier", "n"), [(False, 64), (True, 4)])
 def test_flux_observer_does_not_slip(motor: Motor, carrier: bool, n: int) -> None:
-    """Loads taken off at 40 to 250 r/min, under schedules that rely on the flux.
+    """Loads taken off at 1 s, at 40 to 250 r/min, under schedules that rely on the flux.
 
     Both where dead time is averaged and where it is switched. Without the cure: 40 to 50 degrees.
     """
@@ -136,7 +136,7 @@ def test_flux_observer_does_not_slip(motor: Motor, carrier: bool, n: int) -> Non
     for name in ("eq25", "grid-flux-tuned", "logistic-flux-tuned", "reference-flux"):
         policy = make_policy(name, motor)
         policy.settings = {}
-        r = rollout(policy, suite("unload", motor, 11, n), factory)
+        r = rollout(policy, lasting(1.6)("unload", motor, 11, n), factory)
         assert not r.lost.any()
         assert angle_err_max_deg(r).max() < 15.0, name
 

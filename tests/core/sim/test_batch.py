@@ -33,7 +33,7 @@ SIZES = (1, 3, 4, 15, 16, 17, 68)
 MOST = max(SIZES)
 WEIGHTS = np.clip(1.3 * (0.618 * np.arange(MOST) % 1.0) - 0.15, 0.0, 1.0).astype(np.float32)
 """Both ends and between, however few the drives."""
-PERIODS = 2000
+PERIODS = 1600
 
 
 @cache

@@ -11,7 +11,6 @@ from sensorless.core.machine import carrier_run, plant_run
 from sensorless.design import records
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.metrics.catalogue import angle_err_max_deg
 from sensorless.evaluation.rollout import rollout
 from sensorless.evaluation.trace import trace
@@ -20,6 +19,7 @@ from sensorless.machine.motor import Motor
 from sensorless.observers import flux_design
 from sensorless.policies.registry import make_policy
 from tests.helpers.drives import Alone
+from tests.helpers.scenarios import lasting
 
 Call = Callable[..., None]
 U_DC, TRANSISTOR, DIODE = 540.0, 1.1, 0.7
@@ -125,7 +125,7 @@ def test_unload_slips_where_it_does_on_the_switching_inverter(
     monkeypatch.setattr(records, "designed", records.designed.__wrapped__)  # kept without APART
     policy = make_policy("reference-flux", motor)
     policy.settings = {}
-    s = suite("unload", motor, 11, 12)
+    s = lasting(1.6)("unload", motor, 11, 12)
     s.psi_f[:], s.R_s[:], s.J[:], s.dead_time[:] = 1.0, 1.0, 1.0, motor.dead_time
     peaks = []
     for detailed, carrier in ((True, True), (True, False), (False, False)):

@@ -95,7 +95,7 @@ def test_the_sensored_twin_loses_nothing(index: int, machines: tuple[Motor, ...]
     motor = machines[index]
     run = rollout(
         make_policy("sensored", motor),
-        suite("stress-1", motor, 3, 16, "tune"),
+        suite("stress-1", motor, 3, 8, "tune"),
         Alone(motor, DriveDesign()),  # it is its own twin
     )
     assert not run.lost.any()
