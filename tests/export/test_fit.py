@@ -71,10 +71,11 @@ def test_the_folder_states_the_loss(
     motor: Motor,
     design: DriveDesign,
 ) -> None:
-    monkeypatch.setattr(fitting, "SIZE", FULL_FIT)
+    """On a third of the scenarios, in less than a third of a minute."""
+    monkeypatch.setattr(fitting, "SIZE", FULL_FIT // 3)
     began = time.monotonic()
     done = export(table, motor, design, tmp_path / "out", fit=True)
-    assert time.monotonic() - began < 60.0
+    assert time.monotonic() - began < 20.0
     entry = KsTable.load(done.folder / "ks_table.json").provenance["two_threshold"]
     costs = entry["performance"]
     assert set(costs) == {"table", "ramp", "hysteresis"}

@@ -16,8 +16,8 @@ from sensorless.plots.replayed import replayed
 from sensorless.plots.wave import FOLDED, Curve, faults, merged, wave
 from sensorless.plots.waveforms import waveforms
 from sensorless.policies.registry import make_policy
-from sensorless.replay.replay import SAMPLE, load, replay
 from sensorless.report.picture import write_waves
+from tests.helpers.sample import replayed_sample
 
 MOTOR = Motor.load("paper")
 
@@ -70,9 +70,7 @@ def test_the_name_of_the_file_says_what_it_becomes(lost: Trace, tmp_path: Path, 
 
 
 def test_of_a_replay_the_noisy_curve_lies_below_the_others() -> None:
-    design = DriveDesign()
-    run = replay(load(SAMPLE, MOTOR, design), MOTOR, design, make_policy("eq25", MOTOR))
-    for pane in replayed(run, "sample").panes[:2]:
+    for pane in replayed(replayed_sample(), "sample").panes[:2]:
         known = [c for c in pane.curves if "encoder" not in c.name]
         noise = [float(np.nanstd(np.diff(curve.values))) for curve in known]
         assert noise[0] == max(noise), pane.key

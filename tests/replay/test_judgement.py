@@ -5,19 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sensorless.design.drive import DriveDesign
-from sensorless.machine.motor import Motor
-from sensorless.policies.registry import make_policy
 from sensorless.replay.judgement import judgement
-from sensorless.replay.replay import SAMPLE, Estimate, Replay, load, replay
-
-MOTOR = Motor.load("paper")
+from sensorless.replay.replay import Estimate, Replay
+from tests.helpers.sample import replayed_sample
 
 
 @pytest.fixture(scope="module")
 def found() -> Replay:
-    log = load(SAMPLE, MOTOR, DriveDesign())
-    return replay(log, MOTOR, DriveDesign(), make_policy("eq25", MOTOR))
+    return replayed_sample()
 
 
 def off(found: Replay, name: str, degrees: float, scatter: float, own: float = 1.0) -> Replay:
