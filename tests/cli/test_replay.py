@@ -48,7 +48,6 @@ def test_mistakes(tmp_path: Path) -> None:
         run("simulate", "--duration", "0.01", "--log", str(tmp_path / "none" / "log.csv"))
 
 
-@pytest.mark.usefixtures("without_ekf")
 def test_json_is_for_programs() -> None:
     said = json.loads(run("replay", SAMPLE, "--json"))
     assert set(said["estimators"]) == {"hfi", "smo", "blend", "ekf"}

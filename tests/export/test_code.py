@@ -44,7 +44,7 @@ def test_objects_need_nothing_from_outside(made: Make, tmp_path: Path) -> None:
     files = [*(folder / "build" / "core").glob("*.o"), *folder.glob("*.c")]
     words = ["gcc", *FLAGS, "-r", "-nostdlib", "-o", str(tmp_path / "all.o")]
     subprocess.run([*words, *map(str, files)], check=True)
-    command = ["nm", "--format=sysv", tmp_path / "all.o"]  # with the section of each symbol
+    command = ["nm", "--format=sysv", str(tmp_path / "all.o")]  # with the section of each symbol
     symbols = subprocess.run(command, capture_output=True, text=True, check=True)
     assert "*UND*" not in symbols.stdout and "drive_step " in symbols.stdout
     # Nothing variable outside of the caller's; pointers are constant once they are relocated.
