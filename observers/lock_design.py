@@ -6,8 +6,12 @@ docs/lock.md has the reasons and what separates drives that hold from those that
 import math
 from typing import Any
 
+import numpy as np
+
 from sensorless.core.api import lib
+from sensorless.machine.magnetics import mtpa
 from sensorless.machine.motor import Motor
+from sensorless.machine.saliency import principal
 from sensorless.observers.injection_signal import dead_time_voltage
 from sensorless.observers.tracking import rated_acceleration
 
@@ -18,8 +22,8 @@ EVERY = 1e-3
 TAU = 6e-3
 """Time constant of the tests' low-pass [s]: a half turn of slip at 60 degrees in 10 ms is seen, a
 step of the current is not."""
-ANGLE_SHARE = 0.5
-"""1 - cos(60 degrees): what an angle error of 60 degrees takes from the EMF."""
+ANGLE = math.pi / 3.0
+"""Angle error that is told as lost [rad]."""
 SPEED_LAG = 0.15
 """Lag of an estimated speed in lock, over rated speed: after a rated load step on half the inertia,
 with the slowest of the estimators."""
@@ -28,9 +32,13 @@ LEFT_DEAD_TIME, LEFT_RESISTANCE = 0.75, 0.5
 SPEED_SHARE = 3.0
 """Largest acceleration of a shaft, over the rated one: one and a half times rated torque, of drive
 and load together, on half the inertia."""
-SLIP = math.pi / 3.0 / 16e-3
+SLIP = ANGLE / 16e-3
 """Speed [rad/s] at which an estimate slips by 60 degrees in 16 ms; those of drives that hold swing
 by 40 degrees in 8 ms and back."""
+LARGER = 1.1
+"""d inductance that a machine may have, over that of its file."""
+ACTS = 0.1
+"""Least share of an injected voltage that acts, with any dead time."""
 CURRENT_SHARE = 0.1
 """Distance of the torque current from its reference, over rated current, beyond what the slope of
 the reference makes."""
@@ -42,6 +50,19 @@ RESTARTS = 5
 SETTLED = 3.0
 """Time constants of the current loop, and of the tests' low-pass, after which the current follows
 its reference when a drive has taken control."""
+
+
+def least_answer(motor: Motor) -> float:
+    """Least current that an injected voltage moves in lock, over that voltage [A/V].
+
+    A voltage u that alternates moves the current by u T_s / 2 (cos^2 / L_small + sin^2 / L_large)
+    at an angle beside the d axis: that at ``ANGLE``, or what ``LARGER`` and the dead time's voltage
+    leave on the axis if that is less; the least along the operating line.
+    """
+    small, large = principal(motor, np.stack(mtpa(motor), axis=-1)).T
+    beside = np.cos(ANGLE) ** 2 / small + np.sin(ANGLE) ** 2 / large
+    left = max(1.0 - LEFT_DEAD_TIME * dead_time_voltage(motor) / motor.u_inj, ACTS)
+    return 0.5 * motor.T_s * float(np.min(np.minimum(beside, left / (LARGER * small))))
 
 
 def evaluation_periods(motor: Motor) -> int:
@@ -75,10 +96,11 @@ def design_lock(
         "inv_t": 1.0 / step,
         "R_s": motor.R_s,
         "L_q_true": 1.0 / bias,
-        "e_share": ANGLE_SHARE,
+        "e_share": 1.0 - math.cos(ANGLE),
         "e_floor": SPEED_LAG * emf + unknown,
         "jump": SPEED_SHARE * rated_acceleration(motor) * TAU + SLIP,
         "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
+        "answer": least_answer(motor),
         "n": n,
         "n_alarm": max(1, round(ALARM / step)),
         "n_act": max(2, round(ACT / step)),

@@ -32,14 +32,13 @@ enum {
 
 /* What inputs of a period may be. */
 typedef struct {
-    float i_sample;   /* largest plausible sample of a phase current [A] */
-    float i_over_sq;  /* square of the largest current vector [A^2] */
-    float i_step_sq;  /* square of the largest change of the current vector in a period [A^2] */
-    float u_dc_min;   /* least DC-link voltage that sets no fault [V] */
-    float u_dc_max;   /* largest plausible DC-link voltage [V] */
-    float omega;      /* largest plausible speed, electrical [rad/s] */
-    float u_out;      /* largest voltage of a component that the drive can compute [V] */
-    int32_t reserved; /* an even number of 4-byte fields */
+    float i_sample;  /* largest plausible sample of a phase current [A] */
+    float i_over_sq; /* square of the largest current vector [A^2] */
+    float i_step_sq; /* square of the largest change of the current vector in a period [A^2] */
+    float u_dc_min;  /* least DC-link voltage that sets no fault [V] */
+    float u_dc_max;  /* largest plausible DC-link voltage [V] */
+    float omega;     /* largest plausible speed, electrical [rad/s] */
+    float u_out;     /* largest voltage of a component that the drive can compute [V] */
 } guard_params_t;
 
 typedef struct {

@@ -1,4 +1,4 @@
-/* Tells that the estimate is no longer the rotor's: three tests on what a drive knows of itself.
+/* Tells that the estimate is no longer the rotor's: four tests on what a drive knows of itself.
  *
  *   EMF      the q voltage without resistive drop and change of flux is omega psi_d at the true
  *            angle. r = u_q - R_s i_q - L_q d i_q/dt - omega psi_d, low-passed, stays small next
@@ -8,6 +8,9 @@
  *            estimated speed leaves its own low-pass
  *   CURRENT  in a frame that is not the rotor's the EMF turns, and the torque current misses its
  *            reference
+ *   ANSWER   an injected voltage moves the current no less than 60 degrees beside the d axis; one
+ *            that does, or moves it the other way, did not act when the drive thinks, or the samples
+ *            are wrong
  *
  * An evaluation every n periods, in two parts in two periods in a row, neither of them the one in
  * which a schedule decides. Thresholds and reasons: docs/lock.md.
@@ -20,7 +23,7 @@
 #include "frames.h"
 
 /* Bits of lock_state_t.reason: the tests that failed. */
-enum { LOCK_EMF = 1, LOCK_SPEED = 2, LOCK_CURRENT = 4 };
+enum { LOCK_EMF = 1, LOCK_SPEED = 2, LOCK_CURRENT = 4, LOCK_ANSWER = 8 };
 
 /* What a drive does about it: lock_params_t.action. */
 enum {
@@ -38,6 +41,7 @@ typedef struct {
     float e_floor;   /* beyond this residual in addition [V] */
     float jump;      /* SPEED: distance from the low-pass beyond which it fails [rad/s] */
     float i_off;     /* CURRENT: mean distance from the reference beyond which it fails [A] */
+    float answer;    /* ANSWER: least current over the injected voltage [A/V] */
     int32_t n;       /* periods from one evaluation to the next, at least 2 */
     int32_t n_alarm; /* evaluations from the first failed one to an alarm, if the last failed too */
     int32_t n_act;   /* evaluations after which the drive acts at the next failed one */
@@ -54,6 +58,7 @@ typedef struct {
     float emf;        /* low-passed magnitude of the auxiliary flux's EMF [V] */
     float omega;      /* low-passed estimated speed [rad/s] */
     float i_off;      /* mean distance of the torque current from its reference [A] */
+    float answer;     /* low-passed answer to the injection, less the least one [A] */
     int32_t wait;     /* periods until the second part; the first comes at 1 */
     int32_t bad;      /* evaluations since the first failed one, 0 without; see LOCK_GRACE */
     int32_t calm;     /* passed evaluations in a row */
@@ -87,6 +92,7 @@ CORE_INLINE void lock_begin(const lock_params_t *p, lock_state_t *x, float omega
     x->emf = 0.0f;
     x->omega = omega;
     x->i_off = 0.0f;
+    x->answer = 0.0f;
     x->bad = LOCK_GRACE + p->n_grace;
     x->alarm = 0;
 }
@@ -100,6 +106,15 @@ CORE_INLINE void lock_emf(const lock_params_t *p, lock_state_t *x, const lock_in
     x->emf += p->alpha * (abs_f(in->omega * in->psi_a) - x->emf);
 }
 
+/* Also in the first part: the answer to an injected voltage of amplitude u_inj [V]. seen: how far it
+ * moved the current along its axis [A], if valid > 0. */
+CORE_INLINE void lock_answer(const lock_params_t *p, lock_state_t *x, float seen, float valid,
+                             float u_inj) {
+    float least = p->answer * u_inj;
+    float more = valid > 0.0f ? seen - least : least;
+    x->answer += p->alpha * (more - x->answer);
+}
+
 /* Second part, a period later: the other tests, and the verdict. omega: estimated
  * speed [rad/s]; off: torque current less its reference [A]. */
 CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega, float off) {
@@ -108,7 +123,7 @@ CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega
     int32_t grace = x->bad > LOCK_GRACE;
     int32_t found = (abs_f(x->residual) > p->e_share * x->emf + p->e_floor ? LOCK_EMF : 0) |
                     (abs_f(omega - x->omega) > p->jump ? LOCK_SPEED : 0) |
-                    (x->i_off > p->i_off ? LOCK_CURRENT : 0);
+                    (x->i_off > p->i_off ? LOCK_CURRENT : 0) | (x->answer < 0.0f ? LOCK_ANSWER : 0);
     int32_t failed = grace ? 0 : found;
     int32_t calm = x->calm < p->n_calm ? x->calm + 1 : x->calm;
     x->calm = failed != 0 ? 0 : calm;

@@ -38,5 +38,4 @@ def design_guard(motor: Motor, omega_max: float) -> dict[str, Any]:
         "u_dc_max": LINK[1] * motor.u_dc,
         "u_out": OUTPUT * LINK[1] * motor.u_dc,
         "omega": min(max(omega_max, SPEED * motor.omega_rated), SPEED_MOST),
-        "reserved": 0,
     }

@@ -271,3 +271,11 @@ void t_lock(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
         lock_judge(p, x, v[0], v[6]);
     }
 }
+
+/* n evaluations at rest; rows of in: answer to the injection, its valid, u_inj. */
+void t_lock_answer(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
+    for (int j = 0; j < n; j++) {
+        lock_answer(p, x, in[3 * j], in[3 * j + 1], in[3 * j + 2]);
+        lock_judge(p, x, 0.0f, 0.0f);
+    }
+}

@@ -17,6 +17,7 @@ static void injection(void) {
                          0,
                          0,
                          0,
+                         0,
                          0};
         x.i_1.d *= size, x.i_1.q *= size, x.i_2.d *= size, x.i_2.q *= size;
         ab_t i = {size * draw_f(-1, 1), size * draw_f(-1, 1)};
@@ -26,7 +27,9 @@ static void injection(void) {
         vec_t r = unit((double)was.pll.theta);
         vec_t now = of_ab(i) * conj(r);
         vec_t step = now - 2.0 * of_dq(was.i_1) + of_dq(was.i_2);
+        double answer = creal(step);
         if (p.scheme == HFI_STATIONARY) {
+            answer = creal((of_ab(i) - 2.0 * of_dq(was.i_1) + of_dq(was.i_2)) * conj(r));
             step = 2.0 * (of_ab(i) - of_dq(was.i_1)) * conj(r);
             now = of_ab(i);
         }
@@ -35,6 +38,8 @@ static void injection(void) {
         double err = valid ? cimag(e) / fmax(cabs(e), 0.02) : 0.0;
         check("injection's error", fabs((double)x.err - err) < 2e-4 && (x.valid > 0.0f) == valid);
         check("injection's amplitude", near((double)x.amplitude, cabs(e), 1e-5));
+        check("injection's answer",
+              fabs((double)x.answer - 0.25 * (double)was.sign_2 * answer) < 1e-5 * (double)size);
         check("injection's samples",
               near_v(of_dq(x.i_1), now, 1e-5) && x.i_2.d == was.i_1.d && x.i_2.q == was.i_1.q);
         pll_state_t pll = was.pll;
@@ -48,7 +53,7 @@ static void injection(void) {
         vec_t to = unit((double)x.pll.theta + 0.5 * 2e-4 * (double)x.pll.omega);
         check("direction of injection", near_v((double)d.c + I * (double)d.s, to, 2e-6));
     }
-    hfi_state_t x = {{0, 0}, {0, 0}, {0, 0}, 0, 0, 0, 0, 0, 0, 0};
+    hfi_state_t x = {{0, 0}, {0, 0}, {0, 0}, 0, 0, 0, 0, 0, 0, 0, 0};
     const float signs[8] = {1, -1, 1, -1, 1, 0, 0, 0};
     for (int k = 0; k < 8; k++) {
         float s = hfi_inject(&p, &x, k < 3);

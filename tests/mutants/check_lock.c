@@ -5,7 +5,7 @@
 #include "params.h"
 
 static void speed(void) {
-    check("reasons", LOCK_EMF == 1 && LOCK_SPEED == 2 && LOCK_CURRENT == 4);
+    check("reasons", LOCK_EMF == 1 && LOCK_SPEED == 2 && LOCK_CURRENT == 4 && LOCK_ANSWER == 8);
     check("actions", LOCK_REPORT == 0 && LOCK_RESTART == 1 && LOCK_STOP == 2);
     lock_params_t p = PARAMS[4].lock;
     p.i_off = 1e9f, p.e_floor = 1e9f;
@@ -42,6 +42,32 @@ static void first(void) {
     check("tests: damaged", x.lock.wait == p->lock.n);
 }
 
+/* The answer to the injection, less the least one, low-passed; told below 0. */
+static void injected(void) {
+    lock_params_t p = PARAMS[4].lock;
+    const float limit[3] = {-1e-30f, 0.0f, 1e-30f};
+    for (int j = 0; j < 3; j++) {
+        lock_state_t x;
+        memset(&x, 0, sizeof x);
+        x.bad = p.n_alarm, x.answer = limit[j];
+        lock_judge(&p, &x, 0.0f, 0.0f);
+        check("answer: told", x.reason == (j == 0 ? LOCK_ANSWER : 0));
+        lock_begin(&p, &x, 0.0f);
+        check("answer: anew", x.answer == 0.0f);
+    }
+    for (int j = 0; j < 100; j++) {
+        lock_state_t x;
+        memset(&x, 0, sizeof x);
+        float was = draw_f(-1, 1), seen = draw_f(-1, 1), u = draw_f(10, 90);
+        double least = (double)p.answer * (double)u;
+        x.answer = was;
+        lock_answer(&p, &x, seen, j % 2 ? 1.0f : 0.0f, u);
+        double more = j % 2 ? (double)seen - least : least;
+        double to = (double)was + (double)p.alpha * (more - (double)was);
+        check("answer: low-pass", fabs((double)x.answer - to) < 1e-6);
+    }
+}
+
 /* The EMF's part of an evaluation: r and the EMF expected, both low-passed, from a drive's state. */
 static void sums(void) {
     drive_params_t p = PARAMS[4];
@@ -52,6 +78,7 @@ static void sums(void) {
         x.control.i.d = draw_f(-5, 5), x.control.i.q = draw_f(-5, 5);
         x.control.i_ref.q = draw_f(-5, 5), x.control.u_int.q = draw_f(-50, 50);
         x.control.u_max = 250.0f, x.control.u_abs = draw_f(100, 400);
+        x.hfi.answer = draw_f(-1, 1), x.hfi.valid = j % 2 ? 1.0f : 0.0f;
         x.lock.i_q = draw_f(-5, 5), x.lock.residual = draw_f(-9, 9), x.lock.emf = draw_f(0, 90);
         const lock_state_t was = x.lock;
         const control_params_t *c = &p.control;
@@ -71,6 +98,9 @@ static void sums(void) {
         check("EMF: residual", near((double)x.lock.residual, to, 1e-4));
         to = (double)was.emf + alpha * (emf - (double)was.emf);
         check("EMF: expected", near((double)x.lock.emf, to, 1e-4) && x.lock.i_q == x.control.i.q);
+        lock_state_t answer = was;
+        lock_answer(&p.lock, &answer, x.hfi.answer, x.hfi.valid, p.hfi.u_inj);
+        check("answer: of the drive", x.lock.answer == answer.answer);
         drive_judge(&p, &x);
         check("tests: the next", x.lock.wait == p.lock.n);
     }
@@ -226,6 +256,7 @@ static void mend(void) {
 
 void check_lock(void) {
     speed();
+    injected();
     pole();
     settles();
     pulses();

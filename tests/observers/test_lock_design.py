@@ -1,6 +1,7 @@
 """Numbers of the tests of lost lock on every shipped machine."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -10,8 +11,15 @@ from sensorless.design.records import control_record
 from sensorless.evaluation import lock as judged
 from sensorless.evaluation.metrics.held import BAND_PCT
 from sensorless.machine.motor import MOTORS, Motor
-from sensorless.observers.lock_design import ACTIONS, EVERY
+from sensorless.observers.lock_design import ACTIONS, EVERY, least_answer
 from sensorless.observers.tracking import rated_acceleration
+
+
+def test_a_large_dead_time_leaves_little_of_the_answer() -> None:
+    """As little as the file's own dead time leaves, and something in any case."""
+    motor = Motor.load("formula_wheel")
+    left = [least_answer(replace(motor, dead_time=x * motor.dead_time)) for x in (0.1, 1.0, 9.0)]
+    assert left[0] > left[1] > left[2] > 0.0
 
 
 def test_an_evaluation_keeps_step_with_decisions() -> None:
@@ -29,4 +37,6 @@ def test_limits_lie_between_noise_and_what_can_be_measured(name: str) -> None:
     half_a_turn = math.pi / 0.02  # within 20 ms
     assert 30.0 < lock["jump"] < half_a_turn + 0.02 * rated_acceleration(motor)
     assert 0.1 * motor.i_rated < lock["i_off"] < 0.3 * motor.i_rated
+    in_lock = 0.5 * motor.T_s / motor.L_d
+    assert in_lock * motor.L_d / motor.L_q < lock["answer"] < 0.9 * in_lock
     assert 1 <= lock["n_alarm"] < lock["n_act"] < lock["n_calm"]

@@ -61,6 +61,17 @@ def test_a_trip_that_samples_do_not_show_is_passed_on(study: ModuleType, motor: 
     assert tripped.any() and np.all(frozen["k_flag"][tripped] == frozen["k_lost"][tripped])
 
 
+def test_interrupts_that_fail_are_told_where_the_emf_tells_nothing(study: ModuleType) -> None:
+    """Voltage that acts when the drive does not think so turns or takes the injection's answer."""
+    motor = Motor.load("ipmsm_2200w")
+    faults = (("missed", 0.5), ("doubled", 0.5), ("late", 1.0), ("gain", 0.5))
+    plan = [study.Case(kind, size, 0.2) for kind, size in faults]
+    for estimator in ("coupled", "smo", "flux"):
+        end = study.run(motor, DriveDesign(estimator=estimator), plan, range(101, 106))
+        gone = study.harmed(end, lib.LOST_ANGLE)
+        assert gone.any() and not (gone & study.unseen(end, motor.T_s)).any()
+
+
 def test_every_fault_leaves_numbers(study: ModuleType, motor: Motor) -> None:
     """The current stays below what a period beyond the trip can add; no state is damaged."""
     plan = [case for case in study.cases() if case.duration == 0.02]
