@@ -18,6 +18,8 @@ from sensorless.reproduce.case import CORRECTED, PUBLISHED, Case, Row
 
 LAST = 1.0
 """Length of the end of a run that is measured [s]."""
+HELD = 2.5
+"""Length of a run [s]."""
 BEFORE = "paper, Fig. 11: 8° at 6 N m, no compensation"
 COUPLED = (PaperValue(-8.0, BEFORE), PaperValue(8.0, BEFORE))
 COMPENSATED = (
@@ -33,8 +35,8 @@ def hold(
     tau: float,
     k_s: float,
 ) -> Trace:
-    """Record 2.5 s at constant speed [r/min] and torque [N m] under a constant weight."""
-    case = constant(motor, np.array([rpm]), np.array([tau]), 2.5)
+    """Record ``HELD`` at constant speed [r/min] and torque [N m] under a constant weight."""
+    case = constant(motor, np.array([rpm]), np.array([tau]), HELD)
     return trace(make_policy(f"constant:{k_s:g}", motor), case, motor, design)
 
 

@@ -7,16 +7,20 @@ from typing import Any
 import pytest
 
 from sensorless.machine.motor import Motor
-from sensorless.reproduce import switching
+from sensorless.reproduce import steady, switching
 from sensorless.reproduce.case import Case
 from sensorless.reproduce.reproduce import cases, write
 
 
 @pytest.fixture(scope="session")
 def done(motor: Motor) -> list[Case]:
-    """All cases; those with the noise of real sensors are means of 6 runs instead of 16."""
+    """All cases; those with the noise of real sensors are means of 6 runs instead of 16.
+
+    A constant speed is held for 1.5 s instead of 2.5, of which the last one counts.
+    """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(switching, "REPEATS", 6)
+        patch.setattr(steady, "HELD", 1.5)
         return cases(motor)
 
 
