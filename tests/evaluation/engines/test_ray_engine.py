@@ -47,8 +47,14 @@ def surroundings() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("all_draws")
-def test_the_command_starts_a_cluster_of_its_own(tmp_path: Path) -> None:
-    """Before this process has another cluster."""
+def test_the_command_starts_a_cluster_of_its_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before this process has another one, and without what would watch it."""
+    from ray._private import parameter
+
+    bare = partial(parameter.RayParams, include_log_monitor=False, no_monitor=True)
+    monkeypatch.setattr(parameter, "RayParams", bare)
     for engine in ("local", "ray"):
         words = f"evaluate --policy eq25 --suite paper --size 6 --engine {engine} --out {engine}"
         done = run(*words.split(), cwd=tmp_path)
