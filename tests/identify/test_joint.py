@@ -20,9 +20,9 @@ MOTOR = Motor.load("paper")
 PLATE = Nameplate.of(MOTOR)
 NONE = Details()
 T_S = 1e-4
-N = 240
+N = 160
 """Periods of a pulse."""
-TURN = 1.5 * MOTOR.n_p**2 / (0.2 * MOTOR.J)
+TURN = 1.5 * MOTOR.n_p**2 / (0.09 * MOTOR.J)
 """A light rotor: it turns by a third of a radian."""
 
 

@@ -23,7 +23,7 @@ def one_start(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(map_fit, "STARTS", map_fit.STARTS[:1])
 
 
-def grid(motor: Motor, n: int = 9) -> Floats:
+def grid(motor: Motor, n: int = 7) -> Floats:
     line = np.linspace(-motor.i_max, motor.i_max, n)
     return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
 

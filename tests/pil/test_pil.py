@@ -74,7 +74,7 @@ def test_the_report_can_be_read(report: Report, tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("target", "without_selftest")
 def test_three_axes_stay_within_the_budgets(motor: Motor, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(loop, "pil_scenarios", on_the_target(0.3))
+    monkeypatch.setattr(loop, "pil_scenarios", on_the_target(0.15))
     axes = (
         Axis("speed", 0.0, 0.5, 5),
         Axis("torque_current", -1.5, 1.5, 4),

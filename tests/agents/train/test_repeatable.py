@@ -20,7 +20,7 @@ from sensorless.policies.registry import table_named
 START = table_named("eq25", Motor.load("paper"))
 
 SMALL = TrainConfig(
-    n_envs=32, n_steps=16, n_epochs=2, minutes=0.0, steps=2048, warm_up=1, validate_size=16,
+    n_envs=32, n_steps=16, n_epochs=2, minutes=0.0, steps=1536, warm_up=1, validate_size=16,
     eval_freq=512, average=2,
 )  # fmt: skip
 
