@@ -55,15 +55,18 @@ def drive(
         "k_s": np.broadcast_to(np.asarray(k_s, dtype=np.float64), tau.shape),
         "n": np.ones(len(tau)),
     }
-    sums = np.zeros((-(-len(tau) // P), 1), dtype=SIM["sums"])
-    for j in range(-(-live // P)):
-        part = slice(j * P, min((j + 1) * P, live))
-        for name, x in rows.items():
-            sums[name][j, 0] = np.sum(x[part])
-        sums["tau_min"][j, 0], sums["tau_max"][j, 0] = (
-            np.min(pairs[0][part]),
-            np.max(pairs[0][part]),
-        )
+    parts = -(-len(tau) // P)
+    alive = np.arange(parts * P).reshape(parts, P) < live
+
+    def split(x: Floats) -> Floats:
+        return np.pad(x, (0, parts * P - len(x))).reshape(parts, P)
+
+    sums = np.zeros((parts, 1), dtype=SIM["sums"])
+    for name, x in rows.items():
+        sums[name][:, 0] = np.sum(split(x), axis=1, where=alive)
+    some = alive.any(axis=1)
+    sums["tau_min"][some, 0] = np.min(split(pairs[0]), axis=1, where=alive, initial=np.inf)[some]
+    sums["tau_max"][some, 0] = np.max(split(pairs[0]), axis=1, where=alive, initial=-np.inf)[some]
     scenario = Scenarios.nominal(MOTOR, np.ones(1, dtype=np.uint64), len(tau) * MOTOR.T_s)
     lost = np.array([int(live < len(tau))], dtype=np.int32)
     return Rollout(MOTOR, scenario, sums, lost, np.array([live]))
@@ -176,7 +179,7 @@ def test_a_drive_that_never_came_there_has_no_ripple_of_the_window() -> None:
 
 def test_the_window_tells_a_hard_switch_from_a_blend_and_a_drive_from_its_twin() -> None:
     """Where the estimators differ, by a low L_q as a motor; else a hard switch is no worse."""
-    scenarios = suite("handoff", MOTOR, 3, 30)
+    scenarios = suite("handoff", MOTOR, 3, 16)
     factory = SimFactory(MOTOR, DriveDesign(estimator="smo", L_q_motoring=0.7))
     found = {
         name: rollout(make_policy(name, MOTOR), scenarios, factory)
