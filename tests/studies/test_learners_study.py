@@ -50,14 +50,14 @@ def test_every_learner_is_judged(
     learners: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In two updates, of scenarios of 0.5 s."""
-    for name, value in {"n_envs": 24, "n_steps": 100, "warm_up": 0}.items():
+    for name, value in {"n_envs": 24, "n_steps": 50, "warm_up": 0}.items():
         monkeypatch.setitem(learners.SHARED, name, value)
     for name in ("stress_1_scenarios", "hard_scenarios"):
         monkeypatch.setattr(train_env, name, cut(getattr(train_env, name), 0.5))
     monkeypatch.setattr(learners, "STEPS", dict.fromkeys(learners.STEPS, 0.2))
     monkeypatch.setattr(learners, "LAST", 1)
     out = tmp_path / "learners.json"
-    words = ["gains", "--seeds", "1", "--steps", "4800", "--size", "8", "--out", str(out)]
+    words = ["gains", "--seeds", "1", "--steps", "2400", "--size", "8", "--out", str(out)]
     monkeypatch.setattr(sys, "argv", ["learners_study", *words, "--learners", "ppo", "es", "cma"])
     learners.main()
     found = json.loads(out.read_text())["gains"]
