@@ -22,6 +22,8 @@ from sensorless.policy import design_for
 from sensorless.table.ks_table import KsTable
 from sensorless.tuning.batch import SideBySide
 
+pytestmark = pytest.mark.usefixtures("short_suites")
+
 PAPER = Motor.load("paper")
 
 

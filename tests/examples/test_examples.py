@@ -15,6 +15,8 @@ from sensorless.policies.registry import make_policy
 from sensorless.policy import GainPolicy, gains_of
 from tests.helpers.script import ROOT, script
 
+pytestmark = pytest.mark.usefixtures("short_suites")
+
 EXAMPLES = ROOT / "examples"
 SCREEN = 80
 """Most lines of an example: one screen."""

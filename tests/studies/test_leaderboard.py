@@ -14,6 +14,8 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies
 from tests.helpers.script import script
 
+pytestmark = pytest.mark.usefixtures("short_suites")
+
 STUDY = script("studies/leaderboard.py")
 ROWS = STUDY.read(STUDY.CSV)
 

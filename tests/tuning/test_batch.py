@@ -17,6 +17,8 @@ from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, GainGrid, KsTable
 from sensorless.tuning.batch import SideBySide, costs
 
+pytestmark = pytest.mark.usefixtures("short_suites")
+
 MOTOR = Motor.load("paper")
 FACTORY = SimFactory(MOTOR, DriveDesign(estimator="smo"))
 SCENARIOS = suite("stress-1", MOTOR, 4, 3, "tune")
