@@ -1,12 +1,24 @@
 """Scenarios that a report shows in waveforms."""
 
+from collections.abc import Iterator
+
+import pytest
+
 from sensorless.design.drive import DriveDesign
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies
 from sensorless.report.cases import CROSSED, OURS, cases
+from tests.helpers.scenarios import at_most
 
 MOTOR, DESIGN = Motor.load("paper"), DriveDesign()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_crossing() -> Iterator[None]:
+    """Of the two that a scenario has."""
+    with at_most(2.5):
+        yield
 
 
 def test_cases_are_the_worst_and_a_typical_hand_over() -> None:
