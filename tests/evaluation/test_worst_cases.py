@@ -1,5 +1,6 @@
 """A scenario that an evaluation lists can be run again, alone, with the same end."""
 
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,9 +18,17 @@ from sensorless.evaluation.evaluate import WORST, evaluate
 from sensorless.evaluation.trace import lost_cause, trace
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies, make_policy
+from tests.helpers.scenarios import at_most
 
 MOTOR, DESIGN = Motor.load("paper"), DriveDesign(estimator="smo", L_q_motoring=0.7)
 """A drive that loses some scenarios."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def three_seconds() -> Iterator[None]:
+    """At most; a hand-over crosses the band once until then."""
+    with at_most(3.0):
+        yield
 
 
 @cache
