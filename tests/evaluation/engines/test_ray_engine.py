@@ -53,8 +53,8 @@ def test_the_command_starts_a_cluster_of_its_own(
     """Before this process has another one, and without what would watch it."""
     from ray._private import parameter
 
-    bare = partial(parameter.RayParams, include_log_monitor=False, no_monitor=True)
-    monkeypatch.setattr(parameter, "RayParams", bare)
+    bare: dict[str, Any] = {"include_log_monitor": False, "no_monitor": True}
+    monkeypatch.setattr(parameter, "RayParams", partial(parameter.RayParams, **bare))
     for engine in ("local", "ray"):
         words = f"evaluate --policy eq25 --suite paper --size 6 --engine {engine} --out {engine}"
         done = run(*words.split(), cwd=tmp_path)
