@@ -20,7 +20,7 @@ from sensorless.errors import UserError
 from sensorless.evaluation.certificate import Tally, counted, result, write
 from sensorless.evaluation.engines.engine import Engine
 from sensorless.evaluation.engines.threads import Threads
-from sensorless.evaluation.metrics.held import not_held
+from sensorless.evaluation.metrics.held import NEEDED, not_held
 from sensorless.evaluation.rollout import CAUSES, Rollout, at_a_time, rollouts, with_twin_to_the_end
 from sensorless.files import check_writable
 from sensorless.machine.motor import Motor
@@ -150,7 +150,8 @@ def _count(job: Job) -> Tally:
     policy, factory, first, rows = job
     scenarios = rows.draw()
     own, tally = copy.deepcopy(policy), Tally()  # rules with memory run on several threads
-    for r in rollouts(own, scenarios, factory, at_a_time(scenarios, factory.motor)):
+    some = at_a_time(scenarios, factory.motor)
+    for r in rollouts(own, scenarios, factory, some, keep=NEEDED):
         done = with_twin_to_the_end(r, factory, own.settings)
         tally = tally + _tally(done, first + tally.scenarios)
     return tally

@@ -30,6 +30,9 @@ CHUNK = 256
 MOST_DECISIONS = 2_000_000
 """Decisions of all drives together that are in memory at a time, 88 bytes each."""
 
+SUMS = tuple(SIM["sums"].names or ())
+"""Fields of ``sums_t``."""
+
 Floats = NDArray[np.float64]
 
 CAUSES = enumeration("LOST_")
@@ -43,8 +46,8 @@ class Rollout:
     motor: Motor
     scenarios: Scenarios
     sums: Array
-    """(d, n) of ``sums_t``: sums over the periods of each decision, whose number is its ``n``; zero
-    after the end of a drive"""
+    """(d, n) of ``sums_t``, or of some of its fields: sums over the periods of each decision, whose
+    number is its ``n``; zero after the end of a drive"""
     lost: NDArray[np.int32]
     """(n,) bits of ``CAUSES``, 0 for a drive that reached the end"""
     periods: NDArray[np.int64]
@@ -83,12 +86,17 @@ class Rollout:
 
 
 def rollout(
-    policy: Policy, scenarios: Scenarios, factory: SimFactory, *, go_on: bool = False
+    policy: Policy,
+    scenarios: Scenarios,
+    factory: SimFactory,
+    *,
+    go_on: bool = False,
+    keep: tuple[str, ...] = SUMS,
 ) -> Rollout:
     """Run all scenarios at once, each beside its sensored twin.
 
     Drives stop when they are lost. With ``go_on`` they go on, so that ``lock`` can say what they
-    do about it; all else is the same.
+    do about it; all else is the same. ``keep`` names the fields of ``sums`` to keep.
 
     Raises
     ------
@@ -101,8 +109,9 @@ def rollout(
     sims["go_on"] = go_on and not policy.sensored
     watch = LockWatch(factory.motor, n)
     decisions = -(-int(sims["k_end"].max(initial=0)) // periods)
-    sums = np.zeros((decisions, n), dtype=SIM["sums"])
+    sums = np.zeros((decisions, n), dtype=[(name, np.float32) for name in keep])
     rows, now = sums.view(np.float32).reshape(decisions, n, -1), sums_matrix(sims)
+    columns = slice(None) if keep == SUMS else [SUMS.index(name) for name in keep]
     obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
     ranges = gains_of(policy)
     gains = gain_records(sims, ranges, decision_time(factory.motor)) if ranges else None
@@ -116,7 +125,7 @@ def rollout(
         if gains is not None:
             decide_gains(policy, obs.copy(), gains)
         run.decide(k_s)
-        rows[j] = now
+        rows[j] = now[:, columns]
         if go_on:
             watch.look(sims)
     lived = np.where(sims["lost"] != 0, sims["k_lost"], sims["k"]).astype(np.int64)
@@ -155,7 +164,8 @@ def rollouts(
     chunk: int = CHUNK,
     *,
     go_on: bool = False,
+    keep: tuple[str, ...] = SUMS,
 ) -> Iterator[Rollout]:
-    """Run all scenarios in order, ``chunk`` of them at a time; ``go_on`` as in `rollout`."""
+    """Run all scenarios in order, ``chunk`` of them at a time; all else as in `rollout`."""
     for first in range(0, len(scenarios), chunk):
-        yield rollout(policy, scenarios[first : first + chunk], factory, go_on=go_on)
+        yield rollout(policy, scenarios[first : first + chunk], factory, go_on=go_on, keep=keep)

@@ -19,6 +19,8 @@ BACK_TIME = 0.5
 paper's motor needs 0.22 s after a rated load step on half the inertia."""
 QUIET = 0.3
 """Time after a change before a swing counts [s]."""
+NEEDED = ("n", "omega_m", "omega_m_twin", "starting")
+"""Fields of ``sums_t`` that a rollout has to keep for these metrics."""
 BLOCK = 0.1
 """Half the width of a window [s]; two cycles of 10 Hz fit into a window."""
 
