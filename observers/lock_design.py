@@ -37,6 +37,8 @@ SLIP = ANGLE / 16e-3
 by 40 degrees in 8 ms and back."""
 LARGER = 1.1
 """d inductance that a machine may have, over that of its file."""
+LEADS = 0.5
+"""Weight from which the injection's own angle is most of a blend of two."""
 ACTS = 0.1
 """Least share of an injected voltage that acts, with any dead time."""
 CURRENT_SHARE = 0.1
@@ -71,7 +73,13 @@ def evaluation_periods(motor: Motor) -> int:
 
 
 def design_lock(
-    motor: Motor, *, action: str, bias: float, speed_hz: float, current_hz: float
+    motor: Motor,
+    *,
+    action: str,
+    bias: float,
+    one_axis: bool,
+    speed_hz: float,
+    current_hz: float,
 ) -> dict[str, Any]:
     """Fields of ``lock_params_t``.
 
@@ -81,6 +89,8 @@ def design_lock(
         Key of ``ACTIONS``.
     bias : float
         Observer's q inductance over the apparent one.
+    one_axis : bool
+        Whether injection's axis is that of the estimate, at any weight.
     speed_hz, current_hz : float
         Natural frequency of the speed loop, whose reference may move by 4 pi speed_hz i_rated a
         second, and bandwidth of the current loop [Hz].
@@ -101,6 +111,7 @@ def design_lock(
         "jump": SPEED_SHARE * rated_acceleration(motor) * TAU + SLIP,
         "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
         "answer": least_answer(motor),
+        "leads": 0.0 if one_axis else LEADS,
         "n": n,
         "n_alarm": max(1, round(ALARM / step)),
         "n_act": max(2, round(ACT / step)),

@@ -28,7 +28,7 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
         psi_0 + (c->L_d - L_q) * y->i.d,
     };
     lock_emf(&p->lock, &x->lock, &in);
-    lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, p->hfi.u_inj);
+    lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, p->hfi.u_inj, x->k_s);
 }
 
 /* Second part. */

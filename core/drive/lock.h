@@ -42,6 +42,7 @@ typedef struct {
     float jump;      /* SPEED: distance from the low-pass beyond which it fails [rad/s] */
     float i_off;     /* CURRENT: mean distance from the reference beyond which it fails [A] */
     float answer;    /* ANSWER: least current over the injected voltage [A/V] */
+    float leads;     /* weight of injection from which it counts: its axis is the estimate's */
     int32_t n;       /* periods from one evaluation to the next, at least 2 */
     int32_t n_alarm; /* evaluations from the first failed one to an alarm, if the last failed too */
     int32_t n_act;   /* evaluations after which the drive acts at the next failed one */
@@ -107,11 +108,11 @@ CORE_INLINE void lock_emf(const lock_params_t *p, lock_state_t *x, const lock_in
 }
 
 /* Also in the first part: the answer to an injected voltage of amplitude u_inj [V]. seen: how far it
- * moved the current along its axis [A], if valid > 0. */
+ * moved the current along its axis [A], if valid > 0; k_s: its weight. */
 CORE_INLINE void lock_answer(const lock_params_t *p, lock_state_t *x, float seen, float valid,
-                             float u_inj) {
+                             float u_inj, float k_s) {
     float least = p->answer * u_inj;
-    float more = valid > 0.0f ? seen - least : least;
+    float more = valid > 0.0f && k_s >= p->leads ? seen - least : least;
     x->answer += p->alpha * (more - x->answer);
 }
 

@@ -23,7 +23,6 @@
 
 typedef struct {
     int32_t after;      /* periods before a test of the lock from which there is time to learn */
-    int32_t reserved;   /* an even number of 4-byte fields */
     float k_gain;       /* from the error along psi_a to the gain */
     float k_offset;     /* from the error across to the offset, times the auxiliary flux [A Vs] */
     float gain_max;     /* bound on the gain */

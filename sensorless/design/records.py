@@ -141,6 +141,7 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
                 motor,
                 action=design.lost_lock,
                 bias=bias,
+                one_axis=design.estimator in ("coupled", "errors"),
                 speed_hz=by.speed_hz,
                 current_hz=by.current_hz,
             ),

@@ -272,10 +272,11 @@ void t_lock(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
     }
 }
 
-/* n evaluations at rest; rows of in: answer to the injection, its valid, u_inj. */
+/* n evaluations at rest; rows of in: answer to the injection, its valid, u_inj, k_s. */
 void t_lock_answer(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
     for (int j = 0; j < n; j++) {
-        lock_answer(p, x, in[3 * j], in[3 * j + 1], in[3 * j + 2]);
+        const float *v = &in[4 * j];
+        lock_answer(p, x, v[0], v[1], v[2], v[3]);
         lock_judge(p, x, 0.0f, 0.0f);
     }
 }

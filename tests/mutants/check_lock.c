@@ -58,11 +58,13 @@ static void injected(void) {
     for (int j = 0; j < 100; j++) {
         lock_state_t x;
         memset(&x, 0, sizeof x);
+        p.leads = j % 4 < 2 ? 0.5f : 0.0f;
+        float k_s = j % 3 == 0 ? p.leads : draw_f(0, 1);
         float was = draw_f(-1, 1), seen = draw_f(-1, 1), u = draw_f(10, 90);
         double least = (double)p.answer * (double)u;
         x.answer = was;
-        lock_answer(&p, &x, seen, j % 2 ? 1.0f : 0.0f, u);
-        double more = j % 2 ? (double)seen - least : least;
+        lock_answer(&p, &x, seen, j % 2 ? 1.0f : 0.0f, u, k_s);
+        double more = j % 2 && k_s >= p.leads ? (double)seen - least : least;
         double to = (double)was + (double)p.alpha * (more - (double)was);
         check("answer: low-pass", fabs((double)x.answer - to) < 1e-6);
     }
@@ -78,7 +80,8 @@ static void sums(void) {
         x.control.i.d = draw_f(-5, 5), x.control.i.q = draw_f(-5, 5);
         x.control.i_ref.q = draw_f(-5, 5), x.control.u_int.q = draw_f(-50, 50);
         x.control.u_max = 250.0f, x.control.u_abs = draw_f(100, 400);
-        x.hfi.answer = draw_f(-1, 1), x.hfi.valid = j % 2 ? 1.0f : 0.0f;
+        x.k_s = draw_f(0, 1), x.hfi.answer = draw_f(-1, 1);
+        x.hfi.valid = j % 2 ? 1.0f : 0.0f;
         x.lock.i_q = draw_f(-5, 5), x.lock.residual = draw_f(-9, 9), x.lock.emf = draw_f(0, 90);
         const lock_state_t was = x.lock;
         const control_params_t *c = &p.control;
@@ -99,7 +102,7 @@ static void sums(void) {
         to = (double)was.emf + alpha * (emf - (double)was.emf);
         check("EMF: expected", near((double)x.lock.emf, to, 1e-4) && x.lock.i_q == x.control.i.q);
         lock_state_t answer = was;
-        lock_answer(&p.lock, &answer, x.hfi.answer, x.hfi.valid, p.hfi.u_inj);
+        lock_answer(&p.lock, &answer, x.hfi.answer, x.hfi.valid, p.hfi.u_inj, x.k_s);
         check("answer: of the drive", x.lock.answer == answer.answer);
         drive_judge(&p, &x);
         check("tests: the next", x.lock.wait == p.lock.n);

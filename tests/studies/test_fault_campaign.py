@@ -66,7 +66,7 @@ def test_interrupts_that_fail_are_told_where_the_emf_tells_nothing(study: Module
     motor = Motor.load("ipmsm_2200w")
     faults = (("missed", 0.5), ("doubled", 0.5), ("late", 1.0), ("gain", 0.5))
     plan = [study.Case(kind, size, 0.2) for kind, size in faults]
-    for estimator in ("coupled", "smo", "flux"):
+    for estimator in ("coupled", "smo", "unwrapped"):
         end = study.run(motor, DriveDesign(estimator=estimator), plan, range(101, 106))
         gone = study.harmed(end, lib.LOST_ANGLE)
         assert gone.any() and not (gone & study.unseen(end, motor.T_s)).any()
