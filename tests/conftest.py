@@ -29,7 +29,7 @@ from sensorless.pil.tools import missing_packages
 from sensorless.plots import figure
 from sensorless.table.ks_table import Axis, KsTable
 from tests.helpers.machines import MEASURED_MAP, knee_map
-from tests.helpers.objects import Failed, Objects
+from tests.helpers.objects import Failed, Objects, remove_unused
 from tests.helpers.scenarios import at_most, briefly, lasting
 
 SHIPPED_FLAGS, FULL_DPI, FULL_FIT = selftest.FLAGS, figure.DPI, fit.SIZE
@@ -135,9 +135,10 @@ def one_program() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def core_objects(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Objects]:
+def core_objects() -> Iterator[Objects]:
     """Self tests on export compile the same core and tests with the same flags once."""
-    objects = Objects(tmp_path_factory.mktemp("core"))
+    remove_unused()
+    objects = Objects()
     whole = selftest.compile_program
 
     def compile_program(

@@ -53,7 +53,7 @@ def made(
         done = selftest(folder, f"CC={compiler}", f"CFLAGS={level}")
         if not done.returncode:
             command = [compiler, *flags(folder / "Makefile", "FLAGS"), level]
-            core_objects.keep(folder / "core", command, folder / "build" / "core")
+            core_objects.take(folder / "core", command, folder / "build" / "core")
         return Made(folder, done)
 
     return make

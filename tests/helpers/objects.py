@@ -1,11 +1,22 @@
-"""Objects of the exported core, compiled once by every compiler with the same flags."""
+"""Objects of the exported core, compiled once by every compiler with the same flags.
+
+They stay in ``build/objects`` from one run of the tests to the next.
+"""
 
 import hashlib
+import os
 import re
 import shutil
 import subprocess
+import tempfile
+import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+
+BUILD = Path(__file__).resolve().parents[2] / "build" / "objects"
+UNUSED = 7 * 86400.0
+"""Time after which objects that no run has used are removed [s]."""
 
 Failed = subprocess.CompletedProcess
 LINKING = {"-r", "-nostdlib", "-no-pie"}
@@ -19,6 +30,37 @@ def flags(makefile: Path, *names: str) -> list[str]:
     return [word for (line,) in found for word in line.split()]
 
 
+def keep(made: Path, place: Path) -> None:
+    """Copy a folder of objects to its place, at once; another run may do the same."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    part = Path(tempfile.mkdtemp(dir=place.parent))
+    shutil.copytree(made, part, dirs_exist_ok=True)
+    with suppress(OSError):
+        part.rename(place)
+    shutil.rmtree(part, ignore_errors=True)
+
+
+def is_kept(place: Path) -> bool:
+    """Whether objects are there; a place that is asked for stays."""
+    with suppress(FileNotFoundError):
+        os.utime(place)
+        return True
+    return False
+
+
+def remove_unused() -> None:
+    """Remove what no run has asked for of late."""
+    for place in BUILD.glob("*"):
+        if place.stat().st_mtime < time.time() - UNUSED:
+            shutil.rmtree(place, ignore_errors=True)
+
+
+def program_of(command: str) -> str:
+    """A compiler and its version, as far as its file tells."""
+    program = Path(shutil.which(command) or command).resolve()
+    return f"{program} {program.stat().st_mtime_ns if program.exists() else 0}"
+
+
 @dataclass(frozen=True)
 class Objects:
     """Objects in a folder, by the text of the sources, the compiler and its flags.
@@ -26,14 +68,15 @@ class Objects:
     Warnings are no such flag: ``make selftest`` compiles with all of them at every level.
     """
 
-    folder: Path
+    folder: Path = BUILD
 
     def place(self, core: Path, command: list[str], *more: Path) -> Path:
         """Where the objects of a folder ``core``, or of ``more``, are kept under a command."""
-        program = Path(shutil.which(command[0]) or command[0]).resolve()
         levels = [word for word in command if word.startswith("-O")]
         others = {word for word in command[1:] if not word.startswith(("-O", "-W"))} - LINKING
-        digest = hashlib.sha256(repr([program, levels[-1:], sorted(others)]).encode())
+        digest = hashlib.sha256(
+            repr([program_of(command[0]), levels[-1:], sorted(others)]).encode()
+        )
         for path in [*sorted(core.glob("*.[ch]")), *more, *(p.with_suffix(".h") for p in more)]:
             digest.update(path.name.encode() + path.read_bytes())
         return self.folder / digest.hexdigest()
@@ -44,17 +87,16 @@ class Objects:
         Or of ``more``, sources that include headers of their own names and of the core.
         """
         place = self.place(core, command, *more)
-        if not place.is_dir():
-            place.mkdir()
+        if not is_kept(place):
             sources = map(str, more or sorted(core.glob("*.c")))
-            done = subprocess.run(
-                [*command, "-c", *sources], cwd=place, capture_output=True, text=True, check=False
-            )
-            if done.returncode:
-                shutil.rmtree(place)
-                return done
+            words = [*command, "-c", *sources]
+            with tempfile.TemporaryDirectory() as made:
+                done = subprocess.run(words, cwd=made, capture_output=True, text=True, check=False)
+                if done.returncode:
+                    return done
+                keep(Path(made), place)
         return sorted(place.glob("*.o"))
 
-    def keep(self, core: Path, command: list[str], made: Path) -> None:
+    def take(self, core: Path, command: list[str], made: Path) -> None:
         """Keep objects that ``make`` has made of ``core`` with this command."""
-        shutil.copytree(made, self.place(core, command), dirs_exist_ok=True)
+        keep(made, self.place(core, command))

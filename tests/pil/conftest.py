@@ -18,7 +18,7 @@ from sensorless.pil import identity, tools
 from sensorless.pil import pil as loop
 from sensorless.pil.pil import Report, pil
 from sensorless.table.ks_table import KsTable
-from tests.helpers.objects import Failed, Objects, flags
+from tests.helpers.objects import BUILD, Failed, Objects, flags, is_kept, keep, program_of
 from tests.helpers.scenarios import on_the_target
 
 
@@ -45,7 +45,6 @@ def kept_objects(
     tmp_path_factory: pytest.TempPathFactory, core_objects: Objects
 ) -> Iterator[Build]:
     """``build`` that takes objects of earlier images where the same sources are compiled again."""
-    kept = tmp_path_factory.mktemp("objects")
 
     @cache
     def around(exported: Path) -> list[Path]:
@@ -54,7 +53,7 @@ def kept_objects(
         own = [exported / name for name in names]
         own += [FIRMWARE / f"{name}.c" for name in ("pil", "pil_stages", "port_host")]
         include = [f"-I{path}" for path in (exported, exported / "core", exported / "test")]
-        place = Path(tempfile.mkdtemp(dir=kept))
+        place = tmp_path_factory.mktemp("around")
         words = ["cc", *flags(FIRMWARE / "Makefile", "BITS", "WARNINGS"), "-O0", *include]
         words += [f"-I{FIRMWARE}", "-c", *map(str, own)]
         subprocess.run(words, cwd=place, check=True)
@@ -75,19 +74,21 @@ def kept_objects(
             return host(exported, folder, level, cc)
         headers = [*(exported / "core").glob("*.h"), *FIRMWARE.glob("*.h")]
         sources = same_everywhere(exported)
-        digest = hashlib.sha256(level.encode())
-        for path in sorted(headers + sources, key=lambda path: path.name):
+        digest = hashlib.sha256(f"{level} {program_of(f'{tools.CROSS}gcc')}".encode())
+        for path in sorted([*headers, *sources, FIRMWARE / "Makefile"], key=lambda path: path.name):
             digest.update(path.read_bytes())
-        store = kept / digest.hexdigest()
+        store = BUILD / digest.hexdigest()
         wanted = {f"{path.stem}{end}" for path in sources for end in (".o", ".su")}
-        if store.is_dir():
+        known = is_kept(store)
+        if known:
             shutil.copytree(store, folder, copy_function=shutil.copyfile, dirs_exist_ok=True)
         image = tools.build(exported, folder, what, level, cc)
-        if not store.is_dir():
-            store.mkdir()
-            for path in folder.iterdir():
-                if path.name in wanted:
-                    shutil.copy(path, store)
+        if not known:
+            with tempfile.TemporaryDirectory() as made:
+                for path in folder.iterdir():
+                    if path.name in wanted:
+                        shutil.copy(path, made)
+                keep(Path(made), store)
         return image
 
     first: dict[Path, Path] = {}

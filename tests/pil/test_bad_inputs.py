@@ -31,7 +31,7 @@ def test_target_and_host_react_alike(
     with Device(qemu_command(image), tmp_path) as target, Device([str(program)]) as host:
         target.ask(Operation.START, begin)
         host.ask(Operation.START, begin)
-        for _ in range(120):
+        for _ in range(60):
             words = rng.integers(0, 2**32, (DRIVES, 5), dtype=np.uint32).view(np.float32)
             sane = rng.uniform([-9, -9, 400, -700, 0], [9, 9, 600, 700, 1], (DRIVES, 5))
             inputs = np.where(rng.random((DRIVES, 5)) < 0.2, words, sane.astype(np.float32))
