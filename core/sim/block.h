@@ -206,7 +206,7 @@ int32_t BLOCK_RUN(const block_run_t *run) {
             live &= ~over;
             apart = gains > 0 && block_moves(sims, all & ~live);
         }
-        if (!apart || done > gains) {
+        if (live != 0 && (!apart || done > gains)) {
             due = done;
             if (sim_set_due(sims, run->gains, run->count, done, run->periods)) {
                 block_load(&block, from, UNIT_CONTROL, UNIT_SENSOR);

@@ -56,6 +56,24 @@ def test_blocks_with_gains_equal_the_plain_loop(
     assert (expected["lost"] == 0).sum() > 5
 
 
+def test_a_block_that_ends_amid_a_decision_gets_each_gain_once() -> None:
+    motor = Motor.load("paper")
+    start = SimFactory(motor, DriveDesign()).build(
+        stress_1_scenarios(motor, np.arange(16, dtype=np.uint64))
+    )
+    start["k_end"] = 12
+    values = []
+    for plain in (False, True):
+        sims, obs = start.copy(), np.zeros((16, SIGNAL_N), np.float32)
+        gains = gain_records(sims, DEFAULT, 1e-3)
+        gains["wanted"] = -1.0
+        for _ in range(4):
+            sim_run(sims, 5, np.ones(16, np.float32), obs, gains, plain=plain, threads=1)
+        assert (sims["k"] == 12).all()
+        values.append(gains["value"])
+    assert (values[0] == values[1]).all()
+
+
 def run(go_on: bool, plain: bool) -> Array:
     sims = nervous(go_on)
     obs = np.zeros((N, SIGNAL_N), np.float32)
