@@ -29,7 +29,7 @@ from sensorless.pil.tools import missing_packages
 from sensorless.plots import figure
 from sensorless.table.ks_table import Axis, KsTable
 from tests.helpers.machines import MEASURED_MAP, knee_map
-from tests.helpers.objects import Failed, Objects, remove_unused
+from tests.helpers.objects import Failed, compiled, remove_unused
 from tests.helpers.scenarios import at_most, briefly, lasting
 
 SHIPPED_FLAGS, FULL_DPI, FULL_FIT = selftest.FLAGS, figure.DPI, fit.SIZE
@@ -135,10 +135,9 @@ def one_program() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def core_objects() -> Iterator[Objects]:
+def one_core() -> Iterator[None]:
     """Self tests on export compile the same core and tests with the same flags once."""
     remove_unused()
-    objects = Objects()
     whole = selftest.compile_program
 
     def compile_program(
@@ -148,7 +147,7 @@ def core_objects() -> Iterator[Objects]:
         tests = [path for path in sources if path.stem in ("arithmetic", "faults")]
         made = [path for path in sources if path not in [*core, *tests]]
         for more in ([], tests):
-            found = objects.of(core[0].parent, [*compiler, *selftest.FLAGS], *more)
+            found = compiled(core[0].parent, [*compiler, *selftest.FLAGS], *more)
             if isinstance(found, Failed):
                 return found
             made += found
@@ -156,7 +155,7 @@ def core_objects() -> Iterator[Objects]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(selftest, "compile_program", compile_program)
-        yield objects
+        yield
 
 
 @pytest.fixture

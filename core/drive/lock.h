@@ -8,9 +8,9 @@
  *            estimated speed leaves its own low-pass
  *   CURRENT  in a frame that is not the rotor's the EMF turns, and the torque current misses its
  *            reference
- *   ANSWER   an injected voltage moves the current no less than 60 degrees beside the d axis; one
- *            that does, or moves it the other way, did not act when the drive thinks, or the samples
- *            are wrong
+ *   ANSWER   an injected voltage moves the current along its axis, least where the axis is far off.
+ *            Where it moves it less than 60 degrees off, or the other way, the axis is wrong, the
+ *            voltage did not act when the drive thinks, or the samples are wrong
  *
  * An evaluation every n periods, in two parts in two periods in a row, neither of them the one in
  * which a schedule decides. Thresholds and reasons: docs/lock.md.

@@ -193,8 +193,8 @@ int32_t BLOCK_RUN(const block_run_t *run) {
     period_t period = block_loop(sims);
     int32_t gains = run->gains != 0 ? (int32_t)run->gains->n : 0;
     int32_t done = run->done;
-    int32_t due = done; /* gains of this period are in force */
-    int apart = gains > 0 && block_moves(sims, all & ~live);
+    int32_t due = done;                                      /* gains of this period are in force */
+    int apart = gains > 0 && block_moves(sims, all & ~live); /* that drive needs each gain, too */
     while (live != 0 && done < run->periods && due == done) {
         period(&block, wanted);
         done++;

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from sensorless.export.export import Exported
-from tests.helpers.objects import Failed, Objects, flags
+from tests.helpers.objects import Failed, compiled, flags, keep, place_of
 
 SANITIZERS = ("-O1", "-fsanitize=fuzzer-no-link,address,undefined", "-fno-sanitize-recover=all")
 """Flags of what the self test and the fuzzer run, by clang."""
@@ -42,9 +42,7 @@ Make = Callable[[str, str], Made]
 
 
 @pytest.fixture(scope="session")
-def made(
-    exported: Exported, tmp_path_factory: pytest.TempPathFactory, core_objects: Objects
-) -> Make:
+def made(exported: Exported, tmp_path_factory: pytest.TempPathFactory) -> Make:
     """``make selftest`` of a compiler at a level, once; its objects are there for other tests."""
 
     @cache
@@ -53,19 +51,19 @@ def made(
         done = selftest(folder, f"CC={compiler}", f"CFLAGS={level}")
         if not done.returncode:
             command = [compiler, *flags(folder / "Makefile", "FLAGS"), level]
-            core_objects.take(folder / "core", command, folder / "build" / "core")
+            keep(folder / "build" / "core", place_of(folder / "core", command))
         return Made(folder, done)
 
     return make
 
 
 @pytest.fixture(scope="session")
-def watched(exported: Exported, core_objects: Objects) -> list[Path]:
+def watched(exported: Exported) -> list[Path]:
     """Objects of the exported core with sanitizers; required where the environment says CI=true."""
     made: list[Path] | Failed[str] | None = None
     if shutil.which("clang"):
         how = ["clang", *flags(exported.folder / "Makefile", "FLAGS"), *SANITIZERS]
-        made = core_objects.of(exported.folder / "core", how)
+        made = compiled(exported.folder / "core", how)
     if isinstance(made, list):
         return made
     if os.environ.get("CI") == "true":

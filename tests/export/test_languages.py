@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from sensorless.export.export import Exported
-from tests.helpers.objects import Failed, Objects, flags
+from tests.helpers.objects import Failed, compiled, flags
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 PROGRAM = """
@@ -41,16 +41,14 @@ def test_headers_compile_without_a_warning(
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
-def test_a_cpp_program_links_with_the_core(
-    exported: Exported, tmp_path: Path, core_objects: Objects
-) -> None:
+def test_a_cpp_program_links_with_the_core(exported: Exported, tmp_path: Path) -> None:
     source = tmp_path / "main.cpp"
     source.write_text('#include "params.h"\n' + PROGRAM)
     made = list(exported.folder.glob("*.c"))
     objects = [str(tmp_path / f"{path.stem}.o") for path in made]
     how = ["gcc", *flags(exported.folder / "Makefile", "FLAGS"), "-O0"]
     subprocess.run([*how, "-c", *map(str, made)], cwd=tmp_path, check=True)
-    core = core_objects.of(exported.folder / "core", how)
+    core = compiled(exported.folder / "core", how)
     assert not isinstance(core, Failed), core.stderr
     objects += map(str, core)
     link = ["g++", "-std=c++20", f"-I{exported.folder}", str(source), *objects]

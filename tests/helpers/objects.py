@@ -11,7 +11,6 @@ import subprocess
 import tempfile
 import time
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 BUILD = Path(__file__).resolve().parents[2] / "build" / "objects"
@@ -51,8 +50,9 @@ def is_kept(place: Path) -> bool:
 def remove_unused() -> None:
     """Remove what no run has asked for of late."""
     for place in BUILD.glob("*"):
-        if place.stat().st_mtime < time.time() - UNUSED:
-            shutil.rmtree(place, ignore_errors=True)
+        with suppress(FileNotFoundError):  # another run may do the same
+            if place.stat().st_mtime < time.time() - UNUSED:
+                shutil.rmtree(place, ignore_errors=True)
 
 
 def program_of(command: str) -> str:
@@ -61,42 +61,30 @@ def program_of(command: str) -> str:
     return f"{program} {program.stat().st_mtime_ns if program.exists() else 0}"
 
 
-@dataclass(frozen=True)
-class Objects:
-    """Objects in a folder, by the text of the sources, the compiler and its flags.
+def place_of(core: Path, command: list[str], *more: Path) -> Path:
+    """Where the objects of a folder ``core``, or of ``more``, are kept under a command.
 
-    Warnings are no such flag: ``make selftest`` compiles with all of them at every level.
+    Warnings do not matter: ``make selftest`` compiles with all of them at every level.
     """
+    levels = [word for word in command if word.startswith("-O")]
+    others = {word for word in command[1:] if not word.startswith(("-O", "-W"))} - LINKING
+    digest = hashlib.sha256(repr([program_of(command[0]), levels[-1:], sorted(others)]).encode())
+    for path in [*sorted(core.glob("*.[ch]")), *more, *(p.with_suffix(".h") for p in more)]:
+        digest.update(path.name.encode() + path.read_bytes())
+    return BUILD / digest.hexdigest()
 
-    folder: Path = BUILD
 
-    def place(self, core: Path, command: list[str], *more: Path) -> Path:
-        """Where the objects of a folder ``core``, or of ``more``, are kept under a command."""
-        levels = [word for word in command if word.startswith("-O")]
-        others = {word for word in command[1:] if not word.startswith(("-O", "-W"))} - LINKING
-        digest = hashlib.sha256(
-            repr([program_of(command[0]), levels[-1:], sorted(others)]).encode()
-        )
-        for path in [*sorted(core.glob("*.[ch]")), *more, *(p.with_suffix(".h") for p in more)]:
-            digest.update(path.name.encode() + path.read_bytes())
-        return self.folder / digest.hexdigest()
+def compiled(core: Path, command: list[str], *more: Path) -> "list[Path] | Failed[str]":
+    """Objects of all sources in ``core``, or how the compiler failed.
 
-    def of(self, core: Path, command: list[str], *more: Path) -> "list[Path] | Failed[str]":
-        """Objects of all sources in ``core``, or how the compiler failed.
-
-        Or of ``more``, sources that include headers of their own names and of the core.
-        """
-        place = self.place(core, command, *more)
-        if not is_kept(place):
-            sources = map(str, more or sorted(core.glob("*.c")))
-            words = [*command, "-c", *sources]
-            with tempfile.TemporaryDirectory() as made:
-                done = subprocess.run(words, cwd=made, capture_output=True, text=True, check=False)
-                if done.returncode:
-                    return done
-                keep(Path(made), place)
-        return sorted(place.glob("*.o"))
-
-    def take(self, core: Path, command: list[str], made: Path) -> None:
-        """Keep objects that ``make`` has made of ``core`` with this command."""
-        keep(made, self.place(core, command))
+    Or of ``more``, sources that include headers of their own names and of the core.
+    """
+    place = place_of(core, command, *more)
+    if not is_kept(place):
+        words = [*command, "-c", *map(str, more or sorted(core.glob("*.c")))]
+        with tempfile.TemporaryDirectory() as made:
+            done = subprocess.run(words, cwd=made, capture_output=True, text=True, check=False)
+            if done.returncode:
+                return done
+            keep(Path(made), place)
+    return sorted(place.glob("*.o"))

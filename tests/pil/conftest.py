@@ -18,7 +18,7 @@ from sensorless.pil import identity, tools
 from sensorless.pil import pil as loop
 from sensorless.pil.pil import Report, pil
 from sensorless.table.ks_table import KsTable
-from tests.helpers.objects import BUILD, Failed, Objects, flags, is_kept, keep, program_of
+from tests.helpers.objects import BUILD, Failed, compiled, flags, is_kept, keep, program_of
 from tests.helpers.scenarios import on_the_target
 
 
@@ -41,9 +41,7 @@ def same_everywhere(exported: Path) -> list[Path]:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def kept_objects(
-    tmp_path_factory: pytest.TempPathFactory, core_objects: Objects
-) -> Iterator[Build]:
+def kept_objects(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Build]:
     """``build`` that takes objects of earlier images where the same sources are compiled again."""
 
     @cache
@@ -62,7 +60,7 @@ def kept_objects(
     def host(exported: Path, folder: Path, level: str, cc: str) -> Path:
         """As the makefile does it; ``test_bad_inputs`` has one that the makefile builds."""
         how = [cc, *flags(FIRMWARE / "Makefile", "BITS", "WARNINGS"), *level.split()]
-        core = core_objects.of(exported / "core", how)
+        core = compiled(exported / "core", how)
         assert not isinstance(core, Failed), core.stderr
         folder.mkdir()
         words = [*how, *map(str, [*around(exported), *core])]

@@ -11,7 +11,6 @@ from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
-from sensorless.observers.hfi_design import hf_current
 
 Call = Callable[..., None]
 
@@ -108,50 +107,6 @@ def test_a_ramp_of_the_current_is_no_residual(c: Call) -> None:
     rows[:, 2] = slope / PARAMS["inv_t"] * np.arange(1, 61)
     rows[:, 1] = MOTOR.L_q * slope + MOTOR.R_s * rows[:, 2]
     assert abs(evaluate(c, rows)["residual"]) < 0.01 * MOTOR.L_q * slope
-
-
-WEAK = Motor.load("ipmsm_2200w")
-
-
-def answered(
-    c: Call, parts: list[tuple[float, float, float]], estimator: str = "coupled", k_s: float = 1.0
-) -> Array:
-    """State after parts of a time [s], a share of the current at no load, and whether it counts."""
-    params = control_record(WEAK, DriveDesign(estimator=estimator))["lock"].reshape(1)
-    state, every = np.zeros(1, dtype=struct_dtype("lock_state_t")), float(1.0 / params["inv_t"][0])
-    for seconds, share, valid in parts:
-        row = [share * hf_current(WEAK), valid, WEAK.u_inj, k_s]
-        rows = np.array([row] * round(seconds / every), dtype=np.float32)
-        c("lock_answer", params.copy(), state, rows, len(rows))
-    (row,) = state
-    return np.asarray(row)
-
-
-@pytest.mark.parametrize(
-    ("delta", "told"), [(0, False), (30, False), (57, False), (63, True), (90, True)]
-)
-def test_which_angles_the_answer_tells(c: Call, delta: int, told: bool) -> None:
-    """At rest and at any speed: a rotor beside the injected axis answers with less current."""
-    off = np.sin(np.deg2rad(delta)) ** 2
-    x = answered(c, [(0.2, 1.0 - off + off * WEAK.L_d / WEAK.L_q, 1.0)])
-    assert x["alarm"] == told
-    assert x["reason"] == (lib.LOCK_ANSWER if told else 0)
-
-
-def test_an_answer_the_other_way_is_told_at_once_and_ends_with_the_injection(c: Call) -> None:
-    """A voltage that acts a period late has the wrong sign."""
-    assert answered(c, [(0.1, 1.0, 1.0), (0.005, -1.0, 1.0)])["alarm"] == 1
-    x = answered(c, [(0.1, -1.0, 1.0), (0.04, -1.0, 0.0)])
-    assert x["alarm"] == 0 and x["alarms"] == 1
-    assert x["reason"] == lib.LOCK_ANSWER
-
-
-@pytest.mark.parametrize("estimator", ["coupled", "errors", "smo", "flux", "unwrapped"])
-def test_the_answer_counts_where_its_axis_is_that_of_the_estimate(c: Call, estimator: str) -> None:
-    """In a blend of two angles while injection's is most of it; where there is one, always."""
-    for k_s in (0.1, 0.6):
-        told = k_s > 0.5 or estimator in ("coupled", "errors")
-        assert answered(c, [(0.1, 0.0, 1.0)], estimator, k_s)["alarm"] == told
 
 
 def at_speed(share: float, load: float, motor: Motor = MOTOR, **settings: Any) -> Array:

@@ -51,7 +51,7 @@ def test_blocks_with_gains_equal_the_plain_loop(
 ) -> None:
     sims, expected = (run_with_gains(plain, periods) for plain in (False, True))
     assert state_bytes(sims) == state_bytes(expected)
-    assert (sims["control"]["hfi"]["u_inj"] == expected["control"]["hfi"]["u_inj"]).all()
+    assert len(np.unique(expected["control"]["hfi"]["u_inj"])) == N, "each has gains of its own"
     assert (expected["drive"]["x"]["lock"]["restarts"] > 0).any()
     assert (expected["lost"] == 0).sum() > 5
 
