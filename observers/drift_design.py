@@ -7,6 +7,7 @@ import math
 from typing import Any
 
 from sensorless.machine.motor import Motor
+from sensorless.observers.hfi_design import hf_current
 from sensorless.observers.match_design import learning_time
 from sensorless.observers.smo_design import low_pass
 from sensorless.observers.tracking import voltage_drift
@@ -25,8 +26,24 @@ error of the inductance drifts as fast as both."""
 TURN_CURRENT = 0.5
 """Torque current over rated up to which the odd drift that is not dead time is in proportion to
 it, as a resistance's is; beyond, it is that of half the current."""
-ZERO_SHARE = 0.02
-"""Current over rated up to which the dead time's effect depends on the current's size."""
+HAND_OVER = 0.2
+"""Speed over rated at which the EMF's pulses are taken: that of the hand-over."""
+
+
+def zero_current(motor: Motor) -> float:
+    """Current of a leg [A] up to which a dead time takes less than its whole voltage.
+
+    Three things make it, added as independent ones: the dead time of a period stops a current of up
+    to (2/3) u_dc t_d / L_d, but does not turn it; and injection and pulses move the current through
+    zero between the two edges of a leg, from the middle of the period to each edge by
+    u_inj T_s / (4 L_d) and, where the current crosses zero with its phase's EMF, by
+    sqrt(3)/12 omega psi_f T_s / L_d.
+    """
+    stopped = 2.0 / 3.0 * motor.u_dc * motor.dead_time / motor.L_d
+    injection = 0.5 * hf_current(motor)
+    emf = HAND_OVER * motor.omega_rated * motor.psi_f
+    pulses = math.sqrt(3.0) / 12.0 * emf * motor.T_s / motor.L_d
+    return math.hypot(stopped, injection, pulses)
 
 
 def design_drift(
@@ -54,7 +71,7 @@ def design_drift(
         "most": 2.0 * dead_time + resistance,
         "alpha": low_pass(injection / (2.0 * math.pi), learning_time(motor)),
         "inv_omega": inductance / (BOTH * math.hypot(dead_time, resistance)),
-        "inv_i_true": 1.0 / (ZERO_SHARE * motor.i_rated),
+        "inv_i_true": 1.0 / zero_current(motor),
         "inv_i_turn": 1.0 / (TURN_CURRENT * motor.i_rated),
         "u_dt": u_dt,
         "u_dt_i": u_dt * inv_i_comp,
