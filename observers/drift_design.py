@@ -18,14 +18,14 @@ MOST_DEAD_TIME = 1.5
 """Largest dead time over the file's: drivers and switches add delays of their own."""
 R_S_ERROR = 0.5
 """Error of the resistance over the file's: copper has half as much again at +130 K."""
+LEARNED_R_S = 0.25
+"""Largest error of the resistance that is learned, over the file's: copper at +65 K. On a machine
+with much dead time, errors of the injection go here, too."""
 L_Q_ERROR = 0.15
 """Error of the q inductance over the file's, which the observers take too low on purpose."""
 BOTH = 2.0
 """Speed from which no error is taken for one of dead time or resistance, over that at which an
 error of the inductance drifts as fast as both."""
-TURN_CURRENT = 0.5
-"""Torque current over rated up to which the odd drift that is not dead time is in proportion to
-it, as a resistance's is; beyond, it is that of half the current."""
 HAND_OVER = 0.2
 """Speed over rated at which the EMF's pulses are taken: that of the hand-over."""
 
@@ -51,9 +51,8 @@ def design_drift(
 ) -> dict[str, Any]:
     """Fields of ``drift_params_t``.
 
-    The odd drift has two causes with standard deviations in the ratio of ``voltage_drift`` v and
-    ``R_S_ERROR`` R_s i / psi_f at rated current; dead time takes its share of the sum of squares,
-    which is the least-squares estimate from the sum.
+    Under torque the drift has two causes, whose standard deviations at rated current have the
+    ratio of ``voltage_drift`` v to ``R_S_ERROR`` R_s i / psi_f.
 
     Parameters
     ----------
@@ -64,18 +63,19 @@ def design_drift(
     """
     dead_time = voltage_drift(motor)
     resistance = R_S_ERROR * motor.R_s * motor.i_rated / motor.psi_f
-    share = dead_time**2 / (dead_time**2 + resistance**2)
     inductance = L_Q_ERROR * motor.L_q * motor.i_rated / motor.psi_f
     return {
         "k": injection**2 * motor.T_s,
         "most": 2.0 * dead_time + resistance,
+        "res_most": LEARNED_R_S / R_S_ERROR * resistance,
         "alpha": low_pass(injection / (2.0 * math.pi), learning_time(motor)),
         "inv_omega": inductance / (BOTH * math.hypot(dead_time, resistance)),
         "inv_i_true": 1.0 / zero_current(motor),
-        "inv_i_turn": 1.0 / (TURN_CURRENT * motor.i_rated),
+        "inv_i": 1.0 / motor.i_rated,
+        "dead_share": dead_time**2 / (dead_time**2 + resistance**2),
         "u_dt": u_dt,
         "u_dt_i": u_dt * inv_i_comp,
-        "to_loss": share * LEG * motor.psi_f,
+        "to_loss": LEG * motor.psi_f,
         "from_loss": 1.0 / (LEG * motor.psi_f),
         "loss_max": MOST_DEAD_TIME * motor.u_dc * motor.dead_time / motor.T_s,
     }

@@ -72,7 +72,8 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     int fresh = !led || !(y->valid > 0.0f);
     ab_t i_m = {0.5f * (i_ab.a + x->i_1.a), 0.5f * (i_ab.b + x->i_1.b)};
     const drift_params_t *d = &p->drift;
-    ab_t u_x = dead_time_excess(d->u_dt, d->u_dt_i, x->drift.loss, x->drift.loss_i, i_m);
+    float loss = x->drift.loss;
+    ab_t u_x = dead_time_excess(d->u_dt, d->u_dt_i, loss, d->inv_i_true * loss, i_m);
     ab_t psi_ab = {x->psi.a + T_s * (u_ab.a + u_x.a - p->R_s * i_m.a),
                    x->psi.b + T_s * (u_ab.b + u_x.b - p->R_s * i_m.b)};
 
