@@ -9,7 +9,8 @@ static coupled_params_t some_coupled(int j) {
     p.load_max = j % 5 ? 900.0f : 3.0f, p.alpha_rise = 0.2f, p.eps_rise = 0.05f, p.rise = 3.0f;
     p.rise_max = j % 2 ? 1.5f : 0.2f, p.inv_slope = 1.3f, p.k_h = 0.004f;
     p.drift.k = 0.03f, p.drift.most = j % 7 ? 5.0f : 0.3f, p.drift.alpha = 0.1f;
-    p.drift.inv_omega = 0.005f, p.drift.inv_i_true = 9.0f, p.drift.inv_i_turn = 0.4f;
+    p.drift.inv_omega = 0.005f, p.drift.inv_i_true = 9.0f, p.drift.inv_i = 0.3f;
+    p.drift.res_most = j % 5 < 3 ? 4.0f : 0.2f, p.drift.dead_share = 0.4f;
     p.drift.u_dt = 6.0f, p.drift.u_dt_i = 18.0f, p.drift.to_loss = j % 5 ? 0.5f : 4.0f;
     p.drift.from_loss = 1.5f, p.drift.loss_max = 11.0f;
     p.omega_floor = 30.0f, p.omega_max = j % 6 ? 700.0f : 250.0f;
@@ -23,7 +24,7 @@ static vec_t excess(const drift_params_t *p, const drift_state_t *x, vec_t i) {
         double own = creal(i * conj(axis));
         sum += 2.0 / 3.0 * axis *
                (bounded(own * (double)p->u_dt_i, (double)p->u_dt) -
-                bounded(own * (double)x->loss_i, (double)x->loss));
+                bounded(own * (double)x->loss * (double)p->inv_i_true, (double)x->loss));
     }
     return sum;
 }
@@ -37,21 +38,26 @@ static void drift(const drift_params_t *p, const drift_state_t *was, const drift
     double sign = (double)was->sign;
     sign += (double)p->alpha * (slow * bounded(i_q * (double)p->inv_i_true, 1.0) - sign);
     double most = (double)p->most, k = (double)p->k;
-    double odd = bounded((double)was->odd + k * sign * sum, most);
     double even = bounded((double)was->even + k * (1.0 - sign * sign) * sum, most);
-    double loss = (double)p->u_dt - (double)p->to_loss * odd;
+    /* gain of two integrators whose outputs, the second times the current, add up to one */
+    double i = fmin(fabs(i_q) * (double)p->inv_i, 1.0);
+    double var[2] = {(double)p->dead_share, 1.0 - (double)p->dead_share};
+    double part = var[0] / (var[0] + var[1] * i * i);
+    double by_i = i * var[1] / (var[0] + var[1] * i * i);
+    double dead = bounded((double)was->dead + part * k * sign * sum, most);
+    double res = bounded((double)was->res + by_i * k * sign * sum, (double)p->res_most);
+    double loss = (double)p->u_dt - (double)p->to_loss * dead;
     loss = fmin(fmax(loss, 0.0), (double)p->loss_max);
-    double rest = odd + (double)p->from_loss * (loss - (double)p->u_dt);
-    const drift_state_t want = {
-        (float)odd,  (float)even, (float)sign, (float)loss, (float)(loss * (double)p->inv_i_true),
-        (float)rest, 0.0f};
+    double turn = res + dead + (double)p->from_loss * (loss - (double)p->u_dt);
+    const drift_state_t want = {(float)dead, (float)res,  (float)even, (float)sign,
+                                (float)loss, (float)turn, 0.0f};
     const drift_state_t *y = now ? &want : was;
-    check("drift: odd", fabs((double)(x->odd - y->odd)) < 2e-6);
+    check("drift: dead time", fabs((double)(x->dead - y->dead)) < 2e-6);
+    check("drift: resistance", fabs((double)(x->res - y->res)) < 2e-6);
     check("drift: even", fabs((double)(x->even - y->even)) < 2e-6);
     check("drift: sign", fabs((double)(x->sign - y->sign)) < 1e-6);
     check("drift: loss", fabs((double)(x->loss - y->loss)) < 1e-5);
-    check("drift: slope", fabs((double)(x->loss_i - y->loss_i)) < 1e-4);
-    check("drift: rest", fabs((double)(x->rest - y->rest)) < 2e-5);
+    check("drift: turn", fabs((double)(x->turn - y->turn)) < 2e-5);
 }
 
 static void one(int j) {
@@ -61,9 +67,9 @@ static void one(int j) {
     x.psi.a = draw_f(-1, 1), x.psi.b = draw_f(-1, 1);
     x.i_1.a = draw_f(-5, 5), x.i_1.b = draw_f(-5, 5);
     x.load = draw_f(-3, 3), x.eps_f = draw_f(-0.4, 0.4);
-    x.drift.odd = draw_f(-5, 5), x.drift.even = draw_f(-5, 5), x.drift.sign = draw_f(-1, 1);
-    x.drift.loss = draw_f(0, 11), x.drift.loss_i = 9.0f * x.drift.loss;
-    x.drift.rest = draw_f(-5, 5), x.drift.sum = draw_f(-0.1, 0.1);
+    x.drift.dead = draw_f(-5, 5), x.drift.even = draw_f(-5, 5), x.drift.sign = draw_f(-1, 1);
+    x.drift.res = draw_f(-4, 4), x.drift.loss = draw_f(0, 11);
+    x.drift.turn = draw_f(-5, 5), x.drift.sum = draw_f(-0.1, 0.1);
     float w = j % 3 ? draw_f(-240, 240) : draw_f(-33, 33);
     emf_estimate_t y = {{draw_f(-3, 3), w}, {0, 0}, 0, j % 8 ? 1.0f : 0.0f};
     ab_t i = {draw_f(-5, 5), draw_f(-5, 5)}, u = {draw_f(-200, 200), draw_f(-200, 200)};
@@ -97,8 +103,8 @@ static void one(int j) {
     double gain = 2.0 * ((double)p.gain_0 + (double)p.gain_w * fabs((double)w)) * slide;
     double e_i = bounded((double)p.inv_slope * (double)err, 1.0);
     double e_h = (double)k_s * e_i;
-    double part = bounded(cimag(c) * (double)p.drift.inv_i_turn, 1.0);
-    double away = (double)was.drift.even + (double)was.drift.rest * part;
+    double part = bounded(cimag(c) * (double)p.drift.inv_i, 1.0);
+    double away = (double)was.drift.even + (double)was.drift.turn * part;
     double load = bounded((double)was.load + T * (double)p.k_l * eps, (double)p.load_max);
     double eps_f = (double)was.eps_f + (double)p.alpha_rise * (eps - (double)was.eps_f);
     double more = (double)p.rise * (fabs(eps_f) - (double)p.eps_rise);

@@ -194,9 +194,8 @@ static void begins(void) {
     for (unsigned k = 0; k < sizeof x / sizeof *w; k++) {
         sum += fabs((double)w[k]);
     }
-    const drift_params_t *d = &PARAMS[4].coupled.drift;
     double ready = fabs((double)x.control.i_int);
-    ready += (double)d->u_dt * (1.0 + (double)d->inv_i_true); /* lost as the drive compensates */
+    ready += (double)PARAMS[4].coupled.drift.u_dt; /* lost as the drive compensates */
     check("init: nothing else", near(sum, 5.0 * 1.0 + 8.0 * 50.0 + 2.0 * 0.25 + 1.0 + ready, 1e-5));
     check("init: no fault", x.fault == 0 && x.check == 0 && x.start.phase == START_DONE);
 }

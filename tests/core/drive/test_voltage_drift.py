@@ -13,7 +13,7 @@ from sensorless.machine.motor import Motor
 
 Call = Callable[..., None]
 Floats = NDArray[np.float64]
-ODD, EVEN, LOSS, TURN = range(4)
+DEAD, RES, EVEN, LOSS, TURN = range(5)
 MACHINES = ("paper", "pmsyrm_5600w", "brusa_hsm1", "formula_wheel", "ebike_hub")
 
 
@@ -23,7 +23,7 @@ def params(motor: Motor) -> Array:
 
 
 class Learned:
-    """Rows (n, 4) of odd, even, voltage lost, turn, for errors of the injection [rad]."""
+    """Rows (n, 5) of the drifts, voltage lost, turn, for errors of the injection [rad]."""
 
     def __init__(self, c: Call, motor: Motor) -> None:
         self.c, self.p = c, params(motor)
@@ -33,7 +33,7 @@ class Learned:
     def run(self, err: Floats, i_q: Floats | float, omega: float = 0.0, every: int = 1) -> Floats:
         """Go on for the errors (n,) with torque current [A] and electrical speed [rad/s]."""
         n = len(err)
-        out = np.zeros((n, 4), dtype=np.float32)
+        out = np.zeros((n, 5), dtype=np.float32)
         columns = (np.broadcast_to(y, n).astype(np.float32) for y in (err, i_q, omega))
         self.c("drift", self.p, self.x, *columns, every, out, n)
         return out.astype(np.float64)
@@ -44,30 +44,53 @@ def settle(learned: Learned, motor: Motor, sign: float = 1.0) -> None:
     learned.run(np.zeros(20 * round(1.0 / float(learned.p["alpha"][0]))), sign * motor.i_rated)
 
 
+@pytest.mark.parametrize("share", [0.3, 1.0])
 @pytest.mark.parametrize("name", MACHINES)
-def test_under_torque_the_odd_drift_takes_all(c: Call, name: str) -> None:
+def test_under_torque_dead_time_and_resistance_take_all(c: Call, name: str, share: float) -> None:
     """One integrator of the injection's error; lost voltage and turn add up to its value."""
     motor = Motor.load(name)
     learned = Learned(c, motor)
     settle(learned, motor)
     k, u_dt = float(learned.p["k"][0]), float(learned.p["u_dt"][0])
-    err = np.full(50, 0.1 * float(learned.p["most"][0]) / (50 * k))
-    out = learned.run(err, motor.i_rated)
-    assert out[:, ODD] == pytest.approx(k * np.cumsum(err), rel=1e-3)
-    assert np.abs(out[:, EVEN]).max() < 1e-3 * out[-1, ODD]
+    err = np.full(50, 0.1 * float(learned.p["res_most"][0]) / (50 * k))
+    out = learned.run(err, share * motor.i_rated)
+    total = k * np.cumsum(err)
+    assert out[:, DEAD] + share * out[:, RES] == pytest.approx(total, rel=1e-3)
+    assert np.abs(out[:, EVEN]).max() < 1e-3 * total[-1]
     by_loss = (u_dt - out[:, LOSS]) * 4.0 / 3.0 / motor.psi_f
-    assert out[:, TURN] + by_loss == pytest.approx(out[:, ODD], rel=2e-4)
+    assert out[:, TURN] + by_loss == pytest.approx(total, rel=1e-3)
 
 
-def test_dead_time_and_resistance_share_by_their_variances(c: Call, motor: Motor) -> None:
-    """Paper's motor: v = U_dc t_d/T_s/psi_f, and half of R_s i/psi_f at rated current."""
+@pytest.mark.parametrize("share", [0.2, 0.5, 1.0])
+def test_dead_time_and_resistance_share_by_their_variances(
+    c: Call, motor: Motor, share: float
+) -> None:
+    """Paper's motor: v = U_dc t_d/T_s/psi_f, and half of R_s i/psi_f at the present current."""
     learned = Learned(c, motor)
     settle(learned, motor)
-    out = learned.run(np.full(40, 1e-3), motor.i_rated)
+    out = learned.run(np.full(40, 1e-3), share * motor.i_rated)[-1]
     v = motor.u_dc * motor.dead_time / motor.T_s / motor.psi_f
-    r = 0.5 * motor.R_s * motor.i_rated / motor.psi_f
-    lost = (float(learned.p["u_dt"][0]) - out[-1, LOSS]) * 4.0 / 3.0 / motor.psi_f
-    assert lost / out[-1, ODD] == pytest.approx(v**2 / (v**2 + r**2), rel=1e-3)
+    r = 0.5 * motor.R_s * share * motor.i_rated / motor.psi_f
+    assert out[DEAD] / (out[DEAD] + share * out[RES]) == pytest.approx(
+        v**2 / (v**2 + r**2), rel=1e-3
+    )
+    lost = (float(learned.p["u_dt"][0]) - out[LOSS]) * 4.0 / 3.0 / motor.psi_f
+    assert lost == pytest.approx(out[DEAD], rel=1e-3)
+
+
+def test_currents_of_several_sizes_tell_dead_time_from_resistance(c: Call, motor: Motor) -> None:
+    """The error is what is left of a drift by both; the load changes at random, ten a second."""
+    learned = Learned(c, motor)
+    v = motor.u_dc * motor.dead_time / motor.T_s / motor.psi_f
+    true = np.array([-0.4 * v, 0.2 * motor.R_s * motor.i_rated / motor.psi_f])
+    out = np.zeros(5)
+    rng = np.random.default_rng(5)
+    steps = round(0.1 / motor.T_s / 100)
+    for load in rng.uniform(0.1, 1.0, 300):
+        for _ in range(steps):  # injection turns the flux back in proportion to what is left
+            left = true[0] - out[DEAD] + load * (true[1] - out[RES])
+            out = learned.run(np.full(100, 1e-2 * left), load * motor.i_rated)[-1]
+    assert out[[DEAD, RES]] == pytest.approx(true, abs=0.05 * np.abs(true).max())
 
 
 def test_a_reversal_of_torque_turns_the_flux_the_other_way_at_once(c: Call, motor: Motor) -> None:
@@ -90,7 +113,8 @@ def test_else_the_even_drift_takes_all(c: Call, motor: Motor, case: str) -> None
     omega = 1.0 / float(learned.p["inv_omega"][0]) if case == "at speed" else 0.0
     err = np.full(n, 1e-5) + (2e-5 * swing if case == "swing" else 0.0)
     out = learned.run(err, i_q, omega)
-    assert abs(out[-1, ODD]) < (0.2 if case == "swing" else 1e-6) * out[-1, EVEN]
+    by_torque = abs(out[-1, DEAD]) + abs(out[-1, RES])
+    assert by_torque < (0.2 if case == "swing" else 1e-6) * out[-1, EVEN]
     assert out[-1, EVEN] > 0.7 * float(learned.p["k"][0]) * err.sum()
 
 
@@ -110,6 +134,8 @@ def test_bounds(c: Call, name: str) -> None:
         settle(learned, motor)
         out = learned.run(np.full(4000, sign), motor.i_rated)
         most = float(learned.p["most"][0])
-        assert out[-1, ODD] == pytest.approx(sign * most) and abs(out[-1, EVEN]) <= most
+        assert out[-1, DEAD] == pytest.approx(sign * most) and abs(out[-1, EVEN]) <= most
+        quarter = 0.25 * motor.R_s * motor.i_rated / motor.psi_f
+        assert out[-1, RES] == pytest.approx(sign * quarter)
         full = motor.u_dc * motor.dead_time / motor.T_s
         assert 0.0 <= out[-1, LOSS] <= 1.5 * full * (1.0 + 1e-6)
