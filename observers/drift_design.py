@@ -19,8 +19,7 @@ MOST_DEAD_TIME = 1.5
 R_S_ERROR = 0.5
 """Error of the resistance over the file's: copper has half as much again at +130 K."""
 LEARNED_R_S = 0.25
-"""Largest error of the resistance that is learned, over the file's: copper at +65 K. On a machine
-with much dead time, errors of the injection go here, too."""
+"""Largest error of the resistance that is learned, over the file's: copper at +65 K."""
 L_Q_ERROR = 0.15
 """Error of the q inductance over the file's, which the observers take too low on purpose."""
 BOTH = 2.0
@@ -52,7 +51,8 @@ def design_drift(
     """Fields of ``drift_params_t``.
 
     Under torque the drift has two causes, whose standard deviations at rated current have the
-    ratio of ``voltage_drift`` v to ``R_S_ERROR`` R_s i / psi_f.
+    ratio of ``voltage_drift`` v to ``R_S_ERROR`` R_s i / psi_f. Dead time also makes the injection
+    err, which looks like a resistance, so less of one is believed where dead time is most of both.
 
     Parameters
     ----------
@@ -64,15 +64,16 @@ def design_drift(
     dead_time = voltage_drift(motor)
     resistance = R_S_ERROR * motor.R_s * motor.i_rated / motor.psi_f
     inductance = L_Q_ERROR * motor.L_q * motor.i_rated / motor.psi_f
+    share = dead_time**2 / (dead_time**2 + resistance**2)
     return {
         "k": injection**2 * motor.T_s,
         "most": 2.0 * dead_time + resistance,
-        "res_most": LEARNED_R_S / R_S_ERROR * resistance,
+        "res_most": min(LEARNED_R_S / R_S_ERROR, 1.0 - share) * resistance,
         "alpha": low_pass(injection / (2.0 * math.pi), learning_time(motor)),
         "inv_omega": inductance / (BOTH * math.hypot(dead_time, resistance)),
         "inv_i_true": 1.0 / zero_current(motor),
         "inv_i": 1.0 / motor.i_rated,
-        "dead_share": dead_time**2 / (dead_time**2 + resistance**2),
+        "dead_share": share,
         "u_dt": u_dt,
         "u_dt_i": u_dt * inv_i_comp,
         "to_loss": LEG * motor.psi_f,

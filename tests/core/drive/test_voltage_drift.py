@@ -136,6 +136,6 @@ def test_bounds(c: Call, name: str) -> None:
         most = float(learned.p["most"][0])
         assert out[-1, DEAD] == pytest.approx(sign * most) and abs(out[-1, EVEN]) <= most
         quarter = 0.25 * motor.R_s * motor.i_rated / motor.psi_f
-        assert out[-1, RES] == pytest.approx(sign * quarter)
+        assert 0.0 < sign * out[-1, RES] <= quarter * (1.0 + 1e-6)
         full = motor.u_dc * motor.dead_time / motor.T_s
         assert 0.0 <= out[-1, LOSS] <= 1.5 * full * (1.0 + 1e-6)
