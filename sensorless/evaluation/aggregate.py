@@ -72,7 +72,7 @@ def mean_of(values: Mapping[str, Floats], rows: Bools, seed: int) -> dict[str, A
     defined = {}
     for name, x in values.items():
         known = x[rows & np.isfinite(x)]
-        out[name] = float(np.mean(known)) if len(known) else math.nan
+        out[name] = float(np.mean(known, dtype=np.float64)) if len(known) else math.nan
         out[f"{name}_ci"] = mean_interval(known, seed)
         defined[name] = len(known)
     return {**out, "defined": defined}
