@@ -1,7 +1,7 @@
 """Compare a schedule that learned on random machines with tuned linear rules on real ones.
 
     python studies/motors_study.py
-    python studies/motors_study.py --estimator coupled --policy reference logistic-coupled-tuned \
+    python studies/motors_study.py --estimator coupled --policy linear-coupled-tuned \
         --against best eq25 --motor brusa_hsm1 ebike_hub formula_wheel ipmsm_2200w pmsrm_15kw \
         pmsyrm_5600w --size 400 --out results/studies/zero_shot.json
 
@@ -23,6 +23,7 @@ from typing import Any
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
+from sensorless.errors import UserError
 from sensorless.evaluation.aggregate import paired, summary
 from sensorless.evaluation.evaluate import Scores, score
 from sensorless.files import write_atomic
@@ -159,4 +160,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except UserError as error:
+        raise SystemExit(f"error: {error}") from None
