@@ -1,8 +1,18 @@
 """User errors, which the command line shows as one line without a traceback."""
 
+from collections.abc import Callable
+
 
 class UserError(ValueError):
     """Wrong input: the message names the field and its value, and says what to do."""
+
+
+def in_one_line(main: Callable[[], None]) -> None:
+    """Run a script; a user's error ends it with status 1 and one line instead of a traceback."""
+    try:
+        main()
+    except UserError as error:
+        raise SystemExit(f"error: {error}") from None
 
 
 LONGEST = 80

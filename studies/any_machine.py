@@ -21,6 +21,7 @@ from sensorless.design.words import design_from
 from sensorless.envs.scenarios.machine_family import NAME, family
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
+from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import summary
 from sensorless.evaluation.evaluate import score
 from sensorless.files import write_atomic
@@ -95,4 +96,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

@@ -23,6 +23,7 @@ from sensorless.agents.train.train import train
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
+from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import Scores, score
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
@@ -114,4 +115,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from sensorless.design.drive import DriveDesign
+from sensorless.errors import in_one_line
 from sensorless.export.judge import judge_export
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.motor import MOTORS, Motor
@@ -79,4 +80,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

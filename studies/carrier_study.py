@@ -22,6 +22,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.design.records import plant_record, sensor_record
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
+from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import paired, summary
 from sensorless.evaluation.evaluate import score
 from sensorless.files import ensure_writable, write_atomic
@@ -152,4 +153,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

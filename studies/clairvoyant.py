@@ -26,6 +26,7 @@ from sensorless.decision import decision_time
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.frozen import FROZEN, MOTOR, SEED
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.errors import in_one_line
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.rollout import Floats, Rollout, rollout
@@ -249,4 +250,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

@@ -29,6 +29,7 @@ from sensorless.decision import decision_periods
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.stress import stress_1_scenarios
+from sensorless.errors import in_one_line
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.versions import versions
@@ -190,4 +191,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

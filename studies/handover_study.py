@@ -24,6 +24,7 @@ from sensorless.baselines.logistic import RULE
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, suite
+from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import paired, summary
 from sensorless.evaluation.evaluate import Scores, score
 from sensorless.evaluation.metrics.ripple import HANDOVER, torque_ripple_window
@@ -156,4 +157,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

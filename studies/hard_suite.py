@@ -12,6 +12,7 @@ from pathlib import Path
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.finds import HARD, text_of
 from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.errors import in_one_line
 from sensorless.falsify.minimise import minimise
 from sensorless.falsify.search import search
 from sensorless.files import write_atomic
@@ -48,4 +49,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

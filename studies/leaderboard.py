@@ -24,6 +24,7 @@ from scipy.stats import binomtest
 
 from sensorless.envs.scenarios.frozen import FROZEN, MOTOR, SEED, Frozen
 from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import mean_interval, summary
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.objective import LOST_WEIGHT
@@ -292,4 +293,4 @@ def store(rows: Sequence[Row], each: Mapping[str, Short]) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

@@ -42,6 +42,7 @@ from sensorless.agents.train.train import new_model
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
+from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.over_seeds import contrast, survived
 from sensorless.files import write_atomic
@@ -282,4 +283,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

@@ -26,6 +26,7 @@ from sensorless.decision import decision_time
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SUITES, SuiteRows
+from sensorless.errors import in_one_line
 from sensorless.evaluation.lock import BACK_IN, BAND, IN_TIME, LOCK, STAYS, lock_summary
 from sensorless.evaluation.rollout import CAUSES, at_a_time, rollouts
 from sensorless.files import write_atomic
@@ -228,4 +229,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

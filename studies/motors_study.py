@@ -23,7 +23,7 @@ from typing import Any
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
-from sensorless.errors import UserError
+from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import paired, summary
 from sensorless.evaluation.evaluate import Scores, score
 from sensorless.files import write_atomic
@@ -160,7 +160,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except UserError as error:
-        raise SystemExit(f"error: {error}") from None
+    in_one_line(main)

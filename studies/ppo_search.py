@@ -27,6 +27,7 @@ from sensorless.agents.train.train import train
 from sensorless.agents.validation import validate
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.errors import in_one_line
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import table_named
@@ -131,4 +132,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

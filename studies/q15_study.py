@@ -19,7 +19,7 @@ from rich.table import Table
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
-from sensorless.errors import UserError
+from sensorless.errors import UserError, in_one_line
 from sensorless.evaluation.aggregate import paired
 from sensorless.evaluation.evaluate import Scores, score
 from sensorless.files import ensure_writable, write_atomic
@@ -157,4 +157,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

@@ -21,6 +21,7 @@ from rich.table import Table
 
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.errors import in_one_line
 from sensorless.evaluation.trace import Trace, lost_cause, trace
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.magnetics import Floats
@@ -147,4 +148,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

@@ -1,6 +1,7 @@
 """The recorded studies: they write what they found and go on where they stopped."""
 
 import json
+import runpy
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,8 @@ from sensorless.agents.train.config import TrainConfig
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import table_named
 from tests.helpers.script import script
+
+ROOT = Path(__file__).parents[2]
 
 
 @dataclass(frozen=True)
@@ -72,3 +75,13 @@ def test_search(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     }
     monkeypatch.setattr(module, "train", lambda *_: pytest.fail("there are enough trials"))
     run(module, monkeypatch, *words, "2")
+
+
+@pytest.mark.parametrize("words", [("lock_study", "--motor"), ("leaderboard", "--policy")])
+def test_a_mistake_is_told_in_one_line(
+    words: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name, option = words
+    monkeypatch.setattr(sys, "argv", [f"{name}.py", option, "nope"])
+    with pytest.raises(SystemExit, match=r"^error: (motor|policy).*'nope'"):
+        runpy.run_path(str(ROOT / "studies" / f"{name}.py"), run_name="__main__")
