@@ -150,7 +150,14 @@ def test_seeds() -> None:
     assert np.array_equal(runs[0], runs[1]) and np.array_equal(runs[0], runs[2])
     assert np.array_equal(runs[0][:2, 1:], runs[3][:2, :2]), "drive i has seed + i"
     env.reset(seed=[None, 1, None])
-    assert not np.array_equal(make(3).reset()[0], make(3).reset()[0])
+
+
+def test_unseeded_environments_differ() -> None:
+    one, other = make(3), make(3)
+    one.reset()
+    other.reset()
+    moved = [(one.step(action)[0], other.step(action)[0]) for action in actions(3, 20)]
+    assert not all(np.array_equal(a, b) for a, b in moved), "at rest alone they may be alike"
 
 
 def test_given_scenarios_run_once_then_the_stream_goes_on() -> None:
