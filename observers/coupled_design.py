@@ -137,6 +137,12 @@ def design_coupled(
         "k_h": 2.0 * at.injection * motor.T_s,
         "omega_floor": motor.rpm_to_electrical(floor_rpm),
         "omega_max": omega_max,
-        "drift": design_drift(motor, injection=at.injection, u_dt=u_dt, inv_i_comp=inv_i_comp),
+        "drift": design_drift(
+            motor,
+            injection=at.injection,
+            damping=DAMPING,
+            u_dt=u_dt,
+            inv_i_comp=inv_i_comp,
+        ),
         "match": design_match(motor, flux_bandwidth=at.flux),
     }

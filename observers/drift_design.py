@@ -20,13 +20,15 @@ R_S_ERROR = 0.5
 """Error of the resistance over the file's: copper has half as much again at +130 K."""
 LEARNED_R_S = 0.25
 """Largest error of the resistance that is learned, over the file's: copper at +65 K."""
-L_Q_ERROR = 0.15
-"""Error of the q inductance over the file's, which the observers take too low on purpose."""
-BOTH = 2.0
-"""Speed from which no error is taken for one of dead time or resistance, over that at which an
-error of the inductance drifts as fast as both."""
+L_Q_ERROR = 0.3
+"""Error of the q inductance, over the file's: what the observers take too low on purpose, and as
+much again."""
+LEARNED_L_Q = 0.09
+"""Largest error of the q inductance that is learned, over the file's: less than what is too low on
+purpose, which keeps the loop through the torque current stable."""
 HAND_OVER = 0.2
-"""Speed over rated at which the EMF's pulses are taken: that of the hand-over."""
+"""Speed of the hand-over, over rated: there the EMF's pulses are taken, and to there the error of
+an inductance grows, because injection, which reveals it, goes there."""
 
 
 def zero_current(motor: Motor) -> float:
@@ -46,31 +48,38 @@ def zero_current(motor: Motor) -> float:
 
 
 def design_drift(
-    motor: Motor, *, injection: float, u_dt: float, inv_i_comp: float
+    motor: Motor, *, injection: float, damping: float, u_dt: float, inv_i_comp: float
 ) -> dict[str, Any]:
     """Fields of ``drift_params_t``.
 
-    Under torque the drift has two causes, whose standard deviations at rated current have the
-    ratio of ``voltage_drift`` v to ``R_S_ERROR`` R_s i / psi_f. Dead time also makes the injection
+    Under torque the drift has three causes, with these standard deviations at rated current:
+    ``voltage_drift`` v of the dead time, ``R_S_ERROR`` R_s i / psi_f of the resistance, and
+    ``L_Q_ERROR`` omega L_q i / (2 zeta psi_f) of the inductance. Dead time also makes the injection
     err, which looks like a resistance, so less of one is believed where dead time is most of both.
 
     Parameters
     ----------
     injection : float
         Bandwidth of the injection's double pole [rad/s].
+    damping : float
+        Damping zeta of the flux error, over the electrical frequency.
     u_dt, inv_i_comp : float
         Dead-time compensation of the drive: voltage of a leg [V], slope through zero [1/A].
     """
     dead_time = voltage_drift(motor)
     resistance = R_S_ERROR * motor.R_s * motor.i_rated / motor.psi_f
-    inductance = L_Q_ERROR * motor.L_q * motor.i_rated / motor.psi_f
-    share = dead_time**2 / (dead_time**2 + resistance**2)
+    omega = HAND_OVER * motor.omega_rated
+    inductance = L_Q_ERROR * omega * motor.L_q * motor.i_rated / (2.0 * damping * motor.psi_f)
+    both = dead_time**2 + resistance**2
+    share = dead_time**2 / both
     return {
         "k": injection**2 * motor.T_s,
         "most": 2.0 * dead_time + resistance,
         "res_most": min(LEARNED_R_S / R_S_ERROR, 1.0 - share) * resistance,
         "alpha": low_pass(injection / (2.0 * math.pi), learning_time(motor)),
-        "inv_omega": inductance / (BOTH * math.hypot(dead_time, resistance)),
+        "ind_most": LEARNED_L_Q / L_Q_ERROR * inductance,
+        "inv_omega": 1.0 / omega,
+        "ind_share": inductance**2 / both,
         "inv_i_true": 1.0 / zero_current(motor),
         "inv_i": 1.0 / motor.i_rated,
         "dead_share": share,

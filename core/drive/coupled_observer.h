@@ -111,7 +111,7 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     y->e.b = r.c * y->pll.omega * aux.d;
     y->err = eps;
     y->valid = led ? 1.0f : 0.0f;
-    drift_learn(d, &x->drift, learn > 0, e_h, i.q, y->pll.omega);
+    drift_learn(d, &x->drift, learn > 0, k_s, e_h, i.q, y->pll.omega);
     if (SHORTCUT(learn <= 0)) {
         return;
     }

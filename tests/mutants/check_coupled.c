@@ -11,6 +11,7 @@ static coupled_params_t some_coupled(int j) {
     p.drift.k = 0.03f, p.drift.most = j % 7 ? 5.0f : 0.3f, p.drift.alpha = 0.1f;
     p.drift.inv_omega = 0.005f, p.drift.inv_i_true = 9.0f, p.drift.inv_i = 0.3f;
     p.drift.res_most = j % 5 < 3 ? 4.0f : 0.2f, p.drift.dead_share = 0.4f;
+    p.drift.ind_most = j % 5 < 2 ? 3.0f : 0.3f, p.drift.ind_share = 0.7f;
     p.drift.u_dt = 6.0f, p.drift.u_dt_i = 18.0f, p.drift.to_loss = j % 5 ? 0.5f : 4.0f;
     p.drift.from_loss = 1.5f, p.drift.loss_max = 11.0f;
     p.omega_floor = 30.0f, p.omega_max = j % 6 ? 700.0f : 250.0f;
@@ -29,31 +30,35 @@ static vec_t excess(const drift_params_t *p, const drift_state_t *x, vec_t i) {
     return sum;
 }
 
-/* What is learned of the voltages from the error e at torque current i_q and speed w. */
+/* What is learned of the voltages from the error e at weight k_s, torque current i_q, speed w. */
 static void drift(const drift_params_t *p, const drift_state_t *was, const drift_state_t *x,
-                  double e, double i_q, double w, int now) {
+                  double k_s, double e, double i_q, double w, int now) {
     double sum = (double)was->sum + e;
     check("drift: sum", fabs((double)x->sum - (now ? 0.0 : sum)) < 1e-6);
-    double slow = fmax(1.0 - (double)p->inv_omega * fabs(w), 0.0);
     double sign = (double)was->sign;
-    sign += (double)p->alpha * (slow * bounded(i_q * (double)p->inv_i_true, 1.0) - sign);
+    sign += (double)p->alpha * (bounded(i_q * (double)p->inv_i_true, 1.0) - sign);
     double most = (double)p->most, k = (double)p->k;
-    double even = bounded((double)was->even + k * (1.0 - sign * sign) * sum, most);
-    /* gain of two integrators whose outputs, the second times the current, add up to one */
+    double fade = k_s > 0.0 ? 0.0 : (double)p->alpha;
+    double even = (double)was->even + (1.0 - sign * sign) * (k * sum - fade * (double)was->even);
+    even = bounded(even, most);
+    /* gain of three integrators whose outputs, two of them times the current and one of these
+     * times the speed, add up to one */
     double i = fmin(fabs(i_q) * (double)p->inv_i, 1.0);
-    double var[2] = {(double)p->dead_share, 1.0 - (double)p->dead_share};
-    double part = var[0] / (var[0] + var[1] * i * i);
-    double by_i = i * var[1] / (var[0] + var[1] * i * i);
-    double dead = bounded((double)was->dead + part * k * sign * sum, most);
-    double res = bounded((double)was->res + by_i * k * sign * sum, (double)p->res_most);
+    double rise = fmin(fabs(w) * (double)p->inv_omega, 1.0);
+    double var[3] = {(double)p->dead_share, 1.0 - (double)p->dead_share, (double)p->ind_share};
+    double all = k * sign * sum / (var[0] + var[1] * i * i + var[2] * i * i * rise * rise);
+    double dead = bounded((double)was->dead + var[0] * all, most);
+    double res = bounded((double)was->res + i * var[1] * all, (double)p->res_most);
+    double ind = bounded((double)was->ind + i * rise * var[2] * all, (double)p->ind_most);
     double loss = (double)p->u_dt - (double)p->to_loss * dead;
     loss = fmin(fmax(loss, 0.0), (double)p->loss_max);
-    double turn = res + dead + (double)p->from_loss * (loss - (double)p->u_dt);
-    const drift_state_t want = {(float)dead, (float)res,  (float)even, (float)sign,
-                                (float)loss, (float)turn, 0.0f};
+    double turn = res + rise * ind + dead + (double)p->from_loss * (loss - (double)p->u_dt);
+    const drift_state_t want = {(float)dead, (float)res,  (float)ind, (float)even, (float)sign,
+                                (float)loss, (float)turn, 0.0f,       0.0f};
     const drift_state_t *y = now ? &want : was;
     check("drift: dead time", fabs((double)(x->dead - y->dead)) < 2e-6);
     check("drift: resistance", fabs((double)(x->res - y->res)) < 2e-6);
+    check("drift: inductance", fabs((double)(x->ind - y->ind)) < 2e-6);
     check("drift: even", fabs((double)(x->even - y->even)) < 2e-6);
     check("drift: sign", fabs((double)(x->sign - y->sign)) < 1e-6);
     check("drift: loss", fabs((double)(x->loss - y->loss)) < 1e-5);
@@ -68,12 +73,13 @@ static void one(int j) {
     x.i_1.a = draw_f(-5, 5), x.i_1.b = draw_f(-5, 5);
     x.load = draw_f(-3, 3), x.eps_f = draw_f(-0.4, 0.4);
     x.drift.dead = draw_f(-5, 5), x.drift.even = draw_f(-5, 5), x.drift.sign = draw_f(-1, 1);
-    x.drift.res = draw_f(-4, 4), x.drift.loss = draw_f(0, 11);
+    x.drift.res = draw_f(-4, 4), x.drift.ind = draw_f(-3, 3), x.drift.loss = draw_f(0, 11);
     x.drift.turn = draw_f(-5, 5), x.drift.sum = draw_f(-0.1, 0.1);
     float w = j % 3 ? draw_f(-240, 240) : draw_f(-33, 33);
     emf_estimate_t y = {{draw_f(-3, 3), w}, {0, 0}, 0, j % 8 ? 1.0f : 0.0f};
     ab_t i = {draw_f(-5, 5), draw_f(-5, 5)}, u = {draw_f(-200, 200), draw_f(-200, 200)};
-    float k_s = j % 4 < 2 ? draw_f(0, 1) : draw_f(0, 0.02), err = draw_f(-1, 1);
+    float k_s = j % 4 < 2 ? draw_f(0, 1) : (j % 8 < 4 ? draw_f(0, 0.02) : 0.0f),
+          err = draw_f(-1, 1);
     int learn = j % 3 == 1 ? 1 + j % 2 : 0;
     float L_q = 0.25f, L_qq = 0.2f, psi_0 = 0.9f;
     if (j % 9 == 0) { /* near lock: the flux that the current implies */
@@ -119,7 +125,8 @@ static void one(int j) {
     check("coupled: flux", near_v(of_ab(x.psi), next, 4e-6));
     check("coupled: error", fabs((double)y.err - eps) < 2e-5);
     check("coupled: injection", fabs((double)x.err_hfi - e_i) < 1e-6);
-    drift(&p.drift, &was.drift, &x.drift, e_h, cimag(c), (double)y.pll.omega, learn > 0);
+    drift(&p.drift, &was.drift, &x.drift, (double)k_s, e_h, cimag(c), (double)y.pll.omega,
+          learn > 0);
     check("coupled: load", fabs((double)x.load - load) < 1e-3);
     check("coupled: rise", fabs((double)x.eps_f - eps_f) < 1e-5);
     check("coupled: speed", near((double)y.pll.omega, omega, 1e-5));

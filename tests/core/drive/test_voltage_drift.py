@@ -1,5 +1,6 @@
 """What the voltage model gets wrong, learned from the injection: docs/coupled-observer.md."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -13,7 +14,7 @@ from sensorless.machine.motor import Motor
 
 Call = Callable[..., None]
 Floats = NDArray[np.float64]
-DEAD, RES, EVEN, LOSS, TURN = range(5)
+DEAD, RES, IND, EVEN, LOSS, TURN = range(6)
 MACHINES = ("paper", "pmsyrm_5600w", "brusa_hsm1", "formula_wheel", "ebike_hub")
 
 
@@ -23,19 +24,27 @@ def params(motor: Motor) -> Array:
 
 
 class Learned:
-    """Rows (n, 5) of the drifts, voltage lost, turn, for errors of the injection [rad]."""
+    """Rows (n, 6) of the drifts, voltage lost, turn, for errors of the injection [rad]."""
 
     def __init__(self, c: Call, motor: Motor) -> None:
         self.c, self.p = c, params(motor)
         self.x = np.zeros(1, dtype=struct_dtype("drift_state_t"))
         c("drift_clear", self.p, self.x)
 
-    def run(self, err: Floats, i_q: Floats | float, omega: float = 0.0, every: int = 1) -> Floats:
+    def run(
+        self,
+        err: Floats,
+        i_q: Floats | float,
+        omega: float = 0.0,
+        *,
+        k_s: float = 1.0,
+        every: int = 1,
+    ) -> Floats:
         """Go on for the errors (n,) with torque current [A] and electrical speed [rad/s]."""
         n = len(err)
-        out = np.zeros((n, 5), dtype=np.float32)
+        out = np.zeros((n, 6), dtype=np.float32)
         columns = (np.broadcast_to(y, n).astype(np.float32) for y in (err, i_q, omega))
-        self.c("drift", self.p, self.x, *columns, every, out, n)
+        self.c("drift", self.p, self.x, *columns, k_s, every, out, n)
         return out.astype(np.float64)
 
 
@@ -45,34 +54,46 @@ def settle(learned: Learned, motor: Motor, sign: float = 1.0) -> None:
 
 
 @pytest.mark.parametrize("share", [0.3, 1.0])
+@pytest.mark.parametrize("speed", [0.0, 0.1, 0.2, 0.5])
 @pytest.mark.parametrize("name", MACHINES)
-def test_under_torque_dead_time_and_resistance_take_all(c: Call, name: str, share: float) -> None:
+def test_under_torque_voltages_and_inductances_take_all(
+    c: Call, name: str, speed: float, share: float
+) -> None:
     """One integrator of the injection's error; lost voltage and turn add up to its value."""
     motor = Motor.load(name)
     learned = Learned(c, motor)
     settle(learned, motor)
     k, u_dt = float(learned.p["k"][0]), float(learned.p["u_dt"][0])
     err = np.full(50, 0.1 * float(learned.p["res_most"][0]) / (50 * k))
-    out = learned.run(err, share * motor.i_rated)
+    out = learned.run(err, share * motor.i_rated, speed * motor.omega_rated)
     total = k * np.cumsum(err)
-    assert out[:, DEAD] + share * out[:, RES] == pytest.approx(total, rel=1e-3)
+    rise = min(speed / 0.2, 1.0)
+    odd = out[:, DEAD] + share * (out[:, RES] + rise * out[:, IND])
+    assert odd == pytest.approx(total, rel=1e-3)
     assert np.abs(out[:, EVEN]).max() < 1e-3 * total[-1]
     by_loss = (u_dt - out[:, LOSS]) * 4.0 / 3.0 / motor.psi_f
     assert out[:, TURN] + by_loss == pytest.approx(total, rel=1e-3)
 
 
+@pytest.mark.parametrize("speed", [0.0, 0.1, 0.2, 0.5])
 @pytest.mark.parametrize("share", [0.2, 0.5, 1.0])
-def test_dead_time_and_resistance_share_by_their_variances(
-    c: Call, motor: Motor, share: float
+def test_the_causes_share_by_their_variances(
+    c: Call, motor: Motor, share: float, speed: float
 ) -> None:
-    """Paper's motor: v = U_dc t_d/T_s/psi_f, and half of R_s i/psi_f at the present current."""
+    """Paper's motor: v = U_dc t_d/T_s/psi_f; half of R_s i/psi_f; half of omega L_q i/psi_f.
+
+    The last two at the present current, the last to a fifth of rated speed.
+    """
     learned = Learned(c, motor)
     settle(learned, motor)
-    out = learned.run(np.full(40, 1e-3), share * motor.i_rated)[-1]
+    out = learned.run(np.full(40, 1e-3), share * motor.i_rated, speed * motor.omega_rated)[-1]
+    i = share * motor.i_rated / motor.psi_f
+    omega = min(speed, 0.2) * motor.omega_rated
     v = motor.u_dc * motor.dead_time / motor.T_s / motor.psi_f
-    r = 0.5 * motor.R_s * share * motor.i_rated / motor.psi_f
-    assert out[DEAD] / (out[DEAD] + share * out[RES]) == pytest.approx(
-        v**2 / (v**2 + r**2), rel=1e-3
+    causes = np.array([v, 0.5 * motor.R_s * i, 0.5 * omega * motor.L_q * i])
+    drifts = out[DEAD], share * out[RES], share * min(speed / 0.2, 1.0) * out[IND]
+    assert drifts / np.sum(drifts) == pytest.approx(
+        causes**2 / np.sum(causes**2), rel=1e-3, abs=1e-6
     )
     lost = (float(learned.p["u_dt"][0]) - out[LOSS]) * 4.0 / 3.0 / motor.psi_f
     assert lost == pytest.approx(out[DEAD], rel=1e-3)
@@ -83,7 +104,7 @@ def test_currents_of_several_sizes_tell_dead_time_from_resistance(c: Call, motor
     learned = Learned(c, motor)
     v = motor.u_dc * motor.dead_time / motor.T_s / motor.psi_f
     true = np.array([-0.4 * v, 0.2 * motor.R_s * motor.i_rated / motor.psi_f])
-    out = np.zeros(5)
+    out = np.zeros(6)
     rng = np.random.default_rng(5)
     steps = round(0.1 / motor.T_s / 100)
     for load in rng.uniform(0.1, 1.0, 300):
@@ -102,20 +123,41 @@ def test_a_reversal_of_torque_turns_the_flux_the_other_way_at_once(c: Call, moto
     assert after[LOSS] == before[LOSS]
 
 
-@pytest.mark.parametrize("case", ["no torque", "at speed", "swing"])
-def test_else_the_even_drift_takes_all(c: Call, motor: Motor, case: str) -> None:
+@pytest.mark.parametrize("omega", [0.0, 50.0])
+def test_a_load_that_goes_takes_its_drifts_along(c: Call, motor: Motor, omega: float) -> None:
+    """Without torque current nothing turns the flux that was learned of a load at rated current."""
+    learned = Learned(c, motor)
+    settle(learned, motor)
+    before = learned.run(np.full(100, 1e-3), motor.i_rated, omega)[-1]
+    after = learned.run(np.zeros(1), 0.0, omega)[0]
+    assert abs(after[TURN]) < 1e-3 * before[TURN]
+
+
+@pytest.mark.parametrize("swinging", [False, True])
+def test_without_torque_the_even_drift_takes_all(c: Call, motor: Motor, swinging: bool) -> None:
     """The swing is ten times as fast as the low-pass of the sign, and the error swings with it."""
     learned = Learned(c, motor)
     n = 2000
     period = 2.0 * np.pi / float(learned.p["alpha"][0]) / 10.0
-    swing = np.sign(np.sin(2.0 * np.pi * np.arange(n) / period))
-    i_q = {"no torque": np.zeros(n), "at speed": np.full(n, motor.i_rated)}.get(case, swing)
-    omega = 1.0 / float(learned.p["inv_omega"][0]) if case == "at speed" else 0.0
-    err = np.full(n, 1e-5) + (2e-5 * swing if case == "swing" else 0.0)
-    out = learned.run(err, i_q, omega)
+    swing = swinging * np.sign(np.sin(2.0 * np.pi * np.arange(n) / period))
+    err = 1e-5 + 2e-5 * swing
+    out = learned.run(err, motor.i_rated * swing)
     by_torque = abs(out[-1, DEAD]) + abs(out[-1, RES])
-    assert by_torque < (0.2 if case == "swing" else 1e-6) * out[-1, EVEN]
+    assert by_torque < (0.2 if swinging else 1e-6) * out[-1, EVEN]
     assert out[-1, EVEN] > 0.7 * float(learned.p["k"][0]) * err.sum()
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_without_injection_the_even_drift_fades(c: Call, motor: Motor, share: float) -> None:
+    """By 63 % in 1 / Omega, the double pole of the injection; under torque it stays."""
+    learned = Learned(c, motor)
+    even = learned.run(np.full(2000, 1e-5), 0.0)[-1, EVEN]
+    settle(learned, motor, share)
+    kept = learned.run(np.zeros(1), share * motor.i_rated)[-1, EVEN]
+    assert kept == pytest.approx(even, rel=1e-4 if share == 0.0 else 0.5)
+    n = round(1.0 / float(learned.p["alpha"][0]))
+    after = learned.run(np.zeros(n), share * motor.i_rated, k_s=0.0)[-1, EVEN]
+    assert after == pytest.approx(kept * (math.exp(-1.0) if share == 0.0 else 1.0), rel=0.02)
 
 
 def test_errors_between_two_uses_are_not_lost(c: Call, motor: Motor) -> None:
@@ -137,5 +179,8 @@ def test_bounds(c: Call, name: str) -> None:
         assert out[-1, DEAD] == pytest.approx(sign * most) and abs(out[-1, EVEN]) <= most
         quarter = 0.25 * motor.R_s * motor.i_rated / motor.psi_f
         assert 0.0 < sign * out[-1, RES] <= quarter * (1.0 + 1e-6)
+        fast = learned.run(np.full(4000, sign), motor.i_rated, motor.omega_rated)
+        fifth = 0.2 * motor.omega_rated * motor.L_q * motor.i_rated / motor.psi_f
+        assert sign * fast[-1, IND] == pytest.approx(0.15 * fifth)
         full = motor.u_dc * motor.dead_time / motor.T_s
         assert 0.0 <= out[-1, LOSS] <= 1.5 * full * (1.0 + 1e-6)
