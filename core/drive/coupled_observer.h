@@ -100,7 +100,8 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     float motion = p->k_tau * (psi.d * i.q - psi.q * i.d) + x->load;
     float omega = y->pll.omega + T_s * (p->k_i * f * f * eps + motion);
     float turn = p->k_h * e_h;
-    float turn_u = T_s * drift_turn(d, &x->drift, i.q);
+    float share = drift_load(d, i.q);
+    float turn_u = T_s * drift_turn(&x->drift, share);
     y->pll.omega = bound_f(omega, p->omega_max);
     y->pll.theta = wrap_pi(y->pll.theta + T_s * (y->pll.omega + p->k_p * f * eps) + turn);
     dq_t next = {psi.d + gain * aux.d, psi.q + gain * aux.q};
@@ -111,7 +112,7 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     y->e.b = r.c * y->pll.omega * aux.d;
     y->err = eps;
     y->valid = led ? 1.0f : 0.0f;
-    drift_learn(d, &x->drift, learn > 0, k_s, e_h, i.q, y->pll.omega);
+    drift_learn(d, &x->drift, learn > 0, k_s, e_h, i.q, share, y->pll.omega);
     if (SHORTCUT(learn <= 0)) {
         return;
     }

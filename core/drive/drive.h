@@ -47,7 +47,7 @@ CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
     drive_guard_step(&p->guard, x, i_ab);
     rot_t r = drive_observe(p, x, i_ab, in.k_s_ref);
     x->coupled.i_1 = i_ab;
-    float s = hfi_inject(&p->hfi, &x->hfi, x->k_s > 0.0f || in.k_s_ref > 0.0f);
+    float s = hfi_inject(&p->hfi, &x->hfi, x->k_s > 0.0f);
     ab_t u = drive_actuate(p, x, &in, i_ab, x->est, r, s);
     drive_signals(&p->signal, x, in.omega_ref);
     x->lock.wait -= 1;

@@ -52,15 +52,21 @@ typedef struct {
     float reserved; /* an even number of 4-byte fields */
 } drift_state_t;
 
-/* Turn of the flux by the drifts that are not voltage lost [rad/s]; i_q: torque current [A]. */
-CORE_INLINE float drift_turn(const drift_params_t *p, const drift_state_t *x, float i_q) {
-    return x->even + x->turn * clamp_f(i_q * p->inv_i, -1.0f, 1.0f);
+/* Torque current i_q [A] over rated, -1 to 1. */
+CORE_INLINE float drift_load(const drift_params_t *p, float i_q) {
+    return clamp_f(i_q * p->inv_i, -1.0f, 1.0f);
+}
+
+/* Turn of the flux by the drifts that are not voltage lost [rad/s]; load: of drift_load. */
+CORE_INLINE float drift_turn(const drift_state_t *x, float load) {
+    return x->even + x->turn * load;
 }
 
 /* Learns the drifts, if `now`. k_s: weight of injection; err: its angle error times that [rad],
- * summed until then; i_q: torque current [A]; omega: speed, electrical [rad/s]. */
+ * summed until then; i_q: torque current [A]; load: of drift_load; omega: speed, electrical
+ * [rad/s]. */
 CORE_INLINE void drift_learn(const drift_params_t *p, drift_state_t *x, int now, float k_s,
-                             float err, float i_q, float omega) {
+                             float err, float i_q, float load, float omega) {
     float sum = x->sum + err;
     x->sum = now ? 0.0f : sum;
     if (SHORTCUT(!now)) {
@@ -69,7 +75,7 @@ CORE_INLINE void drift_learn(const drift_params_t *p, drift_state_t *x, int now,
     float sign = x->sign + p->alpha * (bound_f(i_q * p->inv_i_true, 1.0f) - x->sign);
     float fade = k_s > 0.0f ? 0.0f : p->alpha * x->even;
     float even = bound_f(x->even + (1.0f - sign * sign) * (p->k * sum - fade), p->most);
-    float i = min_f(abs_f(i_q) * p->inv_i, 1.0f);
+    float i = abs_f(load);
     float w = min_f(abs_f(omega) * p->inv_omega, 1.0f);
     float by_res = i - i * p->dead_share; /* weight of res, and of ind */
     float by_ind = i * w * p->ind_share;

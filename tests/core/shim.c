@@ -134,13 +134,14 @@ void t_coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estima
 void t_drift(const drift_params_t *p, drift_state_t *x, const float *err, const float *i_q,
              const float *omega, float k_s, int every, float *out, int n) {
     for (int j = 0; j < n; j++) {
-        drift_learn(p, x, (j + 1) % every == 0, k_s, err[j], i_q[j], omega[j]);
+        float load = drift_load(p, i_q[j]);
+        drift_learn(p, x, (j + 1) % every == 0, k_s, err[j], i_q[j], load, omega[j]);
         out[6 * j] = x->dead;
         out[6 * j + 1] = x->res;
         out[6 * j + 2] = x->ind;
         out[6 * j + 3] = x->even;
         out[6 * j + 4] = x->loss;
-        out[6 * j + 5] = drift_turn(p, x, i_q[j]);
+        out[6 * j + 5] = drift_turn(x, load);
     }
 }
 
