@@ -26,6 +26,8 @@ much again."""
 LEARNED_L_Q = 0.09
 """Largest error of the q inductance that is learned, over the file's: less than what is too low on
 purpose, which keeps the loop through the torque current stable."""
+KNOWN_L_Q = -0.5
+"""Error that is assumed before any was learned, over the largest: between none and all of it."""
 HAND_OVER = 0.2
 """Speed of the hand-over, over rated: there the EMF's pulses are taken, and to there the error of
 an inductance grows, because injection, which reveals it, goes there."""
@@ -70,6 +72,7 @@ def design_drift(
     resistance = R_S_ERROR * motor.R_s * motor.i_rated / motor.psi_f
     omega = HAND_OVER * motor.omega_rated
     inductance = L_Q_ERROR * omega * motor.L_q * motor.i_rated / (2.0 * damping * motor.psi_f)
+    ind_most = LEARNED_L_Q / L_Q_ERROR * inductance
     both = dead_time**2 + resistance**2
     share = dead_time**2 / both
     return {
@@ -77,12 +80,14 @@ def design_drift(
         "most": 2.0 * dead_time + resistance,
         "res_most": min(LEARNED_R_S / R_S_ERROR, 1.0 - share) * resistance,
         "alpha": low_pass(injection / (2.0 * math.pi), learning_time(motor)),
-        "ind_most": LEARNED_L_Q / L_Q_ERROR * inductance,
+        "ind_most": ind_most,
+        "ind_0": KNOWN_L_Q * ind_most,
         "inv_omega": 1.0 / omega,
         "ind_share": inductance**2 / both,
         "inv_i_true": 1.0 / zero_current(motor),
         "inv_i": 1.0 / motor.i_rated,
         "dead_share": share,
+        "res_share": 1.0 - share,
         "u_dt": u_dt,
         "u_dt_i": u_dt * inv_i_comp,
         "to_loss": LEG * motor.psi_f,

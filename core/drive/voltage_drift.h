@@ -27,12 +27,14 @@ typedef struct {
     float most;       /* bound on dead and even [rad/s] */
     float res_most;   /* bound on res [rad/s] */
     float ind_most;   /* bound on ind [rad/s] */
+    float ind_0;      /* ind before anything was learned [rad/s] */
     float alpha;      /* low-pass of the sign: 1 - exp(-w T), T between uses */
     float inv_omega;  /* 1 / speed from which ind grows no more [s/rad] */
     float inv_i_true; /* slope of the inverter's dead-time voltage through zero current [1/A] */
     float inv_i;      /* 1 / rated current [1/A] */
     float dead_share; /* variance of dead over that of dead + res at rated current */
-    float ind_share;  /* variance of ind over the same, at that speed */
+    float res_share;  /* that of res, over the same */
+    float ind_share;  /* that of ind from 1 / inv_omega on, over the same */
     float u_dt;       /* dead-time voltage of a leg that the drive compensates [V] */
     float u_dt_i;     /* its slope through zero current [V/A] */
     float to_loss;    /* voltage of a leg over its drift [V s/rad] */
@@ -77,7 +79,7 @@ CORE_INLINE void drift_learn(const drift_params_t *p, drift_state_t *x, int now,
     float even = bound_f(x->even + (1.0f - sign * sign) * (p->k * sum - fade), p->most);
     float i = abs_f(load);
     float w = min_f(abs_f(omega) * p->inv_omega, 1.0f);
-    float by_res = i - i * p->dead_share; /* weight of res, and of ind */
+    float by_res = i * p->res_share; /* weight of res, and of ind */
     float by_ind = i * w * p->ind_share;
     float step = p->k * sign * sum / (p->dead_share + i * (by_res + w * by_ind));
     float dead = bound_f(x->dead + p->dead_share * step, p->most);
@@ -93,11 +95,11 @@ CORE_INLINE void drift_learn(const drift_params_t *p, drift_state_t *x, int now,
     x->turn = now ? res + w * ind + dead + p->from_loss * (loss - p->u_dt) : x->turn;
 }
 
-/* Nothing learned yet. */
+/* Nothing learned yet: only what the observer's L_q is too low by on purpose is known. */
 CORE_INLINE void drift_clear(const drift_params_t *p, drift_state_t *x) {
     x->dead = 0.0f;
     x->res = 0.0f;
-    x->ind = 0.0f;
+    x->ind = p->ind_0;
     x->even = 0.0f;
     x->sign = 0.0f;
     x->loss = p->u_dt;

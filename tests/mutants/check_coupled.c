@@ -10,7 +10,7 @@ static coupled_params_t some_coupled(int j) {
     p.rise_max = j % 2 ? 1.5f : 0.2f, p.inv_slope = 1.3f, p.k_h = 0.004f;
     p.drift.k = 0.03f, p.drift.most = j % 7 ? 5.0f : 0.3f, p.drift.alpha = 0.1f;
     p.drift.inv_omega = 0.005f, p.drift.inv_i_true = 9.0f, p.drift.inv_i = 0.3f;
-    p.drift.res_most = j % 5 < 3 ? 4.0f : 0.2f, p.drift.dead_share = 0.4f;
+    p.drift.res_most = j % 5 < 3 ? 4.0f : 0.2f, p.drift.dead_share = 0.4f, p.drift.res_share = 0.6f;
     p.drift.ind_most = j % 5 < 2 ? 3.0f : 0.3f, p.drift.ind_share = 0.7f;
     p.drift.u_dt = 6.0f, p.drift.u_dt_i = 18.0f, p.drift.to_loss = j % 5 ? 0.5f : 4.0f;
     p.drift.from_loss = 1.5f, p.drift.loss_max = 11.0f;
@@ -45,7 +45,7 @@ static void drift(const drift_params_t *p, const drift_state_t *was, const drift
      * times the speed, add up to one */
     double i = fmin(fabs(i_q) * (double)p->inv_i, 1.0);
     double rise = fmin(fabs(w) * (double)p->inv_omega, 1.0);
-    double var[3] = {(double)p->dead_share, 1.0 - (double)p->dead_share, (double)p->ind_share};
+    double var[3] = {(double)p->dead_share, (double)p->res_share, (double)p->ind_share};
     double all = k * sign * sum / (var[0] + var[1] * i * i + var[2] * i * i * rise * rise);
     double dead = bounded((double)was->dead + var[0] * all, most);
     double res = bounded((double)was->res + i * var[1] * all, (double)p->res_most);

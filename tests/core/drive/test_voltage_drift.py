@@ -68,11 +68,12 @@ def test_under_torque_voltages_and_inductances_take_all(
     out = learned.run(err, share * motor.i_rated, speed * motor.omega_rated)
     total = k * np.cumsum(err)
     rise = min(speed / 0.2, 1.0)
-    odd = out[:, DEAD] + share * (out[:, RES] + rise * out[:, IND])
+    known = float(learned.p["ind_0"][0])
+    odd = out[:, DEAD] + share * (out[:, RES] + rise * (out[:, IND] - known))
     assert odd == pytest.approx(total, rel=1e-3)
     assert np.abs(out[:, EVEN]).max() < 1e-3 * total[-1]
     by_loss = (u_dt - out[:, LOSS]) * 4.0 / 3.0 / motor.psi_f
-    assert out[:, TURN] + by_loss == pytest.approx(total, rel=1e-3)
+    assert out[:, TURN] + by_loss - share * rise * known == pytest.approx(total, rel=1e-3)
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.1, 0.2, 0.5])
@@ -85,13 +86,14 @@ def test_the_causes_share_by_their_variances(
     The last two at the present current, the last to a fifth of rated speed.
     """
     learned = Learned(c, motor)
+    known = float(learned.p["ind_0"][0])
     settle(learned, motor)
     out = learned.run(np.full(40, 1e-3), share * motor.i_rated, speed * motor.omega_rated)[-1]
     i = share * motor.i_rated / motor.psi_f
     omega = min(speed, 0.2) * motor.omega_rated
     v = motor.u_dc * motor.dead_time / motor.T_s / motor.psi_f
     causes = np.array([v, 0.5 * motor.R_s * i, 0.5 * omega * motor.L_q * i])
-    drifts = out[DEAD], share * out[RES], share * min(speed / 0.2, 1.0) * out[IND]
+    drifts = out[DEAD], share * out[RES], share * min(speed / 0.2, 1.0) * (out[IND] - known)
     assert drifts / np.sum(drifts) == pytest.approx(
         causes**2 / np.sum(causes**2), rel=1e-3, abs=1e-6
     )
@@ -184,3 +186,14 @@ def test_bounds(c: Call, name: str) -> None:
         assert sign * fast[-1, IND] == pytest.approx(0.15 * fifth)
         full = motor.u_dc * motor.dead_time / motor.T_s
         assert 0.0 <= out[-1, LOSS] <= 1.5 * full * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("speed", [0.05, 0.2, 0.8])
+@pytest.mark.parametrize("name", MACHINES)
+def test_the_low_inductance_is_known_from_the_start(c: Call, name: str, speed: float) -> None:
+    """4.5 % of L_q: with phi of the flux, nu = -|omega| phi/(2 zeta), to a fifth of rated speed."""
+    motor = Motor.load(name)
+    turn = Learned(c, motor).run(np.zeros(1), motor.i_rated, speed * motor.omega_rated)[0, TURN]
+    phi = 0.045 * motor.L_q * motor.i_rated / motor.psi_f
+    omega = min(speed, 0.2) * motor.omega_rated
+    assert turn == pytest.approx(-omega * phi / (2.0 * 0.3), rel=1e-4)
