@@ -89,6 +89,7 @@ def design_coupled(
     *,
     at: Bandwidths,
     linear: bool,
+    L_q_bias: float,
     u_dt: float,
     inv_i_comp: float,
     floor_rpm: float,
@@ -104,6 +105,8 @@ def design_coupled(
         Those of ``bandwidths``, or others.
     linear : bool
         Correct the flux in proportion to its error, without the sigmoid.
+    L_q_bias : float
+        The observer's q inductance over that of the file.
     u_dt, inv_i_comp : float
         Dead-time compensation of the drive: voltage of a leg [V], slope through zero [1/A].
     floor_rpm : float
@@ -141,6 +144,7 @@ def design_coupled(
             motor,
             injection=at.injection,
             damping=DAMPING,
+            L_q_bias=L_q_bias,
             u_dt=u_dt,
             inv_i_comp=inv_i_comp,
         ),

@@ -21,13 +21,14 @@ R_S_ERROR = 0.5
 LEARNED_R_S = 0.25
 """Largest error of the resistance that is learned, over the file's: copper at +65 K."""
 L_Q_ERROR = 0.3
-"""Error of the q inductance, over the file's: what the observers take too low on purpose, and as
+"""Error of the q inductance, over the file's: what the observer takes too low on purpose, and as
 much again."""
 LEARNED_L_Q = 0.09
 """Largest error of the q inductance that is learned, over the file's: less than what is too low on
 purpose, which keeps the loop through the torque current stable."""
-KNOWN_L_Q = -0.5
-"""Error that is assumed before any was learned, over the largest: between none and all of it."""
+KNOWN_L_Q = 0.3
+"""Share of what is too low on purpose that counts before any error was learned, for the same
+reason: half of the largest that is learned."""
 HAND_OVER = 0.2
 """Speed of the hand-over, over rated: there the EMF's pulses are taken, and to there the error of
 an inductance grows, because injection, which reveals it, goes there."""
@@ -50,7 +51,13 @@ def zero_current(motor: Motor) -> float:
 
 
 def design_drift(
-    motor: Motor, *, injection: float, damping: float, u_dt: float, inv_i_comp: float
+    motor: Motor,
+    *,
+    injection: float,
+    damping: float,
+    L_q_bias: float,
+    u_dt: float,
+    inv_i_comp: float,
 ) -> dict[str, Any]:
     """Fields of ``drift_params_t``.
 
@@ -65,6 +72,8 @@ def design_drift(
         Bandwidth of the injection's double pole [rad/s].
     damping : float
         Damping zeta of the flux error, over the electrical frequency.
+    L_q_bias : float
+        The observer's q inductance over that of the file.
     u_dt, inv_i_comp : float
         Dead-time compensation of the drive: voltage of a leg [V], slope through zero [1/A].
     """
@@ -72,7 +81,6 @@ def design_drift(
     resistance = R_S_ERROR * motor.R_s * motor.i_rated / motor.psi_f
     omega = HAND_OVER * motor.omega_rated
     inductance = L_Q_ERROR * omega * motor.L_q * motor.i_rated / (2.0 * damping * motor.psi_f)
-    ind_most = LEARNED_L_Q / L_Q_ERROR * inductance
     both = dead_time**2 + resistance**2
     share = dead_time**2 / both
     return {
@@ -80,8 +88,8 @@ def design_drift(
         "most": 2.0 * dead_time + resistance,
         "res_most": min(LEARNED_R_S / R_S_ERROR, 1.0 - share) * resistance,
         "alpha": low_pass(injection / (2.0 * math.pi), learning_time(motor)),
-        "ind_most": ind_most,
-        "ind_0": KNOWN_L_Q * ind_most,
+        "ind_most": LEARNED_L_Q / L_Q_ERROR * inductance,
+        "ind_0": KNOWN_L_Q * (L_q_bias - 1.0) / L_Q_ERROR * inductance,
         "inv_omega": 1.0 / omega,
         "ind_share": inductance**2 / both,
         "inv_i_true": 1.0 / zero_current(motor),

@@ -105,6 +105,7 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
             load=load_pole(by.speed_hz),
             injection=2.0 * math.pi * by.coupled_injection_hz,
         ),
+        L_q_bias=design.coupled_L_q_bias,
         linear=design.coupled_linear,
         u_dt=control["u_dt"],
         inv_i_comp=control["inv_i_dt"],
