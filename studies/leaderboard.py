@@ -2,7 +2,7 @@
 
     python studies/leaderboard.py
     python studies/leaderboard.py --policy examples.own_rule:MoreUnderLoad
-    python studies/leaderboard.py --pair reference logistic-coupled-tuned
+    python studies/leaderboard.py --pair reference linear-coupled-tuned
 
 Without --policy it judges every policy that ships, and drops all other rows at the end. With
 --policy it judges these alone and leaves the other rows as they are. The machine is the paper's.
@@ -57,7 +57,7 @@ TEXT = """# Leaderboard
 
 Every row is a policy on the same scenarios of the machine `paper`; none of them was used to tune,
 train or select. A policy brings its estimator, so compare within a table, and in pairs: neighbours
-are often not different. `python studies/leaderboard.py --pair reference logistic-coupled-tuned`
+are often not different. `python studies/leaderboard.py --pair reference linear-coupled-tuned`
 compares two on `stress-1`, scenario by scenario, without a run; `sensorless evaluate --details`
 does on any suite. *Lost* has its exact 95 %
 interval (Clopper and Pearson); other columns are means over the scenarios survived, ± half the 95 %

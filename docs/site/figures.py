@@ -99,7 +99,7 @@ def blend(points: int) -> "Figure":
     figure, ((left, right),) = new_figure(WIDE, columns=2)
     obs = np.zeros((40 * points, SIGNAL_N), dtype=np.float32)
     obs[:, SIGNAL_NAMES.index("speed")] = np.linspace(0.0, 0.6, len(obs))
-    for name, colour in zip(("eq25", "logistic-coupled-tuned", "reference"), SHADES, strict=False):
+    for name, colour in zip(("eq25", "linear-coupled-tuned", "reference"), SHADES, strict=False):
         speed = MOTOR.n_rated_rpm * obs[:, 0]
         left.plot(speed, make_policy(name, MOTOR).act(obs), color=colour, label=name)
     left.set(xlabel="speed [r/min], no load", ylabel="$k_s$")

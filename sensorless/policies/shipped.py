@@ -10,7 +10,7 @@ FOLDER = Path(__file__).absolute().parents[1] / "reference"
 RUNS = {"reference": "", "reference-flux": "flux", "reference-smo": "sliding-mode"}
 """Learned schedules by name, and their folders within ``FOLDER``."""
 ALIASES = {
-    "tuned-coupled": "logistic-coupled-tuned",
+    "tuned-coupled": "linear-coupled-tuned",
     "tuned-smo": "logistic-tuned",
 }
 """Second names, by what a policy is: who made it, on which drive."""
