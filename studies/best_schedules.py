@@ -2,10 +2,10 @@
 
     python studies/best_schedules.py [--motor NAME ...] [--rule linear logistic] [--budget 20000]
 
-Each rule is tuned on the machine as ``sensorless tune`` does, on the default drive. The one with
-the least objective on the tuner's own scenarios is judged as ``sensorless export`` judges, on
-scenarios that tuning has not seen; it counts as best if it is better than Eq. 25 there, otherwise
-Eq. 25 does. So it is the best of these few, not of all schedules, and PPO is not among them. Writes
+Each rule is tuned on the machine as ``sensorless tune`` does, on the default drive, and judged as
+``sensorless export`` judges, on scenarios that tuning has not seen. Of those that are better than
+Eq. 25 there, the one with the least objective on the tuner's own scenarios counts as best,
+otherwise Eq. 25 does. So it is the best of these few, not of all schedules, and PPO is not among them. Writes
 what ``sensorless motors`` shows. Machines whose numbers and drive have not changed are not tuned
 again.
 """
@@ -35,14 +35,15 @@ def study(motor: Motor, rules: list[str], budget: float, seed: int) -> dict[str,
         known = tune(name, motor, design, budget, seed).provenance
         tuned[known["policy"]] = known["best"]
         print(f"  {known['policy']}: objective {known['best']['objective']:.4f}", flush=True)
-    word = min(tuned, key=lambda spec: float(tuned[spec]["objective"]))
-    judged = judge_export(make_policy(word, motor), motor, design)
-    if judged.eq25.word != "better":
-        word = "eq25"
-        tried, judged = judged, judge_export(make_policy(word, motor), motor, design)
-        verdict = f"no tuned rule is better; the best of them is {tried.sentence}"
-    else:
+    order = sorted(tuned, key=lambda spec: float(tuned[spec]["objective"]))
+    tried = [(word, judge_export(make_policy(word, motor), motor, design)) for word in order]
+    better = [(word, judged) for word, judged in tried if judged.eq25.word == "better"]
+    if better:
+        word, judged = better[0]
         verdict = judged.sentence
+    else:
+        word, judged = "eq25", judge_export(make_policy("eq25", motor), motor, design)
+        verdict = f"no tuned rule is better; the best of them is {tried[0][1].sentence}"
     return {
         "on": identity(motor),
         "policy": word,
