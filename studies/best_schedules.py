@@ -5,9 +5,9 @@
 Each rule is tuned on the machine as ``sensorless tune`` does, on the default drive, and judged as
 ``sensorless export`` judges, on scenarios that tuning has not seen. Of those that are better than
 Eq. 25 there, the one with the least objective on the tuner's own scenarios counts as best,
-otherwise Eq. 25 does. So it is the best of these few, not of all schedules, and PPO is not among them. Writes
-what ``sensorless motors`` shows. Machines whose numbers and drive have not changed are not tuned
-again.
+otherwise Eq. 25 does. So it is the best of these few, not of all schedules, and PPO is not among
+them. Writes what ``sensorless motors`` shows. Machines whose numbers and drive have not changed are
+not tuned again.
 """
 
 import argparse
