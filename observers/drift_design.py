@@ -21,11 +21,11 @@ R_S_ERROR = 0.5
 LEARNED_R_S = 0.25
 """Largest error of the resistance that is learned, over the file's: copper at +65 K."""
 L_Q_ERROR = 0.3
-"""Error of the q inductance, over the file's: what the observer takes too low on purpose, and as
-much again."""
+"""Error of the q inductance, over the file's unsaturated one: what the observer takes too low on
+purpose, and as much again."""
 LEARNED_L_Q = 0.09
-"""Largest error of the q inductance that is learned, over the file's: less than what is too low on
-purpose, which keeps the loop through the torque current stable."""
+"""Largest error that is learned, over the same: less than what is too low on purpose, which keeps
+the loop through the torque current stable."""
 KNOWN_L_Q = 0.3
 """Share of what is too low on purpose that counts before any error was learned, for the same
 reason: half of the largest that is learned."""

@@ -93,7 +93,8 @@ def test_each_of_the_papers_estimators_holds_rated_torque(name: str) -> None:
 def test_the_default_drive_holds_rated_torque(name: str) -> None:
     """All the weight at 10 % of rated speed, none at 30 %: the error is odd in the torque there.
 
-    Its odd part is that of the biased q inductance, as on a flux observer.
+    Its odd part is that of the biased q inductance, as on a flux observer, less what is known of it
+    before any was learned: 4.5 % of L_q, from a fifth of rated speed on falling with the speed.
     """
     design = DriveDesign()
     motor = Motor.load(name)
@@ -103,6 +104,7 @@ def test_the_default_drive_holds_rated_torque(name: str) -> None:
     assert low.held.all() and high.held.all()
     assert np.all(np.abs(np.rad2deg(low.err)) < 1.5)
     (want,) = error_of_bias(motor, design, design.coupled_L_q_bias)
+    want -= np.rad2deg(0.045 * (0.2 / 0.3) * motor.L_q * motor.i_rated / motor.psi_f)
     odd = 0.5 * np.rad2deg(high.err[0] - high.err[2])
     assert odd == pytest.approx(float(want), abs=2.5)
     assert np.all(np.rad2deg(low.err_std) < 2.0)

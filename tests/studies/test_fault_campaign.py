@@ -52,7 +52,7 @@ def test_a_step_of_a_sensor_is_flagged_in_its_period(study: ModuleType, motor: M
 
 def test_a_trip_that_samples_do_not_show_is_passed_on(study: ModuleType, motor: Motor) -> None:
     """With nine of ten interrupts missed the hardware opens the bridge first."""
-    end = study.run(motor, DriveDesign(), [study.Case("missed", 0.9, 10.0)], range(104, 105))[0]
+    end = study.run(motor, DriveDesign(), [study.Case("missed", 0.9, 10.0)], range(101, 102))[0]
     assert end["lost"][0] & lib.LOST_CURRENT
     assert end["k_flag"][0] <= end["k_lost"][0]
     assert end["fault"][0] & lib.FAULT_STOPPED
