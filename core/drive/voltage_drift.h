@@ -75,22 +75,22 @@ CORE_INLINE void drift_learn(const drift_params_t *p, drift_state_t *x, int now,
         return;
     }
     float sign = x->sign + p->alpha * (bound_f(i_q * p->inv_i_true, 1.0f) - x->sign);
+    x->sign = now ? sign : x->sign;
     float fade = k_s > 0.0f ? 0.0f : p->alpha * x->even;
     float even = bound_f(x->even + (1.0f - sign * sign) * (p->k * sum - fade), p->most);
+    x->even = now ? even : x->even;
     float i = abs_f(load);
     float w = min_f(abs_f(omega) * p->inv_omega, 1.0f);
     float by_res = i * p->res_share; /* weight of res, and of ind */
     float by_ind = i * w * p->ind_share;
     float step = p->k * sign * sum / (p->dead_share + i * (by_res + w * by_ind));
-    float dead = bound_f(x->dead + p->dead_share * step, p->most);
     float res = bound_f(x->res + by_res * step, p->res_most);
-    float ind = bound_f(x->ind + by_ind * step, p->ind_most);
-    float loss = clamp_f(p->u_dt - p->to_loss * dead, 0.0f, p->loss_max);
-    x->sign = now ? sign : x->sign;
-    x->even = now ? even : x->even;
-    x->dead = now ? dead : x->dead;
     x->res = now ? res : x->res;
+    float ind = bound_f(x->ind + by_ind * step, p->ind_most);
     x->ind = now ? ind : x->ind;
+    float dead = bound_f(x->dead + p->dead_share * step, p->most);
+    x->dead = now ? dead : x->dead;
+    float loss = clamp_f(p->u_dt - p->to_loss * dead, 0.0f, p->loss_max);
     x->loss = now ? loss : x->loss;
     x->turn = now ? res + w * ind + dead + p->from_loss * (loss - p->u_dt) : x->turn;
 }
