@@ -67,7 +67,7 @@ def test_the_playground_shows_what_simulate_said(shown: Shown, desk: Path, simul
     last = np.genfromtxt(desk / "run.csv", delimiter=",", names=True)[-1]
     largest = max(plateau["angle_err_max_deg"] for plateau in simulated["plateaus"])
     rpm = last["omega_m"] * 30.0 / np.pi
-    assert float(cells[0]) == pytest.approx(rpm, abs=1.0), "written at the picture before the last row"
+    assert float(cells[0]) == pytest.approx(rpm, abs=1.0), "of the last picture, before the row"
     assert cells[3] == f"{largest:.1f}"
     assert cells[4] == f"{last['k_s']:.2f}"
 
