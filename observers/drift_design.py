@@ -81,6 +81,7 @@ def design_drift(
     resistance = R_S_ERROR * motor.R_s * motor.i_rated / motor.psi_f
     omega = HAND_OVER * motor.omega_rated
     inductance = L_Q_ERROR * omega * motor.L_q * motor.i_rated / (2.0 * damping * motor.psi_f)
+    known = KNOWN_L_Q * (L_q_bias - 1.0)
     both = dead_time**2 + resistance**2
     share = dead_time**2 / both
     return {
@@ -89,7 +90,7 @@ def design_drift(
         "res_most": min(LEARNED_R_S / R_S_ERROR, 1.0 - share) * resistance,
         "alpha": low_pass(injection / (2.0 * math.pi), learning_time(motor)),
         "ind_most": LEARNED_L_Q / L_Q_ERROR * inductance,
-        "ind_0": KNOWN_L_Q * (L_q_bias - 1.0) / L_Q_ERROR * inductance,
+        "ind_0": max(-LEARNED_L_Q, min(known, LEARNED_L_Q)) / L_Q_ERROR * inductance,
         "inv_omega": 1.0 / omega,
         "ind_share": inductance**2 / both,
         "inv_i_true": 1.0 / zero_current(motor),

@@ -129,8 +129,8 @@ void t_coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estima
     }
 }
 
-/* n periods with weight k_s, of which every `every`-th learns; out: drifts by dead time, resistance and
- * inductances, even drift, voltage lost, turn of each. */
+/* n periods with weight k_s, of which every `every`-th learns; out: drifts by dead time, resistance
+ * and inductances, even drift, voltage lost, turn of each. */
 void t_drift(const drift_params_t *p, drift_state_t *x, const float *err, const float *i_q,
              const float *omega, float k_s, int every, float *out, int n) {
     for (int j = 0; j < n; j++) {

@@ -64,10 +64,11 @@ def test_the_playground_shows_what_simulate_said(shown: Shown, desk: Path, simul
         "return [...document.querySelectorAll('#now tbody tr')]"
         ".map((row) => row.cells[1].textContent.replace('−', '-'))"
     )
-    last = np.genfromtxt(desk / "run.csv", delimiter=",", names=True)[-1]
+    rows = np.genfromtxt(desk / "run.csv", delimiter=",", names=True)
+    last = rows[-1]
     largest = max(plateau["angle_err_max_deg"] for plateau in simulated["plateaus"])
-    rpm = last["omega_m"] * 30.0 / np.pi
-    assert float(cells[0]) == pytest.approx(rpm, abs=1.0), "of the last picture, before the row"
+    lately = rows[rows["t"] >= DURATION - 0.01]["omega_m"] * 30.0 / np.pi
+    assert cells[0] in {f"{rpm:.0f}" for rpm in lately}, "of the last picture, before the last row"
     assert cells[3] == f"{largest:.1f}"
     assert cells[4] == f"{last['k_s']:.2f}"
 

@@ -197,3 +197,10 @@ def test_the_low_inductance_is_known_from_the_start(c: Call, name: str, speed: f
     phi = 0.045 * motor.L_q * motor.i_rated / motor.psi_f
     omega = min(speed, 0.2) * motor.omega_rated
     assert turn == pytest.approx(-omega * phi / (2.0 * 0.3), rel=1e-4)
+
+
+@pytest.mark.parametrize("bias", [0.3, 1.0, 1.5])
+def test_what_is_known_stays_within_what_is_learned(motor: Motor, bias: float) -> None:
+    record = control_record(motor, DriveDesign(coupled_L_q_bias=bias))["coupled"]["drift"]
+    most = float(record["ind_most"])
+    assert float(record["ind_0"]) == pytest.approx(np.sign(bias - 1.0) * most)
