@@ -1,6 +1,10 @@
 """The objective of training and tuning: one number for a policy on a set of scenarios."""
 
+import math
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 LOST_WEIGHT = 10.0
 OBJECTIVE = (
@@ -8,6 +12,18 @@ OBJECTIVE = (
     "(means over the scenarios survived, shares of rated torque)"
 )
 """What training and tuning minimise: losing 1 scenario in 1000 more weighs like 1 % of torque."""
+NEAR_OBJECTIVE = f"{OBJECTIVE} + {LOST_WEIGHT:g} mean nearness of a loss (unload)"
+"""What tuning a rule minimises: search finds bands that lose rarely, and sampling does not see it."""
+NEAR_SUITE = "unload"
+"""Scenarios in which rules that leave injection too early slip, or nearly so."""
+NEAR = math.radians(10.0), math.radians(90.0)
+"""Angle errors at which a loss begins to come near, and at which it has come."""
+
+
+def nearness(angle_err: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How near to a loss scenarios came, 0 to 1, by their largest angle errors [rad]; any shape."""
+    low, high = NEAR
+    return np.clip((angle_err - low) / (high - low), 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -19,6 +35,8 @@ class Cost:
     """Mean ``torque_dev_rms`` of the survived scenarios; 1 if there are none."""
     torque_ripple: float
     """Mean ``torque_ripple_rms`` of the same scenarios."""
+    near_loss: float = 0.0
+    """Mean of ``nearness`` over scenarios of ``NEAR_SUITE``, 1 for a lost one; counted by tuning."""
 
     @property
     def objective(self) -> float:
@@ -27,4 +45,5 @@ class Cost:
 
     def weighted(self, ripple: float) -> float:
         """Return the objective with this weight of the ripple."""
-        return LOST_WEIGHT * self.lost_rate + self.torque_dev + ripple * self.torque_ripple
+        lost = LOST_WEIGHT * (self.lost_rate + self.near_loss)
+        return lost + self.torque_dev + ripple * self.torque_ripple

@@ -15,7 +15,7 @@ from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.evaluation.engines.engine import LOCAL, Engine
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
-from sensorless.evaluation.objective import Cost
+from sensorless.evaluation.objective import Cost, nearness
 from sensorless.evaluation.rollout import Floats, rollout
 from sensorless.policy import GainPolicy, Policy, Signals, decide, gains_of
 
@@ -84,19 +84,35 @@ def costs(
     engine: Engine = LOCAL,
 ) -> tuple[list[Cost], float]:
     """Cost of every policy over all scenarios, and the time simulated [s] without the twins."""
-    n, seconds = len(scenarios), 0.0
-    alive = np.zeros((len(policies), n), dtype=np.bool_)
-    dev, ripple = np.zeros(alive.shape), np.zeros(alive.shape)
-    groups = list(_groups(policies, scenarios))
-    for group, found in zip(groups, engine.map(partial(_run, factory), groups), strict=True):
-        rows = slice(group.row, group.row + len(group.policies))
-        where = rows, slice(group.column, group.column + len(group.scenarios))
-        seconds += found[0]
-        alive[where], dev[where], ripple[where] = found[1:]
+    (lost, dev, ripple, _), seconds = _table(policies, scenarios, factory, engine)
     return [
-        Cost(float(np.mean(~kept)), _mean(x, kept), _mean(y, kept))
-        for kept, x, y in zip(alive, dev, ripple, strict=True)
+        Cost(float(x.mean()), _mean(y, x == 0.0), _mean(z, x == 0.0))
+        for x, y, z in zip(lost, dev, ripple, strict=True)
     ], seconds
+
+
+def near_losses(
+    policies: Sequence[Policy],
+    scenarios: Scenarios,
+    factory: SimFactory,
+    engine: Engine = LOCAL,
+) -> tuple[list[float], float]:
+    """Mean ``nearness`` of every policy over all scenarios; the time simulated [s]."""
+    (lost, _, _, angle_err), seconds = _table(policies, scenarios, factory, engine)
+    return [float(x) for x in np.maximum(lost, nearness(angle_err)).mean(axis=1)], seconds
+
+
+def _table(
+    policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, engine: Engine
+) -> tuple[Floats, float]:
+    """What ``_run`` finds of every policy in all scenarios (4, policies, scenarios); time [s]."""
+    found, seconds = np.zeros((4, len(policies), len(scenarios))), 0.0
+    groups = list(_groups(policies, scenarios))
+    for group, (time, part) in zip(groups, engine.map(partial(_run, factory), groups), strict=True):
+        rows = slice(group.row, group.row + len(group.policies))
+        found[:, rows, group.column : group.column + len(group.scenarios)] = part
+        seconds += time
+    return found, seconds
 
 
 def _groups(policies: Sequence[Policy], scenarios: Scenarios) -> Iterator[_Group]:
@@ -111,17 +127,14 @@ def _groups(policies: Sequence[Policy], scenarios: Scenarios) -> Iterator[_Group
                 yield _Group(row, column, policies[row:end], part)
 
 
-def _run(factory: SimFactory, group: _Group) -> tuple[float, NDArray[np.bool_], Floats, Floats]:
-    """Time simulated [s]; then, by policy and scenario: not lost, torque deviation, ripple."""
+def _run(factory: SimFactory, group: _Group) -> tuple[float, Floats]:
+    """Time simulated [s]; by policy and scenario: lost, deviation, ripple, largest error [rad]."""
     shape = len(group.policies), len(group.scenarios)
     rows = np.tile(np.arange(shape[1]), shape[0])
     r = rollout(SideBySide(group.policies), group.scenarios[rows], factory)
-    return (
-        float(r.periods.sum()) * factory.motor.T_s,
-        (r.lost == 0).reshape(shape),
-        torque_dev_rms(r).reshape(shape),
-        torque_ripple_rms(r).reshape(shape),
-    )
+    angle_err = r.sums["err_max"].max(axis=0, initial=0.0)
+    found = (r.lost != 0, torque_dev_rms(r), torque_ripple_rms(r), angle_err)
+    return float(r.periods.sum()) * factory.motor.T_s, np.stack(found).reshape(4, *shape)
 
 
 def _mean(x: Floats, rows: NDArray[np.bool_]) -> float:

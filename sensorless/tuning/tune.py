@@ -7,7 +7,7 @@ budget, except that of the sensored twins.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, astuple, dataclass
+from dataclasses import asdict, astuple, dataclass, replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
@@ -22,12 +22,12 @@ from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.evaluation.engines.engine import LOCAL, Engine
-from sensorless.evaluation.objective import OBJECTIVE, Cost
+from sensorless.evaluation.objective import NEAR_OBJECTIVE, NEAR_SUITE, Cost
 from sensorless.evaluation.rollout import Floats
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES, rule_named
 from sensorless.policies.tuned import Tuned
-from sensorless.tuning.batch import costs
+from sensorless.tuning.batch import costs, near_losses
 from sensorless.tuning.evolution import evolution
 from sensorless.versions import versions
 
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from cma import CMAEvolutionStrategy
 
 SUITE, ROLE = "stress-1", "tune"
+NEAR_SHARE = 0.5
+"""Scenarios of ``NEAR_SUITE`` over those of ``SUITE``."""
 CHECK = 3
 """Generations between two judgements of the centre."""
 GENERATIONS = 30
@@ -112,7 +114,11 @@ def tune(
     drawn = Machines.of(motor, machines, seed)
     es = _cma(rule, seed)
     population = es.popsize
-    length = float(generation_scenarios(motor, seed, 0, 1).duration[0])
+    length, near = (
+        float(generation_scenarios(motor, seed, 0, 1, of=name).duration[0])
+        for name in (SUITE, NEAR_SUITE)
+    )
+    length += NEAR_SHARE * near
     fewest = max(FEWEST_SCENARIOS, len(drawn.motors))
     least = (2 + CHECK) * population * fewest * length
     if not least <= budget <= 1e9:
@@ -135,9 +141,10 @@ def tune(
         **drawn.origin(),
         **record(design, drawn.one),
         "suite": SUITE,
+        "near_suite": NEAR_SUITE,
         "role": ROLE,
         "seed": seed,
-        "objective": OBJECTIVE,
+        "objective": NEAR_OBJECTIVE,
         "budget_s": budget,
         "used_s": round(search.used, 3),
         "generations": search.generations,
@@ -195,19 +202,23 @@ def _costs(
     share, parts = n // len(search.factories), []
     for i, factory in enumerate(search.factories):
         policies = [search.rule.build(search.rule.name, v, factory.motor) for v in values]
-        part = generation_scenarios(factory.motor, search.seed, generation, share, i)
+        words = factory.motor, search.seed, generation
+        part = generation_scenarios(*words, share, i)
+        unload = generation_scenarios(*words, int(NEAR_SHARE * share), i, of=NEAR_SUITE)
         found, seconds = costs(policies, part, factory, search.engine)
-        search.used += seconds
-        parts.append([astuple(cost) for cost in found])
+        near, more = near_losses(policies, unload, factory, search.engine)
+        search.used += seconds + more
+        both = zip(found, near, strict=True)
+        parts.append([astuple(replace(cost, near_loss=x)) for cost, x in both])
     return [Cost(*(float(x) for x in row)) for row in np.mean(parts, axis=0)]
 
 
 def generation_scenarios(
-    motor: Motor, seed: int, generation: int, n: int, machine: int = 0
+    motor: Motor, seed: int, generation: int, n: int, machine: int = 0, *, of: str = SUITE
 ) -> Scenarios:
     """Scenarios of a generation, counted from 1; 0: the set that centres are judged on."""
     words = (seed, generation, machine) if machine else (seed, generation)
-    return suite(SUITE, motor, int(combine(*words)[0]) >> 1, n, ROLE)
+    return suite(of, motor, int(combine(*words)[0]) >> 1, n, ROLE)
 
 
 def _judge(search: _Search, values: dict[str, float]) -> None:
