@@ -17,6 +17,10 @@ SEED   ?= 11
 SUITES ?= stress-1 handoff stress
 GRID   ?= 41
 RULES  ?= linear hysteresis gated fuzzy logistic
+# Rules on the other observers, made by `make -f results/reference.mk rules`.
+ON_SMO  ?= linear smoothstep sine quadratic hysteresis ramp gated fuzzy logistic grid emf physics fusion
+ON_FLUX ?= hysteresis gated fuzzy logistic grid
+ALONE   ?= error_blend flux_observer
 
 TUNED := $(RULES:%=$(OUT)/tuned/%-coupled-tuned.json)
 RUNS  := $(SEEDS:%=$(OUT)/seed-%/table.json)
@@ -34,6 +38,19 @@ all: $(OUT)/report/index.html
 $(OUT)/tuned/%-coupled-tuned.json:
 	@mkdir -p $(@D)
 	$(SENSORLESS) tune $* --budget $(BUDGET) --set estimator=coupled --out $@
+
+.PHONY: rules
+rules: $(ON_SMO:%=$(OUT)/others/%-tuned.json) $(ALONE:%=$(OUT)/others/%-tuned.json) \
+       $(ON_FLUX:%=$(OUT)/others/%-flux-tuned.json)
+	cp $^ $(SHIPPED)/tuned
+
+$(OUT)/others/%-flux-tuned.json:
+	@mkdir -p $(@D)
+	$(SENSORLESS) tune $* --budget $(BUDGET) --set estimator=flux --out $@
+
+$(OUT)/others/%-tuned.json:
+	@mkdir -p $(@D)
+	$(SENSORLESS) tune $* --budget $(BUDGET) $(if $(filter $*,$(ON_SMO)),--set estimator=smo) --out $@
 
 # From Eq. 25. A training that was interrupted starts again: resumed, it would not give the same bits.
 # It runs in a folder of its own, so that no path is recorded with it.
