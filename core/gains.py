@@ -87,5 +87,6 @@ def ranks(gains: Iterable[str]) -> list[str]:
 def write_wanted(gains: Array, values: Values) -> None:
     """Write values (n, GAIN_N) into the field ``wanted`` of records of ``GAINS``."""
     if len(gains):
-        n = int(gains["n"][0])
-        gains["wanted"][:, :n] = values[:, gains["which"][0, :n]]
+        wanted = gains["wanted"]
+        for j, which in enumerate(gains["which"][0, : gains["n"][0]].tolist()):
+            wanted[:, j] = values[:, which]

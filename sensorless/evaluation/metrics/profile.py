@@ -54,7 +54,9 @@ def since_change(r: Rollout) -> Floats:
     out = np.zeros((len(t), n))
     last = np.zeros(n)
     for j in range(segments):
-        out = np.where(t >= s.t[:, j], t - np.fmax(last, end[:, j]), out)
+        row = np.searchsorted(t[:, 0], s.t[:, j].min())  # the others are before the segment
+        late = t[row:]
+        np.subtract(late, np.fmax(last, end[:, j]), out=out[row:], where=late >= s.t[:, j])
         last = np.fmax(last, np.fmin(end[:, j], begins[:, j]))
     starting = r.sums["starting"] > 0.0
     if starting.any():
