@@ -16,8 +16,8 @@ NEAR_OBJECTIVE = f"{OBJECTIVE} + {LOST_WEIGHT:g} mean nearness of a loss (unload
 """What tuning a rule minimises: search finds bands that lose rarely, and sampling does not see it."""
 NEAR_SUITE = "unload"
 """Scenarios in which rules that leave injection too early slip, or nearly so."""
-NEAR = math.radians(10.0), math.radians(90.0)
-"""Angle errors at which a loss begins to come near, and at which it has come."""
+NEAR = math.radians(15.0), math.radians(45.0)
+"""Angle errors at which a loss begins to come near, and at which it as good as came."""
 
 
 def nearness(angle_err: NDArray[np.float64]) -> NDArray[np.float64]:
