@@ -42,7 +42,7 @@ POLICIES = {
     "corrected": (
         RULE_OF_THE_PAPER, "hysteresis", "linear-tuned", "logistic-tuned", "gated-tuned",
         "ramp-tuned", "flux_observer-tuned", "logistic-flux-tuned", "reference-flux",
-        "reference-smo", "hfi", "oracle", "sensored",
+        "ppo-smo-ks", "hfi", "oracle", "sensored",
     ),
     "published": (RULE_OF_THE_PAPER, "hysteresis", "hfi", "sensored"),
 }  # fmt: skip

@@ -26,7 +26,7 @@ WORDS = {
     "logistic-coupled-tuned": "Speed, torque and disagreement, tuned",
     "reference": "Learned by PPO on the coupled observer",
     "reference-flux": "Learned by PPO on the flux observer",
-    "reference-smo": "Learned by PPO on the sliding-mode observer",
+    "ppo-smo-ks": "Learned by PPO on the sliding-mode observer",
     "sliding_mode": "Eq. 25 on the paper's observers",
     "flux_observer": "Eq. 25 on the flux observer",
     "error_blend": "Eq. 25 on two error signals in one loop",

@@ -7,10 +7,10 @@ from sensorless.policies.tuned import Tuned
 
 FOLDER = Path(__file__).absolute().parents[1] / "reference"
 """``results/reference`` of the repository."""
-RUNS = {"reference": "", "reference-flux": "flux", "reference-smo": "sliding-mode"}
+RUNS = {"reference": "", "reference-flux": "flux"}
 """Learned schedules by name, and their folders within ``FOLDER``."""
 ALIASES = {
-    "tuned-coupled": "linear-coupled-tuned",
+    "tuned-coupled": "fuzzy-coupled-tuned",
     "tuned-smo": "logistic-tuned",
 }
 """Second names, by what a policy is: who made it, on which drive."""

@@ -90,7 +90,6 @@ def test_the_package_ships_the_folder_of_the_repository() -> None:
     [
         ("reference", "coupled"),
         ("reference-flux", "flux"),
-        ("reference-smo", "smo"),
         ("logistic-coupled-tuned", "coupled"),
         ("logistic-flux-tuned", "flux"),
         ("logistic-tuned", "smo"),
