@@ -32,7 +32,7 @@ from sensorless.files import is_part, write_atomic
 SMALL = "--n-envs 16 --n-steps 16 --n-epochs 1 --validate-size 16 --eval-freq 256"
 COMMANDS = {
     "train": f"train --name killed --steps 4096 {SMALL}",
-    "tune": "tune linear --budget 480 --out tuned.json",
+    "tune": "tune linear --budget 800 --out tuned.json",
     "export": "export eq25 --out exported --no-fit",
     "report": "report eq25 --out report --suite nominal --size 4 --grid 2 --policy eq25",
 }

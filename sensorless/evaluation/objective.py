@@ -12,12 +12,12 @@ OBJECTIVE = (
     "(means over the scenarios survived, shares of rated torque)"
 )
 """What training and tuning minimise: losing 1 scenario in 1000 more weighs like 1 % of torque."""
-NEAR_OBJECTIVE = f"{OBJECTIVE} + {LOST_WEIGHT:g} mean nearness of a loss (unload)"
-"""What tuning a rule minimises: search finds bands that lose rarely, and sampling does not see it."""
 NEAR_SUITE = "unload"
 """Scenarios in which rules that leave injection too early slip, or nearly so."""
 NEAR = math.radians(15.0), math.radians(45.0)
 """Angle errors at which a loss begins to come near, and at which it as good as came."""
+NEAR_OBJECTIVE = f"{OBJECTIVE} + {LOST_WEIGHT:g} mean nearness of a loss in {NEAR_SUITE}"
+"""What tuning a rule minimises: a search ends where losses are rare, which samples do not show."""
 
 
 def nearness(angle_err: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -36,7 +36,7 @@ class Cost:
     torque_ripple: float
     """Mean ``torque_ripple_rms`` of the same scenarios."""
     near_loss: float = 0.0
-    """Mean of ``nearness`` over scenarios of ``NEAR_SUITE``, 1 for a lost one; counted by tuning."""
+    """Mean ``nearness`` in ``NEAR_SUITE``, 1 of a lost scenario; only tuning a rule looks there."""
 
     @property
     def objective(self) -> float:

@@ -1,6 +1,7 @@
 """Parameters of a hand-over rule by CMA-ES, on scenarios that neither training nor evaluation uses.
 
-Each generation draws new scenarios, the same for all its candidates. After every CHECK generations
+Each generation draws new scenarios, the same for all its candidates, and fewer in which loads go,
+where a rule that leaves injection too early comes near a loss. After every CHECK generations
 the centre of the search is judged on a fixed set of scenarios drawn for tuning too; the result is
 the best centre judged, or the start if none is better. All time simulated counts against the
 budget, except that of the sensored twins.
@@ -35,8 +36,8 @@ if TYPE_CHECKING:
     from cma import CMAEvolutionStrategy
 
 SUITE, ROLE = "stress-1", "tune"
-NEAR_SHARE = 0.5
-"""Scenarios of ``NEAR_SUITE`` over those of ``SUITE``."""
+NEAR_EVERY = 2
+"""Scenarios of ``SUITE`` to one of ``NEAR_SUITE``."""
 CHECK = 3
 """Generations between two judgements of the centre."""
 GENERATIONS = 30
@@ -118,8 +119,8 @@ def tune(
         float(generation_scenarios(motor, seed, 0, 1, of=name).duration[0])
         for name in (SUITE, NEAR_SUITE)
     )
-    length += NEAR_SHARE * near
-    fewest = max(FEWEST_SCENARIOS, len(drawn.motors))
+    length += near / NEAR_EVERY
+    fewest = max(FEWEST_SCENARIOS, NEAR_EVERY * len(drawn.motors))
     least = (2 + CHECK) * population * fewest * length
     if not least <= budget <= 1e9:
         raise UserError(f"budget: {budget:g} s; give {least:g} to 1e9 s for {name}")
@@ -190,8 +191,8 @@ def _run(
 
 
 def _shared(batch: float, machines: Machines) -> int:
-    """Scenarios of a candidate, rounded down to the same number on every machine."""
-    n = len(machines.motors)
+    """Scenarios of a candidate, rounded down so that every machine has as many."""
+    n = NEAR_EVERY * len(machines.motors)
     return int(batch) // n * n
 
 
@@ -204,7 +205,7 @@ def _costs(
         policies = [search.rule.build(search.rule.name, v, factory.motor) for v in values]
         words = factory.motor, search.seed, generation
         part = generation_scenarios(*words, share, i)
-        unload = generation_scenarios(*words, int(NEAR_SHARE * share), i, of=NEAR_SUITE)
+        unload = generation_scenarios(*words, share // NEAR_EVERY, i, of=NEAR_SUITE)
         found, seconds = costs(policies, part, factory, search.engine)
         near, more = near_losses(policies, unload, factory, search.engine)
         search.used += seconds + more

@@ -10,12 +10,13 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.aggregate import summary
 from sensorless.evaluation.evaluate import score
+from sensorless.evaluation.objective import nearness
 from sensorless.evaluation.rollout import rollout
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, GainGrid, KsTable
-from sensorless.tuning.batch import SideBySide, costs
+from sensorless.tuning.batch import SideBySide, costs, near_losses
 
 pytestmark = pytest.mark.usefixtures("short_suites")
 
@@ -61,6 +62,26 @@ def test_the_cost_is_that_of_an_evaluation() -> None:
         assert getattr(cost, name) == pytest.approx(wanted[key], rel=1e-6)
     parts = wanted["torque_dev_rms"] + wanted["torque_ripple_rms"]
     assert cost.objective == pytest.approx(10.0 * wanted["lost_rate"] + parts)
+
+
+def test_a_loss_comes_near_from_15_to_45_degrees() -> None:
+    assert nearness(np.radians([0.0, 15.0, 30.0, 45.0, 180.0])) == pytest.approx(
+        [0.0, 0.0, 0.5, 1.0, 1.0]
+    )
+
+
+def test_near_losses_are_those_of_an_evaluation() -> None:
+    """One rule that holds, one that loses some scenarios, in company and in pieces."""
+    scenarios = suite("unload", MOTOR, 0, 6, "tune")
+    policies = [make_policy(s, MOTOR) for s in ("hfi", "hysteresis:50,60")]
+    found, seconds = near_losses(policies, scenarios, FACTORY)
+    for policy, share in zip(policies, found, strict=True):
+        scores = score(policy, scenarios, FACTORY)
+        near = nearness(np.radians(scores.metrics["angle_err_max_deg"]))
+        near = np.where(scores.lost != 0, 1.0, near)
+        assert share == pytest.approx(float(near.mean()), abs=1e-6)
+    assert found[0] < 0.01 < found[1]
+    assert 0.0 < seconds <= 2 * float(scenarios.duration.sum())
 
 
 def test_policies_with_gains_keep_their_own() -> None:

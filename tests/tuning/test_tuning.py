@@ -33,6 +33,19 @@ def bowl(
     return out, len(policies) * float(scenarios.duration.sum())
 
 
+def none_near(
+    policies: Sequence[Policy], scenarios: Scenarios, *_: object
+) -> tuple[list[float], float]:
+    """No near losses, in the time that they would take."""
+    return [0.0] * len(policies), len(policies) * float(scenarios.duration.sum())
+
+
+@pytest.fixture
+def without_near_losses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tuning, "near_losses", none_near)
+
+
+@pytest.mark.usefixtures("without_near_losses")
 def test_finds_the_least_within_its_budget(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tuning, "costs", bowl)
     seen: list[float] = []
@@ -48,6 +61,7 @@ def test_finds_the_least_within_its_budget(monkeypatch: pytest.MonkeyPatch) -> N
     assert seen == sorted(seen) and 0.9 < seen[-1] <= 1.0
 
 
+@pytest.mark.usefixtures("without_near_losses")
 def test_one_parameter_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     def first_node(
         policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, *_: object
@@ -60,6 +74,7 @@ def test_one_parameter_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.parameters["corner"] == pytest.approx(0.7, abs=0.05)
 
 
+@pytest.mark.usefixtures("without_near_losses")
 def test_ctrl_c_keeps_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
     calls = 0
 
@@ -78,21 +93,41 @@ def test_ctrl_c_keeps_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
     assert known["best"]["objective"] < known["start"]["objective"]
 
 
+def test_near_losses_count_like_losses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A band that comes near a loss in every hundredth scenario is not worth 0.1 of torque."""
+
+    def near_from_half(
+        policies: Sequence[Policy], scenarios: Scenarios, *_: object
+    ) -> tuple[list[float], float]:
+        ends = [p.table.axes[0].hi for p in policies if isinstance(p, TablePolicy)]
+        time = len(policies) * float(scenarios.duration.sum())
+        return [0.01 if hi > 0.5 else 0.0 for hi in ends], time
+
+    monkeypatch.setattr(tuning, "costs", bowl)
+    monkeypatch.setattr(tuning, "near_losses", near_from_half)
+    found = tuning.tune("linear", PAPER, DESIGN, 20000.0, 5)
+    assert 0.45 < found.parameters["hi"] <= 0.5
+    best = found.provenance["best"]
+    assert best["near_loss"] == 0.0
+    assert best["objective"] == pytest.approx(best["torque_dev"])
+
+
 def test_the_same_words_give_the_same_result_on_real_drives(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(tuning, "FEWEST_SCENARIOS", 2)
     monkeypatch.setattr(tuning, "suite", lasting(0.1))
     state = np.random.get_state()[1].copy()  # type: ignore[index]
-    first, second = (tuning.tune("linear", PAPER, DESIGN, 8.0, 7) for _ in range(2))
+    first, second = (tuning.tune("linear", PAPER, DESIGN, 20.0, 7) for _ in range(2))
     assert first == second
     assert first.provenance["generations"] >= tuning.CHECK
-    third, fourth = (tuning.tune("linear", PAPER, DESIGN, 8.0, 7, machines=2) for _ in range(2))
+    third, fourth = (tuning.tune("linear", PAPER, DESIGN, 20.0, 7, machines=2) for _ in range(2))
     assert third == fourth
     assert third.provenance["start"] != first.provenance["start"]
     assert (np.random.get_state()[1] == state).all(), "leaves the global generator alone"  # type: ignore[index]
 
 
+@pytest.mark.usefixtures("without_near_losses")
 def test_random_machines_share_the_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each machine has scenarios of its own; the mean over all is what is made least."""
     met: dict[str, list[Scenarios]] = {}
