@@ -191,8 +191,8 @@ def _run(
 
 
 def _shared(batch: float, machines: Machines) -> int:
-    """Scenarios of a candidate, rounded down so that every machine has as many."""
-    n = NEAR_EVERY * len(machines.motors)
+    """Scenarios of a candidate, rounded down to the same number on every machine."""
+    n = len(machines.motors)
     return int(batch) // n * n
 
 
