@@ -16,8 +16,8 @@ NEAR_SUITE = "unload"
 """Scenarios in which rules that leave injection too early slip, or nearly so."""
 NEAR = math.radians(10.0), math.radians(90.0)
 """Angle errors at which a loss begins to come near, and at which it has come. From 15 to 45 degrees
-instead, tuned rules pass 15 degrees in up to 1 % of the scenarios; from 10, in no more than injection
-alone does."""
+instead, tuned rules pass 15 degrees in up to 1 % of the scenarios, from 10 in hardly more than
+injection alone does."""
 NEAR_OBJECTIVE = f"{OBJECTIVE} + {LOST_WEIGHT:g} mean nearness of a loss in {NEAR_SUITE}"
 """What tuning a rule minimises: a search ends where losses are rare, which samples do not show."""
 
