@@ -37,8 +37,6 @@ class Cost:
     """Mean ``torque_dev_rms`` of the survived scenarios; 1 if there are none."""
     torque_ripple: float
     """Mean ``torque_ripple_rms`` of the same scenarios."""
-    near_loss: float = 0.0
-    """Mean ``nearness`` in ``NEAR_SUITE``, 1 of a lost scenario; only tuning a rule looks there."""
 
     @property
     def objective(self) -> float:
@@ -47,5 +45,16 @@ class Cost:
 
     def weighted(self, ripple: float) -> float:
         """Return the objective with this weight of the ripple."""
-        lost = LOST_WEIGHT * (self.lost_rate + self.near_loss)
-        return lost + self.torque_dev + ripple * self.torque_ripple
+        return LOST_WEIGHT * self.lost_rate + self.torque_dev + ripple * self.torque_ripple
+
+
+@dataclass(frozen=True)
+class NearCost(Cost):
+    """The same, and how near to a loss the policy comes where loads go."""
+
+    near_loss: float
+    """Mean ``nearness`` over scenarios of ``NEAR_SUITE``, 1 of a lost one."""
+
+    def weighted(self, ripple: float) -> float:
+        """Return ``NEAR_OBJECTIVE`` with this weight of the ripple."""
+        return super().weighted(ripple) + LOST_WEIGHT * self.near_loss

@@ -8,7 +8,7 @@ budget, except that of the sensored twins.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, astuple, dataclass, replace
+from dataclasses import asdict, astuple, dataclass
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
@@ -23,7 +23,7 @@ from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.evaluation.engines.engine import LOCAL, Engine
-from sensorless.evaluation.objective import NEAR_OBJECTIVE, NEAR_SUITE, Cost
+from sensorless.evaluation.objective import NEAR_OBJECTIVE, NEAR_SUITE, Cost, NearCost
 from sensorless.evaluation.rollout import Floats
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES, rule_named
@@ -44,7 +44,7 @@ GENERATIONS = 30
 """Number of generations that the number of scenarios is chosen for."""
 FEWEST_SCENARIOS, MOST_SCENARIOS = 8, 256
 """Scenarios that each candidate of a generation runs."""
-NONE = Cost(1.0, 1.0, 1.0)
+NONE = NearCost(1.0, 1.0, 1.0, 1.0)
 """Cost before anything has been judged."""
 SIGMA = 0.2
 """First step of the search, over the range of each parameter."""
@@ -198,7 +198,7 @@ def _shared(batch: float, machines: Machines) -> int:
 
 def _costs(
     search: _Search, values: Sequence[dict[str, float]], generation: int, n: int
-) -> list[Cost]:
+) -> list[NearCost]:
     """Mean cost of every candidate over n scenarios, shared among the machines."""
     share, parts = n // len(search.factories), []
     for i, factory in enumerate(search.factories):
@@ -210,8 +210,8 @@ def _costs(
         near, more = near_losses(policies, unload, factory, search.engine)
         search.used += seconds + more
         both = zip(found, near, strict=True)
-        parts.append([astuple(replace(cost, near_loss=x)) for cost, x in both])
-    return [Cost(*(float(x) for x in row)) for row in np.mean(parts, axis=0)]
+        parts.append([(*astuple(cost), x) for cost, x in both])
+    return [NearCost(*(float(x) for x in row)) for row in np.mean(parts, axis=0)]
 
 
 def generation_scenarios(
