@@ -112,7 +112,7 @@ CASES = {
         2.0,
         ((1.0, {"lr_nodes": 0.03, "lr_end": 0.1, "noise": 0.08, "smoothness": 3.0}),),
         2_000_000,
-        ("eq25", "linear-coupled-tuned", LEAN),
+        ("eq25", "tuned-coupled", LEAN),
         {"static": STATIC, "scheduled": SCHEDULED},
         LEAN,
         "logistic-coupled-tuned",
