@@ -187,13 +187,6 @@ class TrainConfig:
         "take this share of the scenarios from hard-train, the finds of a search for losses: of "
         "stress-1 alone, too few are lost to learn from",
     )
-    unload: float = number(
-        0.0,
-        "1",
-        0,
-        1,
-        "take this share of the scenarios from unload, where loads go at low speed",
-    )
     injection_cost: float = number(
         RewardWeights.injection, "1/ms", 0, 10, "charge this while injection is on"
     )
@@ -225,8 +218,6 @@ class TrainConfig:
         if self.gains and self.policy_kind != "table":
             raise UserError("gains: only a table sets them: use policy_kind table")
         self._named_gains()
-        if self.hard + self.unload > 1.0:
-            raise UserError(f"unload: {self.unload}: with hard = {self.hard} more than all")
         if self.n_envs % 2:
             raise UserError(f"n_envs: {self.n_envs}: must be even")
         if 2 * self.machines > self.n_envs:

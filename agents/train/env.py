@@ -1,7 +1,7 @@
 """Environments to train in: scenarios of the suite ``stress-1`` with the role ``train``."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, fields
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.reward import RewardWeights
 from sensorless.envs.scenarios.finds import hard_scenarios
-from sensorless.envs.scenarios.load_steps import unload_scenarios
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.envs.scenarios.suites import ROLES
@@ -22,7 +21,7 @@ from sensorless.envs.window_reward import WindowWeights
 from sensorless.machine.motor import Motor
 
 OF_HARD = 100
-"""Added to the role for the draws that decide which scenarios are of other suites."""
+"""Added to the role for the draws that decide which scenarios are hard."""
 REPEATS = 10_000
 """Indices from here on repeat the suite, so every number is moved."""
 
@@ -32,42 +31,22 @@ def training_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     return stress_1_scenarios(motor, combine(ROLES["train"], seeds))
 
 
-def with_others(hard: float, unload: float) -> Sampler:
-    """Sampler of the same, but shares of them of other suites.
-
-    Parameters
-    ----------
-    hard : float
-        Share of the suite ``hard-train``, slightly moved.
-    unload : float
-        Share of ``unload``, as long as the usual ones and on their plant.
-    """
+def with_hard(share: float) -> Sampler:
+    """Sampler of the same, but a ``share`` of them of the suite ``hard-train``, slightly moved."""
 
     def draw(motor: Motor, seeds: Seeds) -> Scenarios:
         usual, chance = training_scenarios(motor, seeds), combine(ROLES["train"] + OF_HARD, seeds)
+        rows = np.flatnonzero(chance < np.uint64(share * (2**64 - 2**11)))
+        if not len(rows):
+            return usual
+        repeats = REPEATS + (chance[rows] >> np.uint64(34)).astype(np.int64)
+        hard = hard_scenarios(motor, chance[rows], repeats, 1)
         out = {f.name: getattr(usual, f.name).copy() for f in fields(usual)}
-        first, second = (np.uint64(share * (2**64 - 2**11)) for share in (hard, hard + unload))
-        for rows, other in (
-            (np.flatnonzero(chance < first), _hard),
-            (np.flatnonzero((chance >= first) & (chance < second)), _unload),
-        ):
-            if len(rows):
-                drawn = other(motor, chance[rows])
-                for name, values in out.items():
-                    values[rows] = getattr(drawn, name)
+        for name, values in out.items():
+            values[rows] = getattr(hard, name)
         return Scenarios(**out)
 
     return draw
-
-
-def _hard(motor: Motor, seeds: Seeds) -> Scenarios:
-    return hard_scenarios(motor, seeds, REPEATS + (seeds >> np.uint64(34)).astype(np.int64), 1)
-
-
-def _unload(motor: Motor, seeds: Seeds) -> Scenarios:
-    s = unload_scenarios(motor, seeds, (seeds >> np.uint64(34)).astype(np.int64))
-    usual = training_scenarios(motor, seeds)
-    return replace(s, duration=usual.duration, detailed=usual.detailed)
 
 
 def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Motor]) -> SB3VecEnv:
@@ -92,7 +71,7 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
             motor=motor,
             design=design,
             decision_period=1e-3 * config.decision_ms,
-            scenarios=with_others(config.hard, config.unload),
+            scenarios=with_hard(config.hard) if config.hard else training_scenarios,
             weights=weights,
             gains=tuple(ranges),
             gain_ranges=ranges,

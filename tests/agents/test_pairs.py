@@ -9,7 +9,7 @@ from sensorless.agents.pairs import PairedRolloutBuffer, opposite, paired_seeds
 from sensorless.agents.table.kernel import NodeKernel
 from sensorless.agents.table.noise import NodeNoise
 from sensorless.agents.train.config import TrainConfig
-from sensorless.agents.train.env import training_env, training_scenarios, with_others
+from sensorless.agents.train.env import training_env, training_scenarios, with_hard
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -68,24 +68,13 @@ def test_one_lost_scenario_counts_a_few_times_the_usual_difference() -> None:
 
 def test_a_share_of_the_scenarios_is_hard_and_each_follows_from_its_seed() -> None:
     motor, seeds = Motor.load("paper"), np.arange(600, dtype=np.uint64)
-    usual, mixed = training_scenarios(motor, seeds), with_others(0.25, 0.0)(motor, seeds)
+    usual, mixed = training_scenarios(motor, seeds), with_hard(0.25)(motor, seeds)
     hard = (usual.seed != mixed.seed) | (usual.t != mixed.t).any(axis=1)
     assert 0.18 < hard.mean() < 0.32
-    one = with_others(0.25, 0.0)(motor, seeds[41:42])
+    one = with_hard(0.25)(motor, seeds[41:42])
     assert np.array_equal(one.omega, mixed.omega[41:42]) and one.J[0] == mixed.J[41]
     moved = mixed.omega[hard]
     assert len(np.unique(moved, axis=0)) == len(moved), "none is repeated"
-
-
-def test_a_share_of_the_scenarios_takes_loads_off() -> None:
-    motor, seeds = Motor.load("paper"), np.arange(600, dtype=np.uint64)
-    usual, hard = training_scenarios(motor, seeds), with_others(0.1, 0.0)(motor, seeds)
-    mixed = with_others(0.1, 0.25)(motor, seeds)
-    off = (mixed.t[:, 1] == 0.2) & (mixed.t[:, 2] == 1.0) & (mixed.tau[:, 2] == 0.0)
-    assert 0.18 < off.mean() < 0.32
-    assert np.array_equal(mixed.omega[~off], hard.omega[~off]), "the others are as they were"
-    assert np.array_equal(mixed.duration, usual.duration)
-    assert np.array_equal(with_others(0.0, 0.0)(motor, seeds).tau, usual.tau)
 
 
 def test_nothing_is_learned_from_a_pair_out_of_step() -> None:
