@@ -42,7 +42,7 @@ def study(index: int, words: argparse.Namespace) -> dict[str, Any]:
     motor, design = machine(words.seed, index), DriveDesign()
     own = tune(words.rule, motor, design, words.budget, words.tune_seed).provenance["policy"]
     rows, factory = SuiteRows(SUITE, motor, words.seed, words.size), SimFactory(motor, design)
-    found = {w: score(make_policy(w, motor), rows, factory) for w in (own, *words.policy)}
+    found = {w: score(make_policy(w, motor, override=True), rows, factory) for w in (own, *words.policy)}
     tuned = found.pop(own)
     policies = {}
     for word, s in found.items():
