@@ -161,7 +161,7 @@ def test_the_first_table_is_that_of_the_results(name_of: str, count: int) -> Non
     assert f"loses {lost_there} of {size} and deviates by {deviation} %" in page
     default, *others = (
         float(results[name]["torque deviation [%]"].split()[0])
-        for name in ("eq25", "reference", "linear-coupled-tuned")
+        for name in ("eq25", "reference", "fuzzy-coupled-tuned")
     )
     assert float(results["eq25"]["lost [%]"].split()[0]) == 0.0
     assert f"loses 0 of {size} and deviates by {default:.2f} %" in page
