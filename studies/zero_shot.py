@@ -6,7 +6,7 @@ Draws random machines of the suite `machines`, which neither training nor tuning
 on each as ``sensorless tune`` does, and judges it beside the policies on scenarios of ``stress-1``
 that tuning has not seen. A policy is as good on a machine if its mean, over the scenarios that both
 survive, is at most 2 % above that of the tuned rule. The file is written after every machine: rerun
-the command to resume, also with more machines.
+the command to resume, also with more machines or policies; no machine is tuned twice.
 """
 
 import argparse
@@ -37,14 +37,21 @@ MARGIN = 0.02
 """Share by which a mean may be larger and still count as no worse."""
 
 
-def study(index: int, words: argparse.Namespace) -> dict[str, Any]:
-    """One machine: how many scenarios each policy loses, and its means over the tuned rule's."""
-    motor, design = machine(words.seed, index), DriveDesign()
-    own = tune(words.rule, motor, design, words.budget, words.tune_seed).provenance["policy"]
+def study(index: int, words: argparse.Namespace, known: Mapping[str, Any]) -> dict[str, Any]:
+    """One machine: how many scenarios each policy loses, and its means over the tuned rule's.
+
+    ``known``: its entry in the record so far.
+    """
+    motor, design, own = machine(words.seed, index), DriveDesign(), known.get("tuned")
+    if own is None:
+        own = tune(words.rule, motor, design, words.budget, words.tune_seed).provenance["policy"]
+    policies = dict(known.get("policies", {}))
+    new = [word for word in words.policy if word not in policies]
+    if not new:
+        return dict(known)
     rows, factory = SuiteRows(SUITE, motor, words.seed, words.size), SimFactory(motor, design)
-    found = {w: score(make_policy(w, motor, override=True), rows, factory) for w in (own, *words.policy)}
+    found = {w: score(make_policy(w, motor, override=True), rows, factory) for w in (own, *new)}
     tuned = found.pop(own)
-    policies = {}
     for word, s in found.items():
         ours, theirs = ({m: x.metrics[m] for m in METRICS} for x in (s, tuned))
         apart = paired(s.lost, ours, tuned.lost, theirs, words.seed)
@@ -86,16 +93,18 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("results/studies/random_machines.json"))
     words = parser.parse_args()
     known = versions()
-    asked = {k: v for k, v in vars(words).items() if k not in ("machines", "out")}
+    asked = {k: v for k, v in vars(words).items() if k not in ("policy", "machines", "out")}
     asked |= {"versions": {name: known[name] for name in ("sensorless", "core")}}
     old = json.loads(words.out.read_text(encoding="utf-8")) if words.out.is_file() else {}
     done = old["machines"] if old.get("asked") == asked else []
-    for index in range(len(done), words.machines):
-        done.append(study(index, words))
-        shares = {word: summed(done, word) for word in words.policy}
-        write_atomic(words.out, json.dumps({"asked": asked, "shares": shares, "machines": done}))
-        print(index + 1, json.dumps(done[-1]), flush=True)
-    print(json.dumps({word: summed(done, word) for word in words.policy}, indent=1))
+    for index in range(words.machines):
+        entry = study(index, words, done[index] if index < len(done) else {})
+        done[index : index + 1] = [entry]
+        write_atomic(words.out, json.dumps({"asked": asked, "machines": done}) + "\n")
+        print(index + 1, json.dumps(entry), flush=True)
+    shares = {word: summed(done[: words.machines], word) for word in words.policy}
+    print(json.dumps(shares, indent=1))
+    write_atomic(words.out, json.dumps({"asked": asked, "shares": shares, "machines": done}) + "\n")
 
 
 if __name__ == "__main__":
