@@ -1,6 +1,6 @@
 """One schedule for all machines, against a rule tuned for each of them.
 
-    python studies/zero_shot.py [--policy linear-coupled-tuned eq25] [--machines 64] [--rule linear]
+    python studies/zero_shot.py [--policy fuzzy-coupled-tuned eq25] [--machines 64] [--rule linear]
 
 Draws random machines of the suite `machines`, which neither training nor tuning knows, tunes a rule
 on each as ``sensorless tune`` does, and judges it beside the policies on scenarios of ``stress-1``
@@ -83,7 +83,7 @@ def summed(machines: list[Mapping[str, Any]], word: str) -> dict[str, float]:
 def main() -> None:
     """Tune and judge what is missing in the file, and print the shares."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--policy", nargs="+", default=["linear-coupled-tuned", "eq25"])
+    parser.add_argument("--policy", nargs="+", default=["fuzzy-coupled-tuned", "eq25"])
     parser.add_argument("--rule", default="linear", help="that is tuned on every machine")
     parser.add_argument("--machines", type=int, default=64)
     parser.add_argument("--budget", type=float, default=20_000.0, help="simulated s of a tuning")
