@@ -55,7 +55,7 @@ def study(index: int, words: argparse.Namespace, known: Mapping[str, Any]) -> di
     for word, s in found.items():
         ours, theirs = ({m: x.metrics[m] for m in METRICS} for x in (s, tuned))
         apart = paired(s.lost, ours, tuned.lost, theirs, words.seed)
-        more = {m: apart[m] / apart["there"][m] for m in METRICS}
+        more = {m: round(apart[m] / apart["there"][m], 4) for m in METRICS}
         policies[word] = {"lost": count(s.lost), "more": more}
     return {"machine": motor.name, "tuned": own, "lost": count(tuned.lost), "policies": policies}
 
@@ -70,7 +70,7 @@ def summed(machines: list[Mapping[str, Any]], word: str) -> dict[str, float]:
     rows = [m["policies"][word] for m in machines]
     good = {m: np.array([r["more"][m] <= MARGIN for r in rows]) for m in METRICS}
     lost = np.array([r["lost"] <= m["lost"] for r, m in zip(rows, machines, strict=True)])
-    mean = {m: float(np.mean([r["more"][m] for r in rows])) for m in METRICS}
+    mean = {m: round(float(np.mean([r["more"][m] for r in rows])), 4) for m in METRICS}
     return {
         **{f"{m}_as_good": float(good[m].mean()) for m in METRICS},
         **{f"{m}_more": mean[m] for m in METRICS},
