@@ -2,6 +2,7 @@
 
 import ctypes
 import errno
+import json
 import os
 import re
 import shutil
@@ -46,6 +47,13 @@ def write_atomic(path: str | Path, data: str | bytes) -> None:
             part.unlink(missing_ok=True)
     except OSError as error:
         raise UserError(f"output {str(path)!r}: {reason(error)}; write to another folder") from None
+
+
+def write_record(path: Path, record: object) -> None:
+    """Write a record as one line of JSON, floats to six digits; errors as ``write_atomic``."""
+    exact = json.dumps(record, default=float)
+    short = json.loads(exact, parse_float=lambda text: float(f"{float(text):.6g}"))
+    write_atomic(path, json.dumps(short) + "\n")
 
 
 def is_device(path: Path) -> bool:

@@ -9,7 +9,6 @@ tuning scenarios. Writes ``results/studies/handover.json``.
 """
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -30,7 +29,7 @@ from sensorless.evaluation.evaluate import Scores, score
 from sensorless.evaluation.metrics.ripple import HANDOVER, torque_ripple_window
 from sensorless.evaluation.results_tables import difference, number
 from sensorless.evaluation.rollout import rollout
-from sensorless.files import ensure_writable, write_atomic
+from sensorless.files import ensure_writable, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy
@@ -152,7 +151,7 @@ def main() -> None:
         "quietest": parameters, "generations": options.search, "versions": versions(),
         "designs": {name: asdict(design) for name, design in DRIVES.items()}, "policies": found,
     }  # fmt: skip
-    write_atomic(options.out, json.dumps(record, default=float) + "\n")
+    write_record(options.out, record)
     console.print(f"wrote {options.out}")
 
 

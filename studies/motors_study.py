@@ -26,7 +26,7 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import paired, summary
 from sensorless.evaluation.evaluate import Scores, score
-from sensorless.files import write_atomic
+from sensorless.files import write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.best import best
 from sensorless.policies.registry import make_policy
@@ -155,7 +155,7 @@ def main() -> None:
         if record["machines"].get(name, {}).get("digest") != digest:
             found = study(name, args.policy, args.against, args)
             record["machines"][name] = {"digest": digest, **found}
-            write_atomic(args.out, json.dumps(record) + "\n")
+            write_record(args.out, record)
         say(name, record["machines"][name])
 
 

@@ -26,7 +26,7 @@ from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import paired
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.rollout import CAUSES
-from sensorless.files import write_atomic
+from sensorless.files import write_record
 from sensorless.policies.registry import make_policy
 from sensorless.tuning.tune import tune
 from sensorless.versions import versions
@@ -55,7 +55,7 @@ def study(index: int, words: argparse.Namespace, known: Mapping[str, Any]) -> di
     for word, s in found.items():
         ours, theirs = ({m: x.metrics[m] for m in METRICS} for x in (s, tuned))
         apart = paired(s.lost, ours, tuned.lost, theirs, words.seed)
-        more = {m: round(apart[m] / apart["there"][m], 4) for m in METRICS}
+        more = {m: apart[m] / apart["there"][m] for m in METRICS}
         policies[word] = {"lost": count(s.lost), "more": more}
     return {"machine": motor.name, "tuned": own, "lost": count(tuned.lost), "policies": policies}
 
@@ -70,7 +70,7 @@ def summed(machines: list[Mapping[str, Any]], word: str) -> dict[str, float]:
     rows = [m["policies"][word] for m in machines]
     good = {m: np.array([r["more"][m] <= MARGIN for r in rows]) for m in METRICS}
     lost = np.array([r["lost"] <= m["lost"] for r, m in zip(rows, machines, strict=True)])
-    mean = {m: round(float(np.mean([r["more"][m] for r in rows])), 4) for m in METRICS}
+    mean = {m: float(np.mean([r["more"][m] for r in rows])) for m in METRICS}
     return {
         **{f"{m}_as_good": float(good[m].mean()) for m in METRICS},
         **{f"{m}_more": mean[m] for m in METRICS},
@@ -100,11 +100,11 @@ def main() -> None:
     for index in range(words.machines):
         entry = study(index, words, done[index] if index < len(done) else {})
         done[index : index + 1] = [entry]
-        write_atomic(words.out, json.dumps({"asked": asked, "machines": done}) + "\n")
+        write_record(words.out, {"asked": asked, "machines": done})
         print(index + 1, json.dumps(entry), flush=True)
     shares = {word: summed(done[: words.machines], word) for word in words.policy}
     print(json.dumps(shares, indent=1))
-    write_atomic(words.out, json.dumps({"asked": asked, "shares": shares, "machines": done}) + "\n")
+    write_record(words.out, {"asked": asked, "shares": shares, "machines": done})
 
 
 if __name__ == "__main__":
