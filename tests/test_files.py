@@ -6,11 +6,12 @@ import os
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sensorless import files
 from sensorless.errors import UserError
-from sensorless.files import check_writable, put, write_atomic
+from sensorless.files import check_writable, put, write_atomic, write_record
 
 
 @pytest.mark.parametrize("name", ["missing/results.json", "file/results.json", "folder"])
@@ -130,3 +131,9 @@ def test_a_name_too_long_is_one_line(tmp_path: Path) -> None:
 def test_text_from_a_shell_without_unicode_is_written(tmp_path: Path) -> None:
     write_atomic(tmp_path / "a.txt", "bad\udcff.csv")
     assert (tmp_path / "a.txt").read_text() == "bad\\udcff.csv"
+
+
+def test_a_record_has_floats_of_six_digits(tmp_path: Path) -> None:
+    path = tmp_path / "record.json"
+    write_record(path, {"share": np.float32(1.0) / 3.0, "n": 1234567, "rows": [1e-9 / 7.0]})
+    assert path.read_text() == '{"share": 0.333333, "n": 1234567, "rows": [1.42857e-10]}\n'
