@@ -18,7 +18,7 @@ from tests.helpers.documentation import PAGES, ROOT, shown
 
 SMALLER = {
     "--size": "4",
-    "--budget": "600",
+    "--budget": "1200",
     "--machines": "2",
     "--steps": "1024",
     "--validate-size": "16",
@@ -31,7 +31,7 @@ LEFT_OUT = ("--minutes", "--n-steps", "--batch-size", "--eval-freq", "--load", "
 ADDED = {
     "train": "--steps 1024 --n-envs 16 --n-steps 16 --batch-size 128 --n-epochs 1 --warm-up 1 "
     "--validate-size 16",
-    "tune": "--budget 1000",
+    "tune": "--budget 1200",
     "tune gains": "--evaluations 11 --size 8",
     "distill": "--rounds 1 --size 4",
     "evaluate": "--size 4",
