@@ -86,8 +86,8 @@ def test_three_axes_stay_within_the_budgets(motor: Motor, monkeypatch: pytest.Mo
         assert passed(found)
         assert found["instructions"]["lookup_f32"]["max"] <= 130
     # As exported, -O2. Two beyond the budget, which shipped schedules of k_s keep but for
-    # logistic-coupled-tuned: with three axes the drive may take the longest way while it learns what
-    # its voltages get wrong.
+    # logistic-coupled-tuned: with three axes the drive may take the longest way while it learns
+    # what its voltages get wrong.
     assert found["instructions"]["period"]["max"] <= 1402
 
 
