@@ -25,20 +25,33 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
         y->i.q,
         L_q,
         psi_0 + c->L_d * y->i.d,
-        psi_0 + (c->L_d - L_q) * y->i.d,
+        min_f(psi_0 + (c->L_d - L_q) * y->i.d, 2.0f * psi_0),
     };
     lock_emf(&p->lock, &x->lock, &in);
     lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, p->hfi.u_inj, x->k_s);
 }
 
-/* Second part. */
+/* Second part. Where voltage is short, the current cannot follow: its distance counts for less. */
 CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
-    lock_judge(&p->lock, &x->lock, x->est.omega, x->control.i.q - x->control.i_ref.q);
+    const control_state_t *y = &x->control;
+    float off = (y->i.q - y->i_ref.q) * y->u_max / max_f(y->u_abs, y->u_max);
+    lock_judge(&p->lock, &x->lock, x->est.omega, off);
     x->lock.wait = p->lock.n;
     x->fault |= x->lock.alarm != 0 ? FAULT_LOCK : 0;
 }
 
-/* Takes the drive out of control after an alarm: a new start sequence, or no voltage any more. */
+/* Whether the coupled observer can still take the place of the drive's own. */
+CORE_INLINE int drive_can_change(const drive_params_t *p, const drive_state_t *x) {
+    return p->estimator != ESTIMATE_COUPLED && x->start.again == 0;
+}
+
+/* Whether the drive has to act. */
+CORE_INLINE int drive_acts(const drive_params_t *p, const drive_state_t *x) {
+    return lock_acts(&p->lock, &x->lock, drive_can_change(p, x));
+}
+
+/* After an alarm: the coupled observer in the place of another; then a new start sequence; then, or
+ * at once with LOCK_STOP, no voltage any more. */
 void drive_act(const drive_params_t *p, drive_state_t *x);
 
 /* The part that is due, and the action, as a linkable function. */

@@ -112,10 +112,12 @@ CORE_COLD static void watch_emf(const drive_params_t *p, drive_state_t *x, ab_t 
 
 /* The axis is known except for its sense. The initial speed is that at which the EMF turns; at rest
  * that is noise, so the EMF's magnitude bounds it. A drive that had to act was far from its rotor: the
- * pole that it took for south is the likelier one. */
+ * pole that it took for south is the likelier one; but not if the coupled observer has taken over and
+ * drawn it to the nearer one. */
 CORE_COLD static void enter_lock(const drive_params_t *p, drive_state_t *x) {
     float bound = norm_ab(x->start.e_f) / p->control.psi_f;
-    float before = x->est.theta + (x->start.again != 0 ? PI_F : 0.0f);
+    int far = x->start.again != 0 && p->estimator == ESTIMATE_COUPLED;
+    float before = x->est.theta + (far ? PI_F : 0.0f);
     x->hfi.pll.theta = start_axis(&x->start, before);
     x->hfi.pll.omega = bound_f(x->start.omega, bound);
     x->k_s = 1.0f;

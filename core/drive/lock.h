@@ -28,7 +28,7 @@ enum { LOCK_EMF = 1, LOCK_SPEED = 2, LOCK_CURRENT = 4, LOCK_ANSWER = 8 };
 /* What a drive does about it: lock_params_t.action. */
 enum {
     LOCK_REPORT = 0,  /* sets FAULT_LOCK */
-    LOCK_RESTART = 1, /* also seeks the rotor anew, a limited number of times, then stops */
+    LOCK_RESTART = 1, /* also changes the observer, then seeks the rotor a few times, then stops */
     LOCK_STOP = 2     /* also stops: no voltage until drive_init */
 };
 
@@ -45,7 +45,7 @@ typedef struct {
     float leads;     /* weight of injection from which it counts: its axis is the estimate's */
     int32_t n;       /* periods from one evaluation to the next, at least 2 */
     int32_t n_alarm; /* evaluations from the first failed one to an alarm, if the last failed too */
-    int32_t n_act;   /* evaluations after which the drive acts at the next failed one */
+    int32_t n_act;   /* the same to a restart or stop */
     int32_t n_clear; /* passed evaluations in a row that end an alarm */
     int32_t n_calm;  /* passed ones in a row after which earlier restarts are forgotten */
     int32_t restarts; /* most restarts before the drive stops */
@@ -83,7 +83,7 @@ typedef struct {
     float i_q;   /* [A] */
     float L_q;   /* [H] */
     float psi_d; /* [Vs] */
-    float psi_a; /* auxiliary flux on the d axis [Vs] */
+    float psi_a; /* auxiliary flux on the d axis, at most twice that of the magnets [Vs] */
 } lock_in_t;
 
 /* Nothing seen yet, for a drive that takes control without torque at speed omega [rad/s]. */
@@ -139,9 +139,11 @@ CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega
     x->restarts = x->calm >= p->n_calm ? 0 : x->restarts;
 }
 
-/* Whether the drive has to act. */
-CORE_INLINE int lock_acts(const lock_params_t *p, const lock_state_t *x) {
-    return p->action != LOCK_REPORT && x->bad >= p->n_act && x->calm == 0;
+/* Whether the drive has to act; change: its first action is to change the observer, which needs no
+ * waiting, since the torque goes on. */
+CORE_INLINE int lock_acts(const lock_params_t *p, const lock_state_t *x, int change) {
+    int32_t n = change && p->action == LOCK_RESTART ? p->n_alarm : p->n_act;
+    return p->action != LOCK_REPORT && x->bad >= n && x->calm == 0;
 }
 
 #endif

@@ -118,11 +118,14 @@ static uint32_t block_at_end(const block_t *block) {
     const int32_t *estimator = AT(const int32_t, control.estimator);
     const int32_t *action = AT(const int32_t, control.lock.action);
     const int32_t *n_act = AT(const int32_t, control.lock.n_act);
+    const int32_t *n_alarm = AT(const int32_t, control.lock.n_alarm);
     const int32_t *bad = AT(const int32_t, drive.x.lock.bad);
     const int32_t *calm = AT(const int32_t, drive.x.lock.calm);
     uint32_t bits = 0;
     for (int l = 0; l < LANES; l++) {
-        int acts = action[l] != LOCK_REPORT && bad[l] >= n_act[l] && calm[l] == 0; /* lock_acts */
+        int change = again[l] == 0 && estimator[l] != ESTIMATE_COUPLED; /* drive_can_change */
+        int32_t n = change && action[l] == LOCK_RESTART ? n_alarm[l] : n_act[l]; /* lock_acts */
+        int acts = action[l] != LOCK_REPORT && bad[l] >= n && calm[l] == 0;
         int other = again[l] != 0 && estimator[l] != ESTIMATE_COUPLED;
         int out = lost[l] != 0 || k[l] >= k_end[l] || phase[l] != START_DONE || acts || other;
         bits |= (uint32_t)out << l;
@@ -159,7 +162,7 @@ static void block_take(const block_t *block, sim_t *sims, uint32_t bits, sim_t *
 /* Drives in `bits` that lost lock act, as they do in the plain loop. */
 static void block_act(sim_t *sims, uint32_t bits) {
     for (int l = 0; l < LANES; l++) {
-        if ((bits >> l & 1U) != 0 && lock_acts(&sims[l].control.lock, &sims[l].drive.x.lock)) {
+        if ((bits >> l & 1U) != 0 && drive_acts(&sims[l].control, &sims[l].drive.x)) {
             drive_act(&sims[l].control, &sims[l].drive.x);
         }
     }

@@ -95,7 +95,8 @@ static void sums(void) {
         u_q *= fmin(1.0, 250.0 / (double)x.control.u_abs);
         double r = u_q - (double)p.lock.R_s * i_q - omega * (psi_0 + L_d * i_d) -
                    (double)p.lock.inv_t * L_q * (i_q - (double)was.i_q);
-        double emf = fabs(omega * (psi_0 + (L_d - L_q) * i_d)), alpha = (double)p.lock.alpha;
+        double psi_a = fmin(psi_0 + (L_d - L_q) * i_d, 2.0 * psi_0);
+        double emf = fabs(omega * psi_a), alpha = (double)p.lock.alpha;
         drive_watch(&p, &x);
         double to = (double)was.residual + alpha * (r - (double)was.residual);
         check("EMF: residual", near((double)x.lock.residual, to, 1e-4));
@@ -104,7 +105,11 @@ static void sums(void) {
         lock_state_t answer = was;
         lock_answer(&p.lock, &answer, x.hfi.answer, x.hfi.valid, p.hfi.u_inj, x.k_s);
         check("answer: of the drive", x.lock.answer == answer.answer);
+        double share = fmin(1.0, (double)x.control.u_max / (double)x.control.u_abs);
+        double off = share * fabs((double)x.control.i.q - (double)x.control.i_ref.q);
         drive_judge(&p, &x);
+        to = (double)was.i_off + alpha * (off - (double)was.i_off);
+        check("tests: current", near((double)x.lock.i_off, to, 1e-5));
         check("tests: the next", x.lock.wait == p.lock.n);
     }
 }
@@ -148,9 +153,15 @@ static void told_once(void) {
     for (int n = -1; n <= 1; n++) {
         memset(&x, 0, sizeof x);
         p.action = LOCK_STOP, x.bad = p.n_act + n;
-        check("acts", lock_acts(&p, &x) == (n >= 0));
-        x.calm = 1;
-        check("calm", !lock_acts(&p, &x));
+        check("acts", lock_acts(&p, &x, 0) == (n >= 0) && lock_acts(&p, &x, 1) == (n >= 0));
+        p.action = LOCK_RESTART;
+        check("acts: restart", lock_acts(&p, &x, 0) == (n >= 0) && lock_acts(&p, &x, 1));
+        x.bad = p.n_alarm + n;
+        check("acts: change", !lock_acts(&p, &x, 0) && lock_acts(&p, &x, 1) == (n >= 0));
+        p.action = LOCK_REPORT;
+        check("acts: report", !lock_acts(&p, &x, 1));
+        p.action = LOCK_STOP, x.bad = p.n_act + n, x.calm = 1;
+        check("calm", !lock_acts(&p, &x, 0));
     }
 }
 
@@ -241,6 +252,37 @@ static void act(void) {
     }
 }
 
+/* The coupled observer takes over: angle one period ahead, flux of the current, balanced torque. */
+static void change(void) {
+    for (int j = 0; j < 200; j++) {
+        drive_params_t p = PARAMS[j % 4];
+        const coupled_params_t *c = &p.coupled;
+        p.lock.action = LOCK_RESTART;
+        drive_state_t x;
+        drive_init(&p, &x, draw_f(-3, 3), draw_f(-500, 500), 0.5f);
+        x.control.i.d = draw_f(-4, 1), x.control.i.q = draw_f(-5, 5);
+        x.lock.bad = p.lock.n_alarm, x.coupled.drift.even = 1.0f, x.coupled.eps_f = 1.0f;
+        drive_act(&p, &x);
+        check("change: on", x.start.phase == START_DONE && x.start.again == 1 && x.fault == 0);
+        check("change: once", x.lock.bad == p.lock.n_alarm && x.lock.restarts == 0);
+        double ahead = (double)x.est.theta + (double)(p.T_s * x.est.omega);
+        check("change: angle", fabs(wrapped((double)x.emf.pll.theta - ahead)) < 1e-5);
+        check("change: speed", x.emf.pll.omega == x.est.omega && x.emf.valid == 1.0f);
+        curve_pos_t pos = curve_locate(x.control.i.q, p.control.curve_inv_step);
+        vec_t i = of_dq(x.control.i),
+              psi = (double)(curve_at(&c->psi_d, pos) + c->L_d * x.control.i.d);
+        psi += I * (double)curve_at(&p.L_q, pos) * cimag(i);
+        vec_t turned = psi * cexp(I * ahead);
+        check("change: flux", near_v(of_ab(x.coupled.psi), turned, 1e-5));
+        double load = -(double)c->k_tau * cimag(conj(psi) * i);
+        load = bounded(load, (double)c->load_max);
+        check("change: load", fabs((double)x.coupled.load - load) < 1e-4 * (double)c->load_max);
+        check("change: anew", x.coupled.drift.even == 0.0f && x.coupled.eps_f == 0.0f);
+        drive_act(&p, &x);
+        check("change: then restarts", x.start.phase == START_QUIET && x.lock.restarts == 1);
+    }
+}
+
 static void mend(void) {
     for (int j = 0; j < 12; j++) {
         drive_params_t p = PARAMS[4];
@@ -267,5 +309,6 @@ void check_lock(void) {
     first();
     told_once();
     act();
+    change();
     mend();
 }

@@ -244,6 +244,33 @@ def test_a_machine_whose_pulses_tell_nothing_takes_the_other_pole(half: bool) ->
     assert sims["drive"]["x"]["fault"][0] & lib.FAULT_POLE
 
 
+@pytest.mark.parametrize("estimator", ["smo", "flux", "errors"])
+@pytest.mark.parametrize("share", [-0.9, 0.0, 0.5])
+def test_the_coupled_observer_takes_over_before_a_restart(share: float, estimator: str) -> None:
+    """At the alarm, with angle and torque as they are; tests that then pass leave it at that."""
+    sims = at_speed(share, 0.6, estimator=estimator, lost_lock="restart")
+    x, y, lock = sims["drive"]["x"], sims["drive"]["y"], sims["control"]["lock"]
+    torque, limit = float(y["tau"][0]), float(lock["i_off"][0])
+    lock["i_off"] = -1.0
+    for _ in range(60):
+        run(sims, MOTOR.T_s, share)
+        if x["start"]["again"][0]:
+            lock["i_off"] = limit
+        assert x["start"]["phase"][0] == lib.START_DONE
+        assert y["tau"][0] == pytest.approx(torque, abs=0.35 * MOTOR.tau_rated)
+        assert err(sims) < np.deg2rad(15.0)
+    assert x["start"]["again"][0] == 1 and x["lock"]["restarts"][0] == 0
+    assert x["fault"][0] == lib.FAULT_LOCK
+
+
+def test_after_the_change_a_machine_without_pulses_takes_the_nearer_pole() -> None:
+    """At rest injection has drawn the estimate to it; nothing else tells the pole."""
+    sims = at_speed(0.0, 0.0, Motor.load("brusa_hsm1"), estimator="smo")
+    phases, _ = restart(sims, 0.0)
+    assert lib.START_LOCK in phases and lib.START_POLE not in phases
+    assert err(sims) < np.deg2rad(20.0)
+
+
 def test_restarts_are_bounded_and_then_there_is_no_voltage() -> None:
     sims = at_speed(0.5, 0.3, lost_lock="restart")
     sims["control"]["lock"]["i_off"] = -1.0  # never satisfied
