@@ -7,7 +7,8 @@ A policy with `lost_lock` report and restart. Prints for each machine, estimator
 the true angle and speed at each moment at which the drive takes control again: losses that it does
 not bring back are not the search's, the observer cannot carry that load. Allowed is what the load
 allows: a drive with the true angle from the alarm on, and the torque of ``i_max``, would be back in
-time. With --out the result is written to a file.
+time. Kept: of the drives that ``report`` loses, those that ``restart`` does not lose or brings back
+in time. With --out the result is written to a file.
 """
 
 import argparse
@@ -161,6 +162,14 @@ def possible(restart: dict[str, Any], truth: dict[str, Any]) -> dict[str, int]:
     return {"possible": int(could.sum()), "possible_recovered": int((could & back).sum())}
 
 
+def kept(report: dict[str, Any], restart: dict[str, Any]) -> dict[str, int]:
+    """Losses with ``report`` that have the time to come back, and how many of them ``restart`` does
+    not lose or brings back in time."""
+    room = with_room(report)
+    good = ~restart["gone"] | (restart["back_s"] <= BACK_IN)
+    return {"otherwise_lost": int(room.sum()), "kept": int((room & good).sum())}
+
+
 def rows_of(motor: Motor, policy: Policy, design: DriveDesign, args: Any) -> list[dict[str, Any]]:
     """One row an action."""
     rows, arrays = [], {}
@@ -170,6 +179,8 @@ def rows_of(motor: Motor, policy: Policy, design: DriveDesign, args: Any) -> lis
         row, arrays[action] = watched(motor, who, design, list(args.suite), args.seed, args.size)
         rows.append({"motor": motor.name, "policy": policy.name, "estimator": design.estimator,
                      "lost_lock": action} | row | allowed(arrays[action]))  # fmt: skip
+        if action == "restart" and "report" in arrays:
+            rows[-1] |= kept(arrays["report"], arrays["restart"])
         if action == "truth" and "restart" in arrays:
             rows[-1] |= possible(arrays["restart"], arrays["truth"])
     return rows
@@ -182,7 +193,7 @@ def show(found: list[dict[str, Any]]) -> None:
         table.add_column(heading)
     for heading in ("held s", "false", "near", "early", "lost", "detected %", "after ms", "back %"):
         table.add_column(heading, justify="right")
-    for heading in ("of allowed", "of possible"):
+    for heading in ("of allowed", "of possible", "kept"):
         table.add_column(heading, justify="right")
     for row in found:
         n = row["lock_counts"]
@@ -195,8 +206,9 @@ def show(found: list[dict[str, Any]]) -> None:
             f"{100.0 * row['recovered_rate']:.0f} of {n['could_recover']}",
             f"{row['allowed_recovered']} of {row['allowed']}",
             f"{row['possible_recovered']} of {row['possible']}" if "possible" in row else "",
+            f"{row['kept']} of {row['otherwise_lost']}" if "kept" in row else "",
         )
-    Console(width=150).print(table)
+    Console(width=170).print(table)
 
 
 def main() -> None:

@@ -16,33 +16,47 @@ void drive_find_rotor(drive_state_t *x) { start_begin(&x->start); }
 
 CORE_COLD void drive_find_again(drive_state_t *x) {
     ab_t i_ab = dq_to_ab(x->control.i_1, unit(x->est.theta));
+    ab_t nothing = {0.0f, 0.0f};
     start_begin(&x->start);
     start_enter(&x->start, START_QUIET);
     x->start.again = 1;
     x->start.i_1 = i_ab;
     x->start.i_2 = i_ab;
     x->smo.i_hat = i_ab;
-    x->smo.z.a = 0.0f;
-    x->smo.z.b = 0.0f;
-    x->emf.e.a = 0.0f;
-    x->emf.e.b = 0.0f;
+    x->smo.z = nothing;
+    x->emf.e = nothing;
     x->control.i_ref.q = 0.0f; /* torque will rise from zero with the slope of its reference */
     x->control.u_int.d = 0.0f; /* of the wrong frame: they would kick when control goes on */
     x->control.u_int.q = 0.0f;
     x->control.i_d_fw = 0.0f;
 }
 
+CORE_COLD void drive_change_observer(const drive_params_t *p, drive_state_t *x) {
+    const coupled_params_t *c = &p->coupled;
+    dq_t i = x->control.i;
+    curve_pos_t pos = curve_locate(i.q, p->control.curve_inv_step);
+    dq_t psi = {curve_at(&c->psi_d, pos) + c->L_d * i.d, curve_at(&p->L_q, pos) * i.q};
+    x->start.again = 1;
+    x->emf.pll.theta = wrap_pi(x->est.theta + p->T_s * x->est.omega);
+    x->emf.pll.omega = x->est.omega;
+    x->emf.valid = 1.0f;
+    x->coupled.psi = dq_to_ab(psi, unit(x->emf.pll.theta));
+    x->coupled.load = bound_f(-c->k_tau * (psi.d * i.q - psi.q * i.d), c->load_max);
+    x->coupled.eps_f = 0.0f;
+    drift_clear(&c->drift, &x->coupled.drift);
+}
+
 /* Hands over to control; both estimators continue from the estimate for k+1. */
 CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimate_t next,
                               ab_t i_ab) {
+    ab_t nothing = {0.0f, 0.0f};
     x->hfi.pll.theta = next.theta;
     x->hfi.pll.omega = next.omega;
     x->emf.pll.theta = next.theta;
     x->emf.pll.omega = next.omega;
     x->smo.omega_f = next.omega;
     x->emf.valid = 0.0f; /* observers that integrate start again */
-    x->flux.psi.a = 0.0f;
-    x->flux.psi.b = 0.0f;
+    x->flux.psi = nothing;
     drift_clear(&p->coupled.drift, &x->coupled.drift);
     x->control.i_1 = ab_to_dq(i_ab, unit(x->est.theta));
     if (x->start.again == 0) { /* else the integrator knows the load of before */
@@ -59,12 +73,6 @@ CORE_COLD static void show_angle(drive_state_t *x, estimate_t est) {
     x->theta_smo = est.theta;
 }
 
-/* Sets the speed that the schedule sees, without its low-pass. */
-CORE_COLD static void show_speed(drive_state_t *x, float omega) {
-    x->signal.omega = omega;
-    x->signal.omega_2 = omega;
-}
-
 /* The shaft spins: angle and speed from the EMF e = omega psi (-sin theta, cos theta). */
 CORE_COLD static void enter_fly(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     const start_state_t *s = &x->start;
@@ -76,7 +84,8 @@ CORE_COLD static void enter_fly(const drive_params_t *p, drive_state_t *x, ab_t 
     x->smo.omega_f = x->emf.pll.omega;
     x->k_s = 0.0f;
     x->control.i_1 = ab_to_dq(i_ab, unit(x->emf.pll.theta));
-    show_speed(x, x->emf.pll.omega);
+    x->signal.omega = x->emf.pll.omega; /* for the schedule, without its low-pass */
+    x->signal.omega_2 = x->emf.pll.omega;
     start_enter(&x->start, START_FLY);
 }
 
@@ -100,12 +109,10 @@ CORE_COLD static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive
 /* Decides at the end of CATCH whether the shaft spins. */
 CORE_COLD static void watch_emf(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     start_state_t *s = &x->start;
-    if (s->n < p->start.n_catch) {
-        return;
-    }
-    if (norm_ab(s->e_f) >= p->start.e_fly) {
+    int spins = norm_ab(s->e_f) >= p->start.e_fly;
+    if (s->n >= p->start.n_catch && spins) {
         enter_fly(p, x, i_ab);
-    } else {
+    } else if (s->n >= p->start.n_catch) {
         start_enter(s, START_SCAN);
     }
 }
@@ -170,10 +177,8 @@ CORE_COLD static void judge_pole(const drive_params_t *p, drive_state_t *x) {
 /* Voltage of a pulse along the estimated axis, on top of the EMF. */
 CORE_COLD static ab_t pulse(const drive_params_t *p, drive_state_t *x, float way) {
     rot_t r = unit(x->est.theta + 1.5f * p->T_s * x->est.omega);
-    ab_t u = {
-        x->start.e_f.a + way * p->start.u_pulse * r.c,
-        x->start.e_f.b + way * p->start.u_pulse * r.s,
-    };
+    float push = way * p->start.u_pulse;
+    ab_t u = {x->start.e_f.a + push * r.c, x->start.e_f.b + push * r.s};
     return u;
 }
 

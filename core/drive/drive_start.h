@@ -15,6 +15,10 @@ void drive_find_rotor(drive_state_t *x);
 /* The same for a drive in operation that lost its rotor: takes its current to zero first. */
 void drive_find_again(drive_state_t *x);
 
+/* The coupled observer goes on in the place of another: at its angle and speed, with the flux of the
+ * present current, and with a load that balances the torque. */
+void drive_change_observer(const drive_params_t *p, drive_state_t *x);
+
 /* One period of a drive in its start sequence. */
 ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive_in_t *in, ab_t i_ab);
 
