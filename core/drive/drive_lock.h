@@ -31,10 +31,13 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, p->hfi.u_inj, x->k_s);
 }
 
+#define DEMAND_HELD 0.75f /* drives that hold want up to a third more voltage than there is */
+
 /* Second part. Where voltage is short, the current cannot follow: its distance counts for less. */
 CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
     const control_state_t *y = &x->control;
-    float off = (y->i.q - y->i_ref.q) * y->u_max / max_f(y->u_abs, y->u_max);
+    float share = max_f(y->u_max / max_f(y->u_abs, y->u_max), DEMAND_HELD);
+    float off = share * (y->i.q - y->i_ref.q);
     lock_judge(&p->lock, &x->lock, x->est.omega, off);
     x->lock.wait = p->lock.n;
     x->fault |= x->lock.alarm != 0 ? FAULT_LOCK : 0;

@@ -28,8 +28,9 @@ With a measured [saturation] in the motor file, the drive may be able to find th
 
 LOST = {
     "report": "goes on: stop it or start it again, as the application allows",
-    "restart": "takes its torque\naway for some 20 to 40 ms, seeks the rotor and goes on; after "
-    f"{RESTARTS} restarts without a second of health it stops",
+    "restart": "goes on\nwith the coupled observer. If that does not help, it takes its torque away for "
+    "some\n20 to 40 ms, seeks the rotor and goes on; after "
+    f"{RESTARTS} restarts without a second of\nhealth it stops",
     "stop": "applies no\nvoltage any more and says `FAULT_STOPPED`, until `drive_init`",
 }
 """What a drive does that has lost its rotor, by the setting ``lost_lock``."""

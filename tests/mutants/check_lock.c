@@ -105,7 +105,7 @@ static void sums(void) {
         lock_state_t answer = was;
         lock_answer(&p.lock, &answer, x.hfi.answer, x.hfi.valid, p.hfi.u_inj, x.k_s);
         check("answer: of the drive", x.lock.answer == answer.answer);
-        double share = fmin(1.0, (double)x.control.u_max / (double)x.control.u_abs);
+        double share = fmin(1.0, fmax(0.75, (double)x.control.u_max / (double)x.control.u_abs));
         double off = share * fabs((double)x.control.i.q - (double)x.control.i_ref.q);
         drive_judge(&p, &x);
         to = (double)was.i_off + alpha * (off - (double)was.i_off);
