@@ -2,8 +2,8 @@
  *
  *   EMF      the q voltage without resistive drop and change of flux is omega psi_d at the true
  *            angle. r = u_q - R_s i_q - L_q d i_q/dt - omega psi_d, low-passed, stays small next
- *            to the EMF of the auxiliary flux; an angle error delta adds
- *            (cos(delta) - 1) omega psi_a, an EMF that is missing or unexpected all of it
+ *            to the EMF of the auxiliary flux; a quarter turn off adds -omega psi_a, half a turn
+ *            -2 omega psi_d without d current, an EMF that is missing or unexpected all of it
  *   SPEED    an estimate that slips moves faster than torque and load can move the shaft: the
  *            estimated speed leaves its own low-pass
  *   CURRENT  in a frame that is not the rotor's the EMF turns, and the torque current misses its
