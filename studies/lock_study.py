@@ -7,8 +7,8 @@ A policy with `lost_lock` report and restart. Prints for each machine, estimator
 the true angle and speed at each moment at which the drive takes control again: losses that it does
 not bring back are not the search's, the observer cannot carry that load. Allowed is what the load
 allows: a drive with the true angle from the alarm on, and the torque of ``i_max``, would be back in
-time. Kept: of the drives that ``report`` loses, those that ``restart`` has back in time, lost or not. With
---out the result is written to a file.
+time. Kept: of the drives that ``report`` loses, those that ``restart`` has back in time, lost or
+not. With --out the result is written to a file.
 """
 
 import argparse
@@ -189,7 +189,7 @@ def possible(restart: dict[str, Any], truth: dict[str, Any]) -> dict[str, int]:
 
 
 def kept(report: dict[str, Any], restart: dict[str, Any]) -> dict[str, int]:
-    """Losses with ``report`` that have time to come back, and those that ``restart`` has back in time.
+    """Losses with ``report`` that have time to come back, and how many ``restart`` has back in time.
 
     If it does not lose them, after each of their alarms.
     """
