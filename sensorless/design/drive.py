@@ -123,8 +123,8 @@ class DriveDesign:
         "what the drive does when its tests tell lost lock; in each case it sets a fault bit",
         {
             "report": "nothing else",
-            "restart": "goes on with estimator=coupled; if that does not help, seeks its rotor anew, "
-            "up to five times, then stops",
+            "restart": "goes on with estimator=coupled; if that does not help, seeks its rotor "
+            "anew, up to five times, then stops",
             "stop": "stops, with no voltage until it is started again",
         },
     )

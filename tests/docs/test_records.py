@@ -98,6 +98,7 @@ def of_the_lost(
         ),
         f"{truth['possible_recovered']} of {truth['possible']}",
         f"{restart['allowed_recovered']} of {restart['allowed']}",
+        f"{restart['kept']} of {restart['otherwise_lost']}",
     )
 
 
@@ -118,15 +119,18 @@ def test_drives_that_know_that_they_are_lost() -> None:
             f"{report['held_s']:.0f}",
             f"{count['false_alarms']}" + f" ({count['near_losses']})" * bool(count["false_alarms"]),
             f"{count['lost']}",
-            *(of_the_lost(report, restart, truth) if count["lost"] else ("",) * 4),
+            *(of_the_lost(report, restart, truth) if count["lost"] else ("",) * 5),
         ]
     told = {(motor, names[label]) for motor, label, _ in rows}
     quiet = [x for key, x in found.items() if key[:2] not in told]
     assert len(rows) == 7 and len(quiet) == len(found) - 21
     assert all(x["lock_counts"]["lost"] == x["lock_counts"]["false_alarms"] == 0 for x in quiet)
     flat = " ".join(page.split())
-    assert f"So {back} of the {possible} losses that a perfect search" in flat
+    assert f"Of them {back} of the {possible} losses that a perfect search" in flat
     assert f"and {load[0]} of the {load[1]} that the load allows" in flat
+    restarts = [x for x in found.values() if x["lost_lock"] == "restart"]
+    kept, of = (sum(x[name] for x in restarts) for name in ("kept", "otherwise_lost"))
+    assert f"`restart` keeps {kept} of the {of} drives that `report` loses" in flat
 
 
 def test_share_of_the_headroom() -> None:
