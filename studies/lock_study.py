@@ -189,7 +189,7 @@ def possible(restart: dict[str, Any], truth: dict[str, Any]) -> dict[str, int]:
 
 
 def kept(report: dict[str, Any], restart: dict[str, Any]) -> dict[str, int]:
-    """Losses with ``report`` that have time to come back, and how many ``restart`` has back in time.
+    """Losses with ``report`` that have the time, and how many of them ``restart`` has back in time.
 
     If it does not lose them, after each of their alarms.
     """

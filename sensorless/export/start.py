@@ -28,8 +28,8 @@ With a measured [saturation] in the motor file, the drive may be able to find th
 
 LOST = {
     "report": "goes on: stop it or start it again, as the application allows",
-    "restart": "goes on\nwith the coupled observer. If that does not help, it takes its torque away "
-    "for some\n20 to 40 ms, seeks the rotor and goes on; after "
+    "restart": "goes on\nwith the coupled observer. If that does not help, it takes its torque "
+    "away for some\n20 to 40 ms, seeks the rotor and goes on; after "
     f"{RESTARTS} restarts without a second of\nhealth it stops",
     "stop": "applies no\nvoltage any more and says `FAULT_STOPPED`, until `drive_init`",
 }
