@@ -10,13 +10,15 @@ from typing import Any
 
 from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.motor import Motor
-from sensorless.observers.drift_design import design_drift
+from sensorless.observers.drift_design import HAND_OVER, design_drift
 from sensorless.observers.flux_design import standstill_rate
 from sensorless.observers.hfi_design import error_slope
 from sensorless.observers.match_design import design_match
 from sensorless.observers.smo_design import low_pass
 from sensorless.observers.tracking import (
     CHANGES,
+    LEFT_RESISTANCE,
+    dead_time_noise,
     flux_noise,
     injection_noise,
     rated_acceleration,
@@ -31,11 +33,17 @@ LOAD_OVER_SPEED = 2.0
 """Pole of the load estimate over the natural frequency of the speed loop, which must not wait for
 the estimate."""
 DAMPING = 0.3
-"""Damping of the flux error over its frequency, the electrical one."""
+"""Largest damping of the flux error over its frequency, the electrical one."""
+LEAN = 0.1
+"""Most that ``LEFT_RESISTANCE`` may lean the angle by without injection, at rated current and the
+speed of the hand-over [rad]."""
 RISE = (1.0 / 6.0, 1.0 / 2.0)
 """Errors, over that which a rated load step leaves, at which the bandwidth starts to rise and at
 which it has risen by ``RISE_MAX``."""
 RISE_MAX = 0.75
+RISE_OVER_LOAD = 9.0
+"""Low-pass of the error that makes the bandwidth rise, over the load's pole: as fast as the flux
+has to be for the speed loop (``LOOP_SHARE`` of ``sensorless.design.derived``)."""
 LAYER_SPEED = 0.05
 """Speed, over rated, at which an uncompensated dead time displaces the flux by one boundary layer:
 the sigmoid should saturate on errors that no model explains."""
@@ -56,9 +64,9 @@ class Bandwidths:
 def bandwidths(motor: Motor, speed_hz: float) -> Bandwidths:
     """Steady-state Kalman gains of the two loops, for white noise and random steps.
 
-    Voltage model: ``tracking`` with ``flux_noise``. Injection: a drift of ``voltage_drift`` v
-    changes as often as the acceleration; with ``injection_noise`` sigma,
-    W^2 = v sqrt(CHANGES) / (sigma sqrt(T_s)) / 2.
+    Voltage model: ``tracking`` with the larger of ``flux_noise`` and ``dead_time_noise``.
+    Injection: a drift of ``voltage_drift`` v changes as often as the acceleration; with
+    ``injection_noise`` sigma, W^2 = v sqrt(CHANGES) / (sigma sqrt(T_s)) / 2.
 
     Parameters
     ----------
@@ -67,7 +75,7 @@ def bandwidths(motor: Motor, speed_hz: float) -> Bandwidths:
     """
     often = math.sqrt(CHANGES / motor.T_s)
     return Bandwidths(
-        flux=tracking(motor, flux_noise(motor)),
+        flux=tracking(motor, max(flux_noise(motor), dead_time_noise(motor))),
         load=load_pole(speed_hz),
         injection=math.sqrt(0.5 * voltage_drift(motor) * often / injection_noise(motor)),
     )
@@ -76,6 +84,15 @@ def bandwidths(motor: Motor, speed_hz: float) -> Bandwidths:
 def load_pole(speed_hz: float) -> float:
     """Pole of the load [rad/s] for a speed loop of this natural frequency [Hz]."""
     return LOAD_OVER_SPEED * 2.0 * math.pi * speed_hz
+
+
+def damping(motor: Motor) -> float:
+    """Damping zeta of the flux error: ``DAMPING``, or as ``LEAN`` says.
+
+    Without injection an error of the resistance leans the angle by 2 zeta dR i / (omega psi_f).
+    """
+    lean = 2.0 * LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
+    return min(DAMPING, LEAN * HAND_OVER * motor.omega_rated / lean)
 
 
 def flux_at_no_d_current(motor: Motor, line: Floats) -> Floats:
@@ -117,6 +134,7 @@ def design_coupled(
     acceleration = rated_acceleration(motor)
     left = acceleration / at.flux**2
     low, high = (share * left for share in RISE)
+    rise = min(at.flux, RISE_OVER_LOAD * at.load)
     layer = voltage_drift(motor) / (LAYER_SPEED * motor.omega_rated)
     return {
         "R_s": motor.R_s,
@@ -124,7 +142,7 @@ def design_coupled(
         "psi_d": {"y": flux_at_no_d_current(motor, line)},
         "psi_sq_min": (0.25 * motor.psi_f) ** 2,
         "gain_0": standstill_rate(motor) * motor.T_s,
-        "gain_w": DAMPING * motor.T_s,
+        "gain_w": damping(motor) * motor.T_s,
         "layer": layer,
         "inv_layer": 0.0 if linear else 1.0 / layer,
         "k_p": 2.0 * at.flux + at.load,
@@ -132,7 +150,7 @@ def design_coupled(
         "k_l": at.flux**2 * at.load,
         "k_tau": INERTIA_SHARE * 1.5 * motor.n_p**2 / motor.J,
         "load_max": 4.0 * acceleration,
-        "alpha_rise": low_pass(at.flux / (2.0 * math.pi), motor.T_s),
+        "alpha_rise": low_pass(rise / (2.0 * math.pi), motor.T_s),
         "eps_rise": low,
         "rise": RISE_MAX / (high - low),
         "rise_max": RISE_MAX,
@@ -143,7 +161,7 @@ def design_coupled(
         "drift": design_drift(
             motor,
             injection=at.injection,
-            damping=DAMPING,
+            damping=damping(motor),
             L_q_bias=L_q_bias,
             u_dt=u_dt,
             inv_i_comp=inv_i_comp,

@@ -21,6 +21,9 @@ SENSOR_LSB = 3.0
 """Error of a current sample by noise, offset and gain, in steps of the converter. Injection uses
 second differences, whose error is one step."""
 
+LEFT_RESISTANCE = 1.0 / 3.0
+"""What is not known of the resistance, over the file's: a cold winding's to a hot one's."""
+
 LEAST_DEAD_TIME = 1e-3
 """Least dead time of an inverter, over a period: stands for a dead time of zero."""
 LEAST_SLOPE = 1e-6
@@ -40,6 +43,11 @@ def voltage_drift(motor: Motor) -> float:
 def flux_noise(motor: Motor) -> float:
     """Noise of the flux angle of a sample [rad]: L_q ``SENSOR_LSB`` steps over psi_f."""
     return motor.L_q * SENSOR_LSB * adc_step(motor) / motor.psi_f
+
+
+def dead_time_noise(motor: Motor) -> float:
+    """Angle [rad] by which a period's dead time turns the flux."""
+    return motor.u_dc * motor.dead_time / motor.psi_f
 
 
 def injection_noise(motor: Motor) -> float:

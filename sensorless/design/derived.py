@@ -13,6 +13,7 @@ from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_in
 from sensorless.machine.motor import Motor
 from sensorless.observers.coupled_design import bandwidths
 from sensorless.observers.tracking import (
+    LEFT_RESISTANCE,
     flux_noise,
     injection_noise,
     rated_acceleration,
@@ -38,10 +39,9 @@ INJECTION_SHARE = 0.87
 and 3 % less deviation (``paper``, ``ipmsm_2200w``, ``pmsyrm_5600w``)."""
 EMF_OVER, ERROR_OVER = 4.0 / 3.0, 5.0 / 3.0
 """PLL on the EMF, and on weighed errors, over injection's: the EMF's angle has less noise."""
-LEFT_DEAD_TIME, LEFT_RESISTANCE = 0.75, 1.0 / 3.0
-"""What is not known of the voltage: of the dead time's, which may be 1.5 times as large as the file
-says and is compensated by 0.75, and of the resistive voltage at rated current, from a cold to a
-hot winding."""
+LEFT_DEAD_TIME = 0.75
+"""What is not known of the dead time's voltage: it may be 1.5 times the file's and is
+compensated by 0.75."""
 SHARE, LEAST_DEAD_TIME = 0.75, 0.25
 """Share of the file's dead time that is compensated, and the least that an inverter may have."""
 HAND_OVER = 0.2

@@ -10,7 +10,7 @@ from sensorless.core.api import SIGNAL_N, Array, lib, pointer, sim_run
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor, Saturation
-from sensorless.observers.coupled_design import DAMPING
+from sensorless.observers.coupled_design import damping
 from sensorless.observers.flux_design import standstill_rate
 from sensorless.observers.match_design import GAIN, GAIN_SPEED, OFFSET, design_match, learning_times
 
@@ -98,7 +98,7 @@ def test_the_gain_converges_as_its_gradient_says(motor: Motor) -> None:
     slope *= math.hypot(motor.L_d * aux[0], L_q * aux[1]) / square
     w = motor.omega_rated
     s = 2j * w
-    rate = 2.0 * (standstill_rate(motor) + DAMPING * w)
+    rate = 2.0 * (standstill_rate(motor) + damping(motor) * w)
     seen = (s**2 + w**2) / (s**2 + rate * s + w**2) * s / (s + GAIN_SPEED * w)
     per_second = float(p["match"]["k_gain"][0]) / learning_times(motor)[0]
     assert left == pytest.approx(math.exp(-per_second * 0.5 * slope**2 * seen.real * t), abs=0.06)
