@@ -32,11 +32,11 @@ times the machine's own."""
 LOAD_OVER_SPEED = 2.0
 """Pole of the load estimate over the natural frequency of the speed loop, which must not wait for
 the estimate."""
-DAMPING = 0.3
-"""Largest damping of the flux error over its frequency, the electrical one."""
-LEAN = 0.1
+DAMPING = (0.15, 0.3)
+"""Least and largest damping of the flux error over its frequency, the electrical one."""
+LEAN = 0.3
 """Most that ``LEFT_RESISTANCE`` may lean the angle by without injection, at rated current and the
-speed of the hand-over [rad]."""
+speed of the hand-over [rad]: a third of what loses the drive."""
 RISE = (1.0 / 6.0, 1.0 / 2.0)
 """Errors, over that which a rated load step leaves, at which the bandwidth starts to rise and at
 which it has risen by ``RISE_MAX``."""
@@ -87,12 +87,15 @@ def load_pole(speed_hz: float) -> float:
 
 
 def damping(motor: Motor) -> float:
-    """Damping zeta of the flux error: ``DAMPING``, or as ``LEAN`` says.
+    """Damping zeta of the flux error: the largest of ``DAMPING``, or as ``LEAN`` says.
 
-    Without injection an error of the resistance leans the angle by 2 zeta dR i / (omega psi_f).
+    Without injection a drift by v rad/s, dR i / psi_f of a wrong resistance, leans the angle by
+    2 (b + zeta omega) v / omega^2, b the ``standstill_rate``.
     """
-    lean = 2.0 * LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
-    return min(DAMPING, LEAN * HAND_OVER * motor.omega_rated / lean)
+    least, most = DAMPING
+    omega = HAND_OVER * motor.omega_rated
+    drift = LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
+    return max(least, min(most, 0.5 * LEAN * omega / drift - standstill_rate(motor) / omega))
 
 
 def flux_at_no_d_current(motor: Motor, line: Floats) -> Floats:

@@ -51,16 +51,19 @@ class Run:
 
     def __init__(
         self, c: Call, motor: Motor, p: Array, omega: Array, *, behind: float = 0.0,
-        turned: float = 0.0, size: float = 1.0, k_s: float = 0.0, err: Floats | None = None,
+        turned: float = 0.0, size: float = 1.0, k_s: float = 0.0, drift: float = 0.0,
+        err: Floats | None = None,
     ) -> None:  # fmt: skip
         """Run through the speeds ``omega`` (n,).
 
         The angle begins ``behind`` the rotor, the flux ``turned`` back and ``size`` times as long.
+        The voltage lacks what would turn the flux by ``drift`` [rad/s].
         """
         n = len(omega)
         theta = np.concatenate([[0.3], 0.3 + np.cumsum(omega) * T_S])
         psi = motor.psi_f * turn(theta)
         u = np.diff(psi, axis=0, prepend=psi[:1]) / T_S
+        u -= drift * motor.psi_f * turn(theta + 0.5 * math.pi)
         x = np.zeros(1, dtype=struct_dtype("coupled_state_t"))
         y = np.zeros(1, dtype=struct_dtype("emf_estimate_t"))
         x["psi"]["a"], x["psi"]["b"] = size * motor.psi_f * turn(theta[0] - turned)
@@ -183,6 +186,14 @@ def test_flux_error_decays_with_the_design_damping(c: Call, linear: Motor) -> No
     expected = [0.01 * (expm(matrix * t) @ [1.0, 0.0])[0] for t in run.t[::100]]
     assert zeta == pytest.approx(0.3)
     assert along(run, linear)[::100] == pytest.approx(expected, abs=2e-4)
+
+
+def test_a_voltage_that_lacks_leans_the_angle(c: Call, linear: Motor) -> None:
+    """Without injection by 2 (b + zeta omega) v / omega^2."""
+    p, v = params(linear, inv_layer=0.0), 0.5
+    run = Run(c, linear, p, np.full(60_000, OMEGA), drift=v)
+    rate = (float(p["gain_0"][0]) + OMEGA * float(p["gain_w"][0])) / T_S
+    assert run.delta[-1] == pytest.approx(2.0 * rate * v / OMEGA**2, rel=0.02)
 
 
 def test_sigmoid_is_linear_inside_its_layer_and_bounded_outside(c: Call, linear: Motor) -> None:
