@@ -18,7 +18,6 @@ from sensorless.observers.smo_design import low_pass
 from sensorless.observers.tracking import (
     CHANGES,
     LEFT_RESISTANCE,
-    dead_time_noise,
     flux_noise,
     injection_noise,
     rated_acceleration,
@@ -64,9 +63,9 @@ class Bandwidths:
 def bandwidths(motor: Motor, speed_hz: float) -> Bandwidths:
     """Steady-state Kalman gains of the two loops, for white noise and random steps.
 
-    Voltage model: ``tracking`` with the larger of ``flux_noise`` and ``dead_time_noise``.
-    Injection: a drift of ``voltage_drift`` v changes as often as the acceleration; with
-    ``injection_noise`` sigma, W^2 = v sqrt(CHANGES) / (sigma sqrt(T_s)) / 2.
+    Voltage model: ``tracking`` with ``flux_noise``. Injection: a drift of ``voltage_drift`` v
+    changes as often as the acceleration; with ``injection_noise`` sigma,
+    W^2 = v sqrt(CHANGES) / (sigma sqrt(T_s)) / 2.
 
     Parameters
     ----------
@@ -75,7 +74,7 @@ def bandwidths(motor: Motor, speed_hz: float) -> Bandwidths:
     """
     often = math.sqrt(CHANGES / motor.T_s)
     return Bandwidths(
-        flux=tracking(motor, max(flux_noise(motor), dead_time_noise(motor))),
+        flux=tracking(motor, flux_noise(motor)),
         load=load_pole(speed_hz),
         injection=math.sqrt(0.5 * voltage_drift(motor) * often / injection_noise(motor)),
     )

@@ -10,7 +10,7 @@ from sensorless.machine.motor import Motor
 from sensorless.observers.hfi_design import hf_current
 from sensorless.observers.match_design import learning_time
 from sensorless.observers.smo_design import low_pass
-from sensorless.observers.tracking import voltage_drift
+from sensorless.observers.tracking import dead_time_noise, flux_noise, voltage_drift
 
 LEG = 0.75
 """Dead-time voltage of a leg over that of the voltage vector: three legs make 4/3 of it."""
@@ -29,6 +29,9 @@ the loop through the torque current stable."""
 KNOWN_L_Q = 0.3
 """Share of what is too low on purpose that counts before any error was learned, for the same
 reason: half of the largest that is learned."""
+CALM = 8.0
+"""Torque current below which the voltages are trusted less, over ``zero_current``: with less, some
+leg is within that for more than a quarter of the time."""
 HAND_OVER = 0.2
 """Speed of the hand-over, over rated: there the EMF's pulses are taken, and to there the error of
 an inductance grows, because injection, which reveals it, goes there."""
@@ -66,6 +69,10 @@ def design_drift(
     ``L_Q_ERROR`` omega L_q i / (2 zeta psi_f) of the inductance. Dead time also makes the injection
     err, which looks like a resistance, so less of one is believed where dead time is most of both.
 
+    Without torque current the flux of a period is wrong by ``dead_time_noise`` d instead of
+    ``flux_noise`` sigma. With the share sigma / d of its bandwidth the observer's angle then moves
+    as much in a period as it does by the sensors under load.
+
     Parameters
     ----------
     injection : float
@@ -84,6 +91,8 @@ def design_drift(
     known = KNOWN_L_Q * (L_q_bias - 1.0)
     both = dead_time**2 + resistance**2
     share = dead_time**2 / both
+    lost = dead_time_noise(motor)
+    calm = min(1.0, flux_noise(motor) / lost) if lost > 0.0 else 1.0
     return {
         "k": injection**2 * motor.T_s,
         "most": 2.0 * dead_time + resistance,
@@ -101,5 +110,7 @@ def design_drift(
         "u_dt_i": u_dt * inv_i_comp,
         "to_loss": LEG * motor.psi_f,
         "from_loss": 1.0 / (LEG * motor.psi_f),
+        "calm": calm,
+        "calm_rise": (1.0 - calm) * motor.i_rated / (CALM * zero_current(motor)),
         "loss_max": MOST_DEAD_TIME * motor.u_dc * motor.dead_time / motor.T_s,
     }

@@ -92,10 +92,12 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
 
     x->err_hfi = bound_f(p->inv_slope * err, 1.0f);
     float e_h = k_s * x->err_hfi;
-    float load = bound_f(x->load + T_s * p->k_l * eps, p->load_max);
+    float trust = x->drift.trust;
+    float load = bound_f(x->load + T_s * p->k_l * eps * (trust * trust), p->load_max);
     x->load = fresh ? 0.0f : load;
     x->eps_f += p->alpha_rise * (eps - x->eps_f);
-    float f = 1.0f + clamp_f(p->rise * (abs_f(x->eps_f) - p->eps_rise), 0.0f, p->rise_max);
+    float rise = clamp_f(p->rise * (abs_f(x->eps_f) - p->eps_rise), 0.0f, p->rise_max);
+    float f = trust * (1.0f + rise);
 
     float motion = p->k_tau * (psi.d * i.q - psi.q * i.d) + x->load;
     float omega = y->pll.omega + T_s * (p->k_i * f * f * eps + motion);

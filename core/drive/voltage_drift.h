@@ -15,6 +15,9 @@
  * and these share by their variances at the present current and speed. A reversal of torque thus
  * turns all three at once, and a load that goes takes ind and res with it. Learned in the periods
  * that have time for it.
+ *
+ * Near zero current dead time makes a voltage that no current tells, so the flux is trusted less: the
+ * observer follows it with a share of its bandwidth.
  * docs/coupled-observer.md derives it.
  */
 #ifndef SENSORLESS_VOLTAGE_DRIFT_H
@@ -40,18 +43,20 @@ typedef struct {
     float to_loss;    /* voltage of a leg over its drift [V s/rad] */
     float from_loss;  /* drift over the voltage of a leg [rad/(s V)] */
     float loss_max;   /* largest voltage that a leg loses [V] */
+    float calm;       /* trust without torque current, above 0 to 1 */
+    float calm_rise;  /* its rise with the torque current over rated */
 } drift_params_t;
 
 typedef struct {
-    float dead;     /* drift by dead time at positive torque current [rad/s] */
-    float res;      /* drift by resistance at rated torque current [rad/s] */
-    float ind;      /* drift by inductances at rated torque current from 1 / inv_omega on [rad/s] */
-    float even;     /* [rad/s] */
-    float sign;     /* low-passed sign of the torque current */
-    float loss;     /* voltage that a leg loses [V], from dead */
-    float turn;     /* res, ind, and what the loss does not explain of dead [rad/s] */
-    float sum;      /* of the injection's angle errors since the last use [rad] */
-    float reserved; /* an even number of 4-byte fields */
+    float dead;  /* drift by dead time at positive torque current [rad/s] */
+    float res;   /* drift by resistance at rated torque current [rad/s] */
+    float ind;   /* drift by inductances at rated torque current from 1 / inv_omega on [rad/s] */
+    float even;  /* [rad/s] */
+    float sign;  /* low-passed sign of the torque current */
+    float loss;  /* voltage that a leg loses [V], from dead */
+    float turn;  /* res, ind, and what the loss does not explain of dead [rad/s] */
+    float sum;   /* of the injection's angle errors since the last use [rad] */
+    float trust; /* share of its bandwidth with which the observer follows the flux */
 } drift_state_t;
 
 /* Torque current i_q [A] over rated, -1 to 1. */
@@ -80,6 +85,8 @@ CORE_INLINE void drift_learn(const drift_params_t *p, drift_state_t *x, int now,
     float even = bound_f(x->even + (1.0f - sign * sign) * (p->k * sum - fade), p->most);
     x->even = now ? even : x->even;
     float i = abs_f(load);
+    float trust = min_f(p->calm + p->calm_rise * i, 1.0f);
+    x->trust = now ? trust : x->trust;
     float w = min_f(abs_f(omega) * p->inv_omega, 1.0f);
     float by_res = i * p->res_share; /* weight of res, and of ind */
     float by_ind = i * w * p->ind_share;
@@ -105,7 +112,7 @@ CORE_INLINE void drift_clear(const drift_params_t *p, drift_state_t *x) {
     x->loss = p->u_dt;
     x->turn = 0.0f;
     x->sum = 0.0f;
-    x->reserved = 0.0f;
+    x->trust = 1.0f;
 }
 
 #endif
