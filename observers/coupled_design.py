@@ -31,8 +31,9 @@ times the machine's own."""
 LOAD_OVER_SPEED = 2.0
 """Pole of the load estimate over the natural frequency of the speed loop, which must not wait for
 the estimate."""
-DAMPING = (0.15, 0.3)
-"""Least and largest damping of the flux error over its frequency, the electrical one."""
+DAMPING = (0.22, 0.3)
+"""Least and largest damping of the flux error over its frequency, the electrical one. With less,
+what the sensors do to the flux decays too slowly."""
 LEAN = 0.3
 """Most that ``LEFT_RESISTANCE`` may lean the angle by without injection, at rated current and the
 speed of the hand-over [rad]: a third of what loses the drive."""

@@ -26,9 +26,17 @@ def lean(motor: Motor, zeta: float) -> float:
 def test_a_wrong_resistance_leans_the_angle_little(name: str) -> None:
     motor = Motor.load(name)
     zeta = damping(motor)
-    assert lean(motor, zeta) <= LEAN * (1.0 + 1e-9)
-    assert zeta == DAMPING[1] or lean(motor, zeta) == pytest.approx(LEAN)
-    assert DAMPING[0] < zeta <= DAMPING[1]
+    least, most = DAMPING
+    assert lean(motor, zeta) <= LEAN or zeta == least
+    assert lean(motor, zeta) == pytest.approx(LEAN) or zeta in (least, most)
+
+
+def test_damping_falls_with_the_resistance() -> None:
+    """Less on the wheel machine, whose resistance takes most of the voltage at the hand-over."""
+    motor = Motor.load("formula_wheel")
+    stiff = replace(motor, R_s=0.9 * motor.R_s)
+    assert DAMPING[0] < damping(stiff) < DAMPING[1]
+    assert lean(stiff, damping(stiff)) == pytest.approx(LEAN)
 
 
 def test_damping_stays_within_its_bounds(motor: Motor) -> None:
@@ -43,15 +51,3 @@ def test_the_rise_is_as_fast_as_the_speed_loop_needs(name: str) -> None:
     rise = -math.log1p(-float(p["alpha_rise"])) / motor.T_s / (2.0 * math.pi)
     assert rise == pytest.approx(min(by.coupled_flux_hz, by.speed_hz / LOOP_SHARE), rel=1e-4)
     assert pytest.approx(2.0 * RISE_OVER_LOAD) == 1.0 / LOOP_SHARE
-
-
-def test_dead_time_slows_the_flux_where_it_is_the_larger_noise() -> None:
-    """W goes with the cubic root of the noise, the flux that a period's dead time moves."""
-    motor = Motor.load("formula_wheel")
-    fast, slow = (
-        derive(replace(motor, dead_time=t), DriveDesign()).coupled_flux_hz
-        for t in (1e-8, motor.dead_time)
-    )
-    step = 2.0 * motor.adc_range / 2**motor.adc_bits
-    noise = motor.u_dc * motor.dead_time / (3.0 * step * motor.L_q)
-    assert fast / slow == pytest.approx(noise ** (1.0 / 3.0), rel=1e-6)

@@ -128,6 +128,20 @@ def test_a_step_of_the_angle_decays_as_the_linear_loop(c: Call, linear: Motor) -
     assert np.abs(expected).min() < 0.1 * step < np.abs(expected).max()
 
 
+def test_a_flux_that_is_trusted_less_is_followed_more_slowly(c: Call, linear: Motor) -> None:
+    """Without current: the loop with the share of its bandwidth, and of its load pole's gain."""
+    p, share = params(linear), 0.4
+    p["drift"]["calm"] = share
+    slow = params(linear)
+    for name, power in (("k_p", 1), ("k_i", 2), ("k_l", 2)):
+        slow[name] *= share**power
+    step = 0.5 * float(p["eps_rise"][0])
+    run = Run(c, linear, p, np.full(6000, OMEGA), behind=step)
+    inner = loop(slow)[:3, :3]
+    expected = np.array([(expm(inner * t) @ [step, 0.0, 0.0])[0] for t in run.t[::200]])
+    assert run["eps"][::200] == pytest.approx(expected, abs=0.02 * step)
+
+
 def test_injection_turns_angle_and_flux_back(c: Call, linear: Motor) -> None:
     """Both are wrong alike, which no voltage can tell: injection sees delta, period by period."""
     p = params(linear)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -209,3 +210,35 @@ def test_what_is_known_stays_within_what_is_learned(motor: Motor, bias: float) -
     record = control_record(motor, DriveDesign(coupled_L_q_bias=bias))["coupled"]["drift"]
     most = float(record["ind_most"])
     assert float(record["ind_0"]) == pytest.approx(np.sign(bias - 1.0) * most)
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_trust_follows_from_dead_time_and_sensors(name: str) -> None:
+    """Without current sensors' noise over dead time's, with a leg rarely at zero all of it."""
+    motor = Motor.load(name)
+    step = 2.0 * motor.adc_range / 2**motor.adc_bits
+    share = 3.0 * step * motor.L_q / (motor.u_dc * motor.dead_time)
+    p = params(motor)
+    calm, rise = float(p["calm"][0]), float(p["calm_rise"][0])
+    assert calm == pytest.approx(min(1.0, share), rel=1e-6)
+    width = 8.0 / float(p["inv_i_true"][0]) / motor.i_rated
+    assert calm + rise * width == pytest.approx(1.0, rel=1e-6)
+    assert (calm < 1.0) == (name == "formula_wheel")
+
+
+def test_trust_comes_with_the_torque_current(c: Call) -> None:
+    """Of either sign, in periods that learn."""
+    motor = Motor.load("formula_wheel")
+    learned = Learned(c, motor)
+    calm, rise = (float(learned.p[name][0]) for name in ("calm", "calm_rise"))
+    assert float(learned.x["trust"][0]) == 1.0
+    for share, every, expected in (
+        (0.1, 10, 1.0), (0.0, 1, calm), (-0.1, 1, calm + 0.1 * rise), (0.8, 1, 1.0)
+    ):  # fmt: skip
+        learned.run(np.zeros(5), share * motor.i_rated, every=every)
+        assert float(learned.x["trust"][0]) == pytest.approx(expected, rel=1e-6)
+
+
+def test_without_dead_time_the_flux_is_always_trusted(motor: Motor) -> None:
+    p = params(replace(motor, dead_time=0.0))
+    assert float(p["calm"][0]) == 1.0 and float(p["calm_rise"][0]) == 0.0
