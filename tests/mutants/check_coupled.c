@@ -14,6 +14,7 @@ static coupled_params_t some_coupled(int j) {
     p.drift.ind_most = j % 5 < 2 ? 3.0f : 0.3f, p.drift.ind_share = 0.7f;
     p.drift.u_dt = 6.0f, p.drift.u_dt_i = 18.0f, p.drift.to_loss = j % 5 ? 0.5f : 4.0f;
     p.drift.from_loss = 1.5f, p.drift.loss_max = 11.0f;
+    p.drift.calm = 0.3f, p.drift.calm_rise = 1.2f;
     p.omega_floor = 30.0f, p.omega_max = j % 6 ? 700.0f : 250.0f;
     return p;
 }
@@ -53,8 +54,9 @@ static void drift(const drift_params_t *p, const drift_state_t *was, const drift
     double loss = (double)p->u_dt - (double)p->to_loss * dead;
     loss = fmin(fmax(loss, 0.0), (double)p->loss_max);
     double turn = res + rise * ind + dead + (double)p->from_loss * (loss - (double)p->u_dt);
+    double trust = fmin((double)p->calm + (double)p->calm_rise * i, 1.0);
     const drift_state_t want = {(float)dead, (float)res,  (float)ind, (float)even, (float)sign,
-                                (float)loss, (float)turn, 0.0f,       0.0f};
+                                (float)loss, (float)turn, 0.0f,       (float)trust};
     const drift_state_t *y = now ? &want : was;
     check("drift: dead time", fabs((double)(x->dead - y->dead)) < 2e-6);
     check("drift: resistance", fabs((double)(x->res - y->res)) < 2e-6);
@@ -63,6 +65,7 @@ static void drift(const drift_params_t *p, const drift_state_t *was, const drift
     check("drift: sign", fabs((double)(x->sign - y->sign)) < 1e-6);
     check("drift: loss", fabs((double)(x->loss - y->loss)) < 1e-5);
     check("drift: turn", fabs((double)(x->turn - y->turn)) < 2e-5);
+    check("drift: trust", fabs((double)(x->trust - y->trust)) < 1e-6);
 }
 
 static void one(int j) {
@@ -75,6 +78,7 @@ static void one(int j) {
     x.drift.dead = draw_f(-5, 5), x.drift.even = draw_f(-5, 5), x.drift.sign = draw_f(-1, 1);
     x.drift.res = draw_f(-4, 4), x.drift.ind = draw_f(-3, 3), x.drift.loss = draw_f(0, 11);
     x.drift.turn = draw_f(-5, 5), x.drift.sum = draw_f(-0.1, 0.1);
+    x.drift.trust = draw_f(0.2, 1);
     float w = j % 3 ? draw_f(-240, 240) : draw_f(-33, 33);
     emf_estimate_t y = {{draw_f(-3, 3), w}, {0, 0}, 0, j % 8 ? 1.0f : 0.0f};
     ab_t i = {draw_f(-5, 5), draw_f(-5, 5)}, u = {draw_f(-200, 200), draw_f(-200, 200)};
@@ -111,10 +115,12 @@ static void one(int j) {
     double e_h = (double)k_s * e_i;
     double part = bounded(cimag(c) * (double)p.drift.inv_i, 1.0);
     double away = (double)was.drift.even + (double)was.drift.turn * part;
-    double load = bounded((double)was.load + T * (double)p.k_l * eps, (double)p.load_max);
+    double trust = (double)was.drift.trust;
+    double k_l = (double)p.k_l * trust * trust;
+    double load = bounded((double)was.load + T * k_l * eps, (double)p.load_max);
     double eps_f = (double)was.eps_f + (double)p.alpha_rise * (eps - (double)was.eps_f);
     double more = (double)p.rise * (fabs(eps_f) - (double)p.eps_rise);
-    double f = 1.0 + fmax(0.0, fmin(more, (double)p.rise_max));
+    double f = trust * (1.0 + fmax(0.0, fmin(more, (double)p.rise_max)));
     load = fresh ? 0.0 : load;
     double tau = cimag(conj(psi) * c); /* flux times current */
     double omega = (double)w + T * ((double)p.k_i * f * f * eps + (double)p.k_tau * tau + load);
