@@ -42,7 +42,8 @@ CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
     x->check = check_next(x->check);
     if (SCALAR_ONLY(x->start.phase != START_DONE)) {
         x->coupled.i_1 = i_ab;
-        return drive_checked(p, x, drive_seek(p, x, &in, i_ab));
+        drive_in_t copy = in; /* so that other periods need not have the inputs in memory */
+        return drive_checked(p, x, drive_seek(p, x, &copy, i_ab));
     }
     drive_guard_step(&p->guard, x, i_ab);
     rot_t r = drive_observe(p, x, i_ab, in.k_s_ref);
