@@ -35,9 +35,14 @@ CORE_INLINE float ks_limit(float k_s) {
     return y >= 0.0f ? y : 0.0f;
 }
 
-/* k_s moved towards target by at most step. A target outside [0, 1] is clipped. */
+/* k_s moved towards target, in [0, 1], by at most step. */
+CORE_INLINE float ks_approach(float k_s, float target, float step) {
+    return k_s + bound_f(target - k_s, step);
+}
+
+/* The same; a target outside [0, 1] is clipped. */
 CORE_INLINE float ks_slew(float k_s, float target, float step) {
-    return k_s + bound_f(ks_limit(target) - k_s, step);
+    return ks_approach(k_s, ks_limit(target), step);
 }
 
 CORE_INLINE estimate_t ks_blend(estimate_t hfi, estimate_t smo, float k_s) {

@@ -22,7 +22,7 @@ CORE_INLINE drive_in_t drive_guard(const guard_params_t *p, drive_state_t *x,
     y.i_b = b ? in->i_b : 0.0f;
     y.u_dc = max_f(sane_f(in->u_dc, p->u_dc_max), 0.0f);
     y.omega_ref = speed ? in->omega_ref : 0.0f;
-    y.k_s_ref = weight ? in->k_s_ref : x->k_s;
+    y.k_s_ref = weight ? in->k_s_ref : ks_limit(x->k_s);
     x->fault |= (a ? 0 : FAULT_CURRENT) | (b ? 0 : FAULT_CURRENT) | (link ? 0 : FAULT_U_DC) |
                 (speed ? 0 : FAULT_COMMAND) | (weight ? 0 : FAULT_COMMAND);
     return y;

@@ -22,15 +22,16 @@ CORE_INLINE void drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_
     x->hfi.pll.omega = x->emf.pll.omega;
 }
 
-/* Both estimators and their blend; x->est becomes the estimate for instant k. Returns its direction.
- * After lost lock the coupled observer takes the place of the one that lost it. */
+/* Both estimators and their blend; x->est becomes the estimate for instant k. Returns its
+ * direction. After lost lock the coupled observer takes the place of the one that lost it. k_s_ref:
+ * weight wanted, 0 to 1, as drive_guard leaves it. */
 CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
                                 float k_s_ref) {
     curve_pos_t pos = curve_locate(x->control.i.q, p->control.curve_inv_step);
     float cross = sign_f(x->control.i.q) * curve_at(&p->theta_cross, pos);
     float L_q = curve_at(&p->L_q, pos);
 
-    x->k_s = ks_slew(x->k_s, k_s_ref, p->k_s_step);
+    x->k_s = ks_approach(x->k_s, k_s_ref, p->k_s_step);
     int coupled = p->estimator == ESTIMATE_COUPLED || SCALAR_ONLY(x->start.again != 0);
     if (p->estimator == ESTIMATE_ERRORS) {
         x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);

@@ -60,6 +60,11 @@ void check_guard(void) {
         drive_guard_step(g, &x, jump);
         check("step of the current", x.fault == (j % 2 ? FAULT_CURRENT : 0));
     }
+    drive_in_t in = {0.0f, 0.0f, g->u_dc_max, 0.0f, 2.0f};
+    x.k_s = 1.5f;
+    check("weight in force beyond 1", drive_guard(g, &x, &in).k_s_ref == 1.0f);
+    x.k_s = -0.5f;
+    check("weight in force below 0", drive_guard(g, &x, &in).k_s_ref == 0.0f);
     check("inputs", faults_inputs(&PARAMS[4]) == 0);
     check("angles", faults_angles(&PARAMS[4]) == 0);
     check("weights", faults_weights(&PARAMS[4]) == 0);
