@@ -10,7 +10,7 @@ CORE_INLINE drive_in_t drive_guard(const guard_params_t *p, drive_state_t *x,
     drive_in_t y = {in->i_a, in->i_b, in->u_dc, in->omega_ref, in->k_s_ref};
     if (SHORTCUT(abs_f(y.i_a) <= p->i_sample && abs_f(y.i_b) <= p->i_sample &&
                  y.u_dc >= p->u_dc_min && y.u_dc <= p->u_dc_max && abs_f(y.omega_ref) <= p->omega &&
-                 y.k_s_ref <= 1.0f && y.k_s_ref >= 0.0f)) {
+                 bits_of(y.k_s_ref) <= BITS_OF_ONE)) {
         return y;
     }
     int a = abs_f(in->i_a) <= p->i_sample;

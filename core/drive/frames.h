@@ -75,6 +75,8 @@ CORE_INLINE uint32_t bits_of(float x) {
     return y.u;
 }
 
+#define BITS_OF_ONE 0x3F800000U /* as unsigned numbers, at most these: floats from 0 to 1 */
+
 /* Wraps an angle in (-3 pi, 3 pi), such as a sum of two wrapped angles, to [-pi, pi]. */
 CORE_INLINE float wrap_pi(float x) {
     if (SHORTCUT(abs_f(x) <= PI_F)) {

@@ -15,7 +15,6 @@ CORE_INLINE float float_of(uint32_t u) {
     return y.f;
 }
 
-#define BITS_OF_ONE 0x3F800000U /* as unsigned numbers, at most these: floats from 0 to 1 */
 #define BITS_OF_INFINITY 0x7F800000U
 
 /* Fills those of y[SIGNAL_N] that the table reads. Returns whether all of them are finite: x - x is
