@@ -12,7 +12,7 @@ CORE_INLINE float dead_time_share(float i, float inv_i) { return clamp_f(i * inv
  * sign of the current i of a leg [V]; u, v at least 0. */
 CORE_INLINE float dead_time_difference(float u, float u_i, float v, float v_i, float i) {
     float size = min_f(abs_f(i) * u_i, u) - min_f(abs_f(i) * v_i, v);
-    return i < 0.0f ? -size : size;
+    return times_sign_f(size, i);
 }
 
 /* Leg voltages u a, u b, u c in the stator frame; the part common to all legs drops out. */

@@ -28,7 +28,7 @@ CORE_INLINE void drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_
 CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t i_ab,
                                 float k_s_ref) {
     curve_pos_t pos = curve_locate(x->control.i.q, p->control.curve_inv_step);
-    float cross = sign_f(x->control.i.q) * curve_at(&p->theta_cross, pos);
+    float cross = times_sign_f(curve_at(&p->theta_cross, pos), x->control.i.q);
     float L_q = curve_at(&p->L_q, pos);
 
     x->k_s = ks_approach(x->k_s, k_s_ref, p->k_s_step);

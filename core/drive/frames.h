@@ -40,6 +40,9 @@ CORE_INLINE float max_f(float x, float y) { return x > y ? x : y; }
 CORE_INLINE float abs_f(float x) { return CORE_FABSF(x); }
 CORE_INLINE float sign_f(float x) { return x < 0.0f ? -1.0f : 1.0f; }
 
+/* sign_f(y) x, without the product. */
+CORE_INLINE float times_sign_f(float x, float y) { return y < 0.0f ? -x : x; }
+
 /* x limited to [lo, hi]; NaN gives lo, so that a NaN never passes. */
 CORE_INLINE float clamp_f(float x, float lo, float hi) {
     float y = x > lo ? x : lo;

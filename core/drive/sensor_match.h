@@ -74,7 +74,7 @@ CORE_INLINE void match_offset(const match_params_t *p, match_state_t *x, int now
     }
     dq_t mirrored = {aux.d, -aux.q};
     ab_t ahead = dq_to_ab(mirrored, r);
-    float k = abs_f(omega) >= p->omega_offset ? sign_f(omega) * p->k_offset : 0.0f;
+    float k = abs_f(omega) >= p->omega_offset ? times_sign_f(p->k_offset, omega) : 0.0f;
     float step = k * inv * bound_f(eps, p->err_max);
     float to_b = HALF_SQRT3_F * ahead.b - 0.5f * ahead.a;
     float a = bound_f(x->offset_a + step * ahead.a, p->offset_max);

@@ -105,7 +105,7 @@ CORE_INLINE void smo_observe(const smo_params_t *p, smo_state_t *x, emf_estimate
     y->e.b += p->alpha_e * (e.b - y->e.b);
 
     rot_t at = rot_of(y->pll.theta + 0.5f * T_s * y->pll.omega);
-    float e_q = sign_f(omega) * (-y->e.a * at.c - y->e.b * at.s);
+    float e_q = times_sign_f(-y->e.a * at.c - y->e.b * at.s, omega);
     int valid = abs_f(omega) >= p->omega_floor;
     y->err = valid ? e_q / max_f(norm_ab(y->e), p->e_floor) : 0.0f;
     y->valid = valid ? 1.0f : 0.0f;
