@@ -57,19 +57,20 @@ typedef struct {
 CORE_INLINE void hfi_demodulate(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, rot_t r) {
     dq_t i = ab_to_dq(i_ab, r);
     dq_t step = {i.d - 2.0f * x->i_1.d + x->i_2.d, i.q - 2.0f * x->i_1.q + x->i_2.q};
-    float along = step.d;
+    float quarter = 0.25f * x->sign_2;
+    float answer = quarter * step.d;
     if (SCALAR_ONLY(p->scheme == HFI_STATIONARY)) {
         ab_t bend = {i_ab.a - 2.0f * x->i_1.d + x->i_2.d, i_ab.b - 2.0f * x->i_1.q + x->i_2.q};
-        along = ab_to_dq(bend, r).d;
+        answer = quarter * ab_to_dq(bend, r).d;
         ab_t twice = {2.0f * (i_ab.a - x->i_1.d), 2.0f * (i_ab.b - x->i_1.q)};
         step = ab_to_dq(twice, r);
         i.d = i_ab.a;
         i.q = i_ab.b;
     }
-    float x_d = 0.25f * x->sign_2 * step.d;
-    float x_q = 0.25f * x->sign_2 * step.q;
+    float x_d = quarter * step.d;
+    float x_q = quarter * step.q;
     int valid = x->sign_2 * x->sign_3 < 0.0f;
-    x->answer = 0.25f * x->sign_2 * along;
+    x->answer = answer;
     x->amplitude = sqrt_f(x_d * x_d + x_q * x_q);
     x->err = valid ? x_q / max_f(x->amplitude, p->i_floor) : 0.0f;
     x->valid = valid ? 1.0f : 0.0f;
