@@ -41,7 +41,9 @@ typedef struct {
     double sin_e;
     double i_d; /* currents at the terminals at the sampling instant [A] */
     double i_q;
-    double tau;    /* torque at the sampling instant [N m] */
+    double tau;      /* torque at the sampling instant [N m] */
+    double i_flux_d; /* with detail, the currents without that of the iron loss [A] */
+    double i_flux_q;
     int32_t turns; /* electrical turns beyond theta_e */
     int32_t reserved;
 } plant_state_t;
@@ -85,18 +87,12 @@ CORE_INLINE response_t plant_response(const plant_params_t *p, dq64_t psi, doubl
     return y;
 }
 
-/* Time derivative at a stage; x.delta: angle travelled since the period's start [rad]. */
-CORE_INLINE plant_rate_t plant_rate(const plant_params_t *p, const plant_held_t *held,
-                                    plant_rate_t x, int extra, int detail) {
-    double c, s;
-    small_angle(x.delta, &c, &s);
-    dq64_t psi = {x.psi_d, x.psi_q};
-    dq64_t f = held->frame;
-    response_t r = plant_response(p, psi, f.d * c - f.q * s, f.q * c + f.d * s, extra, detail);
+/* Time derivative under the voltage u [V] with the currents i [A] and the torque tau [N m]. */
+CORE_INLINE plant_rate_t plant_rate(const plant_params_t *p, plant_rate_t x, dq64_t u, dq64_t i,
+                                    double tau, double tau_load, int detail) {
     double omega = p->n_p * x.omega_m;
-    double tau = 1.5 * p->n_p * r.tau;
-    double e_d = c * held->u.d + s * held->u.q - p->R_s * r.i.d;
-    double e_q = c * held->u.q - s * held->u.d - p->R_s * r.i.q;
+    double e_d = u.d - p->R_s * i.d;
+    double e_q = u.q - p->R_s * i.q;
     if (detail) {
         e_d *= p->k_iron;
         e_q *= p->k_iron;
@@ -104,10 +100,22 @@ CORE_INLINE plant_rate_t plant_rate(const plant_params_t *p, const plant_held_t 
     plant_rate_t y = {
         e_d + omega * x.psi_q,
         e_q - omega * x.psi_d,
-        p->inv_J * (tau - p->B * x.omega_m - held->tau_load),
+        p->inv_J * (tau - p->B * x.omega_m - tau_load),
         omega,
     };
     return y;
+}
+
+/* The same at a stage; x.delta: angle travelled since the period's start [rad]. */
+CORE_INLINE plant_rate_t plant_stage(const plant_params_t *p, const plant_held_t *held,
+                                     plant_rate_t x, int extra, int detail) {
+    double c, s;
+    small_angle(x.delta, &c, &s);
+    dq64_t psi = {x.psi_d, x.psi_q};
+    dq64_t f = held->frame;
+    response_t r = plant_response(p, psi, f.d * c - f.q * s, f.q * c + f.d * s, extra, detail);
+    dq64_t u = {c * held->u.d + s * held->u.q, c * held->u.q - s * held->u.d};
+    return plant_rate(p, x, u, r.i, 1.5 * p->n_p * r.tau, held->tau_load, detail);
 }
 
 CORE_INLINE plant_rate_t plant_along(plant_rate_t x, double h, plant_rate_t k) {
@@ -116,14 +124,14 @@ CORE_INLINE plant_rate_t plant_along(plant_rate_t x, double h, plant_rate_t k) {
     return y;
 }
 
-/* One Runge-Kutta step of length h [s]. */
+/* One Runge-Kutta step of length h [s]; k1: time derivative at its start. */
 CORE_INLINE plant_rate_t plant_substep(const plant_params_t *p, const plant_held_t *held,
-                                       plant_rate_t x, double h, int extra, int detail) {
+                                       plant_rate_t x, plant_rate_t k1, double h, int extra,
+                                       int detail) {
     double w = h * (1.0 / 6.0);
-    plant_rate_t k1 = plant_rate(p, held, x, extra, detail);
-    plant_rate_t k2 = plant_rate(p, held, plant_along(x, 0.5 * h, k1), extra, detail);
-    plant_rate_t k3 = plant_rate(p, held, plant_along(x, 0.5 * h, k2), extra, detail);
-    plant_rate_t k4 = plant_rate(p, held, plant_along(x, h, k3), extra, detail);
+    plant_rate_t k2 = plant_stage(p, held, plant_along(x, 0.5 * h, k1), extra, detail);
+    plant_rate_t k3 = plant_stage(p, held, plant_along(x, 0.5 * h, k2), extra, detail);
+    plant_rate_t k4 = plant_stage(p, held, plant_along(x, h, k3), extra, detail);
     plant_rate_t y = {
         x.psi_d + w * (k1.psi_d + 2.0 * (k2.psi_d + k3.psi_d) + k4.psi_d),
         x.psi_q + w * (k1.psi_q + 2.0 * (k2.psi_q + k3.psi_q) + k4.psi_q),
@@ -139,7 +147,17 @@ CORE_INLINE void plant_output(const plant_params_t *p, plant_state_t *x, int ext
     response_t r = plant_response(p, psi, x->cos_e, x->sin_e, extra, detail);
     x->i_d = r.i.d;
     x->i_q = r.i.q;
+    if (detail) {
+        x->i_flux_d = r.i.d;
+        x->i_flux_q = r.i.q;
+    }
     x->tau = 1.5 * p->n_p * r.tau;
+}
+
+/* Currents of the flux at the present state, as plant_output left them. */
+CORE_INLINE dq64_t plant_current(const plant_state_t *x, int detail) {
+    dq64_t y = {detail ? x->i_flux_d : x->i_d, detail ? x->i_flux_q : x->i_q};
+    return y;
 }
 
 /* Slope of the stator current: di/dt = gamma u + drift, in the stator frame at the present
@@ -159,7 +177,7 @@ CORE_INLINE plant_slope_t plant_slope(const plant_params_t *p, const plant_state
     dq64_t psi = {x->psi_d, x->psi_q};
     dq64_t psi_1 = {x->psi_d + SLOPE_STEP, x->psi_q};
     dq64_t psi_2 = {x->psi_d, x->psi_q + SLOPE_STEP};
-    dq64_t i = plant_response(p, psi, c, s, extra, detail).i;
+    dq64_t i = plant_current(x, detail);
     dq64_t i_1 = plant_response(p, psi_1, c, s, extra, detail).i;
     dq64_t i_2 = plant_response(p, psi_2, c, s, extra, detail).i;
     double dd = (i_1.d - i.d) * (1.0 / SLOPE_STEP);
@@ -202,9 +220,9 @@ CORE_INLINE void plant_add_iron(const plant_params_t *p, plant_state_t *x, dq64_
 }
 
 /* n_sub Runge-Kutta steps of length h [s] under the stator-frame voltage (u_a, u_b) [V] and a
- * constant load torque [N m]; a period is n_sub steps of p->h. n_sub, extra, detail: p's own,
- * passed so that they can be constants. Leaves the currents of the flux alone, without the
- * iron's. */
+ * constant load torque [N m], from where plant_output left the currents and the torque; a period is
+ * n_sub steps of p->h. n_sub, extra, detail: p's own, passed so that they can be constants. Leaves
+ * the currents of the flux alone, without the iron's. */
 CORE_INLINE void plant_move(const plant_params_t *p, plant_state_t *x, double u_a, double u_b,
                             double tau_load, double h, int n_sub, int extra, int detail) {
     plant_held_t held = {
@@ -213,11 +231,12 @@ CORE_INLINE void plant_move(const plant_params_t *p, plant_state_t *x, double u_
         tau_load,
     };
     plant_rate_t y = {x->psi_d, x->psi_q, x->omega_m, 0.0};
-    if (n_sub == 1) { /* the usual case; without a loop, so that loops over drives vectorise */
-        y = plant_substep(p, &held, y, h, extra, detail);
-    } else {
-        for (int j = 0; j < n_sub; j++) {
-            y = plant_substep(p, &held, y, h, extra, detail);
+    plant_rate_t k1 = plant_rate(p, y, held.u, plant_current(x, detail), x->tau, tau_load, detail);
+    y = plant_substep(p, &held, y, k1, h, extra, detail);
+    if (n_sub != 1) { /* no loop in the usual case, so that loops over drives vectorise */
+        for (int j = 1; j < n_sub; j++) {
+            k1 = plant_stage(p, &held, y, extra, detail);
+            y = plant_substep(p, &held, y, k1, h, extra, detail);
         }
     }
     double c, s;
