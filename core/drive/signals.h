@@ -117,9 +117,18 @@ CORE_INLINE float signal_at(const signal_params_t *p, const signal_state_t *x, f
 /* Fills y[SIGNAL_N]. */
 CORE_INLINE void signals_read(const signal_params_t *p, const signal_state_t *x, float *y) {
     float dir = signals_direction(x);
-    for (uint32_t which = 0; which < SIGNAL_N; which++) {
-        y[which] = signal_at(p, x, dir, which);
-    }
+    y[SIGNAL_SPEED] = signal_at(p, x, dir, SIGNAL_SPEED);
+    y[SIGNAL_TORQUE_CURRENT] = signal_at(p, x, dir, SIGNAL_TORQUE_CURRENT);
+    y[SIGNAL_DISAGREEMENT] = signal_at(p, x, dir, SIGNAL_DISAGREEMENT);
+    y[SIGNAL_ACCELERATION] = signal_at(p, x, dir, SIGNAL_ACCELERATION);
+    y[SIGNAL_SPEED_ERROR] = signal_at(p, x, dir, SIGNAL_SPEED_ERROR);
+    y[SIGNAL_SPEED_REF] = signal_at(p, x, dir, SIGNAL_SPEED_REF);
+    y[SIGNAL_K_S] = signal_at(p, x, dir, SIGNAL_K_S);
+    y[SIGNAL_EMF] = signal_at(p, x, dir, SIGNAL_EMF);
+    y[SIGNAL_HF_AMPLITUDE] = signal_at(p, x, dir, SIGNAL_HF_AMPLITUDE);
+    y[SIGNAL_HFI_RESIDUAL] = signal_at(p, x, dir, SIGNAL_HFI_RESIDUAL);
+    y[SIGNAL_SMO_RESIDUAL] = signal_at(p, x, dir, SIGNAL_SMO_RESIDUAL);
+    y[SIGNAL_VOLTAGE] = signal_at(p, x, dir, SIGNAL_VOLTAGE);
 }
 
 #endif
