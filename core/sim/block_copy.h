@@ -38,6 +38,10 @@ typedef int eight_t __attribute__((vector_size(32), may_alias, aligned(8)));
 
 static const unsigned char unit_is_pair[UNITS] = SIM_UNIT_IS_PAIR;
 
+/* Units that a block uses: first and end of each run, four or more. */
+static const size_t unit_run[][2] = SIM_UNIT_RUNS;
+#define UNIT_RUNS (sizeof(unit_run) / sizeof(unit_run[0]))
+
 /* Transposes four rows of four. */
 CORE_INLINE void turn_4x4(four_t *x) {
     four_t a = SHUFFLE(four_t, x[0], x[1], 0, 4, 2, 6);
@@ -110,20 +114,36 @@ CORE_INLINE void store_4x8(const block_t *block, sim_t *const *to, size_t u, int
     }
 }
 
-/* Copies units first ... end - 1 of the drives from[LANES]. The last four may overlap those before. */
+/* Those of a run that are in first ... end - 1: their first one, and how far they go. */
+CORE_INLINE size_t run_first(size_t run, size_t first) {
+    return unit_run[run][0] > first ? unit_run[run][0] : first;
+}
+
+CORE_INLINE size_t run_end(size_t run, size_t end) {
+    return unit_run[run][1] < end ? unit_run[run][1] : end;
+}
+
+/* Copies what a block uses of units first ... end - 1 of the drives from[LANES]. The last four of a
+ * run may overlap those before. */
 static inline void block_load(block_t *block, const sim_t *const *from, size_t first, size_t end) {
-    for (size_t u = first; u < end; u += 4) {
-        for (int l = 0; l < LANES; l += 8) {
-            load_4x8(block, from, u + 4 <= end ? u : end - 4, l);
+    for (size_t j = 0; j < UNIT_RUNS; j++) {
+        size_t last = run_end(j, end);
+        for (size_t u = run_first(j, first); u < last; u += 4) {
+            for (int l = 0; l < LANES; l += 8) {
+                load_4x8(block, from, u + 4 <= last ? u : last - 4, l);
+            }
         }
     }
 }
 
-/* Copies the state to the drives to[LANES]. */
+/* Copies what it uses of the state to the drives to[LANES]. */
 static inline void block_store(const block_t *block, sim_t *const *to) {
-    for (size_t u = UNIT_STATE; u < UNITS; u += 4) {
-        for (int l = 0; l < LANES; l += 8) {
-            store_4x8(block, to, u + 4 <= UNITS ? u : UNITS - 4, l);
+    for (size_t j = 0; j < UNIT_RUNS; j++) {
+        size_t last = run_end(j, UNITS);
+        for (size_t u = run_first(j, UNIT_STATE); u < last; u += 4) {
+            for (int l = 0; l < LANES; l += 8) {
+                store_4x8(block, to, u + 4 <= last ? u : last - 4, l);
+            }
         }
     }
 }
