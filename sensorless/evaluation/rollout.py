@@ -67,6 +67,11 @@ class Rollout:
         """(d, n): the drive moved in this decision."""
         return np.asarray(self.sums["n"] > 0.0)
 
+    @cached_property
+    def count(self) -> NDArray[np.float32]:
+        """(d, n) periods of each decision; NaN after the end of a drive."""
+        return np.where(self.alive, self.sums["n"], np.float32(np.nan))
+
     @property
     def feasible(self) -> NDArray[np.bool_]:
         """(n,) as far as the run came, the sensored twin did what the scenario asks for."""
@@ -75,8 +80,7 @@ class Rollout:
     def mean(self, name: str) -> NDArray[np.float32]:
         """(d, n) mean of a field of ``sums_t`` over each decision; NaN after the end of a drive."""
         if name not in self.kept:
-            count = np.where(self.alive, self.sums["n"], np.float32(np.nan))
-            self.kept[name] = self.sums[name] / count
+            self.kept[name] = self.sums[name] / self.count
         return self.kept[name]
 
     def total(self, name: str) -> Floats:
@@ -110,8 +114,10 @@ def rollout(
     watch = LockWatch(factory.motor, n)
     decisions = -(-int(sims["k_end"].max(initial=0)) // periods)
     sums = np.zeros((decisions, n), dtype=[(name, np.float32) for name in keep])
-    rows, now = sums.view(np.float32).reshape(decisions, n, -1), sums_matrix(sims)
-    columns = slice(None) if keep == SUMS else [SUMS.index(name) for name in keep]
+    now, rows = sums_matrix(sims), sums.view(np.float32).reshape(decisions, n, -1)
+    kept = [(rows, now)]
+    if keep != SUMS:  # column by column, which is faster than a list of columns
+        kept = [(rows[:, :, i], now[:, SUMS.index(name)]) for i, name in enumerate(keep)]
     obs = np.zeros((n, SIGNAL_N), dtype=np.float32)
     ranges = gains_of(policy)
     gains = gain_records(sims, ranges, decision_time(factory.motor)) if ranges else None
@@ -125,7 +131,8 @@ def rollout(
         if gains is not None:
             decide_gains(policy, obs.copy(), gains)
         run.decide(k_s)
-        rows[j] = now[:, columns]
+        for row, x in kept:
+            row[j] = x
         if go_on:
             watch.look(sims)
     lived = np.where(sims["lost"] != 0, sims["k_lost"], sims["k"]).astype(np.int64)

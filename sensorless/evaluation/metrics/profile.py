@@ -55,8 +55,9 @@ def since_change(r: Rollout) -> Floats:
     last = np.zeros(n)
     for j in range(segments):
         row = np.searchsorted(t[:, 0], s.t[:, j].min())  # the others are before the segment
-        late = t[row:]
-        np.subtract(late, np.fmax(last, end[:, j]), out=out[row:], where=late >= s.t[:, j])
+        stop = np.searchsorted(t[:, 0], begins[:, j].max())  # or after it
+        some = slice(row, stop)
+        np.subtract(t[some], np.fmax(last, end[:, j]), out=out[some], where=t[some] >= s.t[:, j])
         last = np.fmax(last, np.fmin(end[:, j], begins[:, j]))
     starting = r.sums["starting"] > 0.0
     if starting.any():
