@@ -19,15 +19,16 @@ typedef struct {
 
 /* inv_step: nodes per ampere [1/A]. Beyond the last node, the last value applies. */
 CORE_INLINE curve_pos_t curve_locate(float i_q, float inv_step) {
-    const float last = (float)(CURVE_N - 2);
     float t = abs_f(i_q) * inv_step;
-    if (SHORTCUT(t < last)) { /* before the last interval: no ends to look at */
+    if (SHORTCUT(t < (float)(CURVE_N - 2))) { /* before the last interval: no ends to look at */
         int left = (int)t;
         curve_pos_t inside = {left, t - (float)left};
         return inside;
     }
-    int j = (int)min_f(t, last); /* NaN: the last */
-    curve_pos_t pos = {j, min_f(t, (float)(CURVE_N - 1)) - (float)j};
+    t = min_f(t, (float)(CURVE_N - 1)); /* NaN: the last */
+    int j = (int)t;
+    j = j < CURVE_N - 2 ? j : CURVE_N - 2;
+    curve_pos_t pos = {j, t - (float)j};
     return pos;
 }
 

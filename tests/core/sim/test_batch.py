@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -69,6 +70,23 @@ def plainly(n: int, twin: bool, estimator: str, detail: bool = False) -> tuple[A
     """What the plain loop, which takes them one by one, makes of the first n drives."""
     sims, obs = all_plainly(twin, estimator, detail)
     return sims[:n], obs[:n]
+
+
+@pytest.mark.parametrize("estimator", IN_BLOCKS)
+def test_blocks_are_vector_code(estimator: str) -> None:
+    """A jump that the compiler cannot turn into a selection would make them as slow as the loop."""
+    if lib.sim_simd() == lib.SIMD_NONE:
+        pytest.skip("this processor or compiler has no vector code")
+    start = drives(True, estimator)[:64].copy()
+    start["err_limit"], start["k_end"] = 1e9, 2 * PERIODS
+    took = {lib.SIMD_NONE: np.inf, lib.sim_simd(): np.inf}
+    obs = np.zeros((64, SIGNAL_N), dtype=np.float32)
+    for _ in range(3):
+        for level in took:
+            sims, begin = start.copy(), process_time()
+            sim_run(sims, 400, WEIGHTS[:64], obs, simd=level, threads=1)
+            took[level] = min(took[level], process_time() - begin)
+    assert took[lib.SIMD_NONE] > 2.0 * took[lib.sim_simd()]
 
 
 @pytest.mark.parametrize("detail", [False, True], ids=["plain", "detail"])
