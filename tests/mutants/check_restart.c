@@ -1,6 +1,4 @@
 /* After lost lock: the pole by the EMF, what is done, and a damaged drive that must not start. */
-#include <string.h>
-
 #include "checks.h"
 #include "params.h"
 
