@@ -27,7 +27,7 @@ CORE_INLINE curve_pos_t curve_locate(float i_q, float inv_step) {
     }
     t = min_f(t, (float)(CURVE_N - 1)); /* NaN: the last */
     int j = (int)t;
-    j = j < CURVE_N - 2 ? j : CURVE_N - 2;
+    j = SHORTCUT(1) || j > CURVE_N - 2 ? CURVE_N - 2 : j; /* the shortcut leaves no other */
     curve_pos_t pos = {j, t - (float)j};
     return pos;
 }
