@@ -119,8 +119,8 @@ def test_a_lost_node_costs_its_chunk_and_nothing_else(
     cluster: Any, engine: Engine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The file is the same to the byte, too."""
-    monkeypatch.setattr("sensorless.evaluation.evaluate.score", partial(score, chunk=48))
-    words = (MOTOR, DESIGN, "envelope", 7, 24**2, make_policies(["eq25"], MOTOR))
+    monkeypatch.setattr("sensorless.evaluation.evaluate.score", partial(score, chunk=12))
+    words = (MOTOR, DESIGN, "envelope", 7, 12**2, make_policies(["eq25"], MOTOR))
     evaluate(*words, out=tmp_path / "local")
     (tmp_path / "chunks").mkdir()
     watched = Watched(engine, tmp_path / "chunks")
