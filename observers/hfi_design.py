@@ -1,12 +1,23 @@
 """Injection estimator: from the machine and bandwidths to ``hfi_params_t``."""
 
+import math
 from typing import Any
 
 from sensorless.core.api import enumeration
 from sensorless.machine.motor import Motor
 from sensorless.observers.pll_design import pll_gains
+from sensorless.observers.smo_design import low_pass
 
 SCHEMES = enumeration("HFI_")
+RISE = (3.0 / 4.0, 3.0 / 2.0)
+"""Errors, over the lag that an acceleration by rated torque leaves, at which the bandwidth of the
+PLL starts to rise and at which it has risen by ``RISE_MAX``."""
+RISE_MAX = 1.0
+RISE_OVER = 4.0
+"""Low-pass of the error that makes the bandwidth rise, over the PLL's natural frequency: it takes
+most of the noise away, and a load comes within a period of the PLL."""
+LAG_MOST = 1.0 / 3.0
+"""Largest lag that counts [rad]: a third of what loses the drive."""
 
 
 def hf_current(motor: Motor) -> float:
@@ -29,6 +40,8 @@ def design_hfi(
     motor: Motor,
     *,
     pll_hz: float,
+    natural_hz: float,
+    lag: float,
     hold: float,
     omega_max: float,
     scheme: str,
@@ -41,6 +54,11 @@ def design_hfi(
     ----------
     pll_hz : float
         Natural frequency of the PLL [Hz].
+    natural_hz : float
+        What it is by the machine's formula [Hz].
+    lag : float
+        How far an acceleration by rated torque leaves a PLL of ``natural_hz`` behind [rad]. A PLL
+        that is farther behind gets faster.
     hold : float
         Time that the injection stays on after the weight has reached zero [s].
     omega_max : float
@@ -52,10 +70,12 @@ def design_hfi(
         the voltage was computed.
     normalised : bool
         Divide the error signal by the magnitude of the current's response (Eq. 7); otherwise by a
-        constant that the response never reaches (Eq. 15), with which the gains fit at no load only.
+        constant that the response never reaches (Eq. 15), with which the gains fit at no load only
+        and the bandwidth does not rise.
     """
     floor = (0.25 if normalised else 10.0) * hf_current(motor)
     slope = error_slope(motor.L_d, motor.L_q)
+    low, high = (0.5 * slope * math.sin(2.0 * x * min(lag, LAG_MOST)) for x in RISE)
     k_p, k_i = pll_gains(pll_hz, slope if normalised else slope * hf_current(motor) / floor)
     return {
         "pll": {"k_p": k_p, "k_i": k_i, "omega_max": omega_max},
@@ -63,5 +83,9 @@ def design_hfi(
         "i_floor": floor,
         "n_hold": max(1.0, round(hold / motor.T_s)),
         "lead": 0.5 if delay_cure else -1.0,
+        "alpha_rise": low_pass(RISE_OVER * natural_hz, motor.T_s),
+        "err_rise": low,
+        "rise": RISE_MAX / (high - low),
+        "rise_max": RISE_MAX if normalised else 0.0,
         "scheme": SCHEMES[scheme],
     }

@@ -106,7 +106,7 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
     pole, e_fly = math.exp(-motor.T_s / EMF_TAU), FLY_SHARE * motor.omega_rated * motor.psi_f
     n = {name: max(4, round(time / motor.T_s)) for name, time in TIMES.items()}
     return {
-        "hfi": {**hfi, "pll": loops[0], "n_hold": 1.0},
+        "hfi": {**hfi, "pll": loops[0], "n_hold": 1.0, "rise_max": 0.0},
         "smo": {**smo, "pll": loops[1], "switching": SWITCHING["sigmoid"], "alpha_e": 1.0},
         "k_hold": HOLD_SHARE * motor.L_d / motor.T_s,
         "alpha_e": 1.0 - pole**2,

@@ -17,10 +17,9 @@ SEED   ?= 11
 SUITES ?= stress-1 handoff stress
 GRID   ?= 41
 RULES  ?= linear hysteresis gated fuzzy logistic
-# Rules on the other observers, made by `make -f results/reference.mk rules`. The others were tuned
-# before near losses counted, and come no nearer to one than injection alone; their files say how.
-ON_SMO  ?= linear smoothstep sine quadratic ramp fuzzy grid emf fusion
-ON_FLUX ?= hysteresis gated fuzzy grid
+# Rules on the other observers, made by `make -f results/reference.mk rules`.
+ON_SMO  ?= linear smoothstep sine quadratic ramp logistic hysteresis gated physics fuzzy grid emf fusion
+ON_FLUX ?= logistic hysteresis gated fuzzy grid
 ALONE   ?= error_blend flux_observer
 
 TUNED := $(RULES:%=$(OUT)/tuned/%-coupled-tuned.json)

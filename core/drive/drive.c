@@ -17,6 +17,7 @@ static void hfi_clear(hfi_state_t *x) {
     x->sign_3 = 0.0f;
     x->hold = 0.0f;
     x->err = 0.0f;
+    x->err_f = 0.0f;
     x->amplitude = 0.0f;
     x->answer = 0.0f;
     x->valid = 0.0f;

@@ -35,7 +35,11 @@ typedef struct {
     float i_floor; /* least magnitude that the error is divided by [A] */
     float n_hold;  /* periods that injection stays on after the last request */
     float lead;    /* turn of the voltage beyond the angle at k+1 [periods]: 0.5; -1: no cure */
-    int scheme;    /* HFI_* */
+    float alpha_rise; /* low-pass on the error for the bandwidth's rise: 1 - exp(-w T_s) */
+    float err_rise;   /* low-passed error above which the bandwidth rises [1] */
+    float rise;       /* its rise with the error above that [1] */
+    float rise_max;   /* its largest rise, as a share of the bandwidth */
+    int scheme;       /* HFI_* */
 } hfi_params_t;
 
 typedef struct {
@@ -47,6 +51,7 @@ typedef struct {
     float sign_3;    /* over [k-2, k-1] */
     float hold;      /* periods left before the injection stops */
     float err;       /* last normalised error signal [1] */
+    float err_f;     /* low-passed [1] */
     float amplitude; /* last magnitude of the high-frequency current [A] */
     float answer;    /* its part along the injected axis, above 0 at any angle error [A] */
     float valid;     /* 1 when the last error came from a full alternating window */
@@ -79,14 +84,18 @@ CORE_INLINE void hfi_demodulate(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab
     x->i_1 = i;
 }
 
-/* Advances the PLL. theta_idle, omega_idle: angle and speed to follow while there is no injection
- * to measure, in this estimator's uncompensated frame at instant k [rad, rad/s]. */
+/* Advances the PLL. A load that comes or goes on little inertia leaves it behind by its torque over
+ * inertia and bandwidth squared; where the low-passed error is that large, the bandwidth rises.
+ * theta_idle, omega_idle: angle and speed to follow while there is no injection to measure, in this
+ * estimator's uncompensated frame at instant k [rad, rad/s]. */
 CORE_INLINE void hfi_follow(const hfi_params_t *p, hfi_state_t *x, float theta_idle,
                             float omega_idle, float T_s) {
     int valid = x->valid > 0.0f;
     x->pll.theta = valid ? x->pll.theta : theta_idle;
     x->pll.omega = valid ? x->pll.omega : omega_idle;
-    pll_step(&p->pll, &x->pll, x->err, T_s);
+    x->err_f = valid ? x->err_f + p->alpha_rise * (x->err - x->err_f) : 0.0f;
+    float rise = clamp_f(p->rise * (abs_f(x->err_f) - p->err_rise), 0.0f, p->rise_max);
+    pll_step_faster(&p->pll, &x->pll, x->err, 1.0f + rise, T_s);
 }
 
 /* Demodulates one sample and advances the PLL. i_ab: measured current at k [A]. */

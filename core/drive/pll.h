@@ -20,10 +20,17 @@ typedef struct {
     float omega; /* electrical [rad/s] */
 } pll_state_t;
 
-/* err: angle error signal, truth minus estimate near lock [rad for slope 1]. T_s [s]. */
+/* err: angle error signal, truth minus estimate near lock [rad for slope 1]; faster: w_n over that
+ * of the gains. T_s [s]. */
+CORE_INLINE void pll_step_faster(const pll_params_t *p, pll_state_t *x, float err, float faster,
+                                 float T_s) {
+    x->omega = bound_f(x->omega + T_s * p->k_i * (faster * faster) * err, p->omega_max);
+    x->theta = wrap_pi(x->theta + T_s * (x->omega + p->k_p * faster * err));
+}
+
+/* At the natural frequency of the gains. */
 CORE_INLINE void pll_step(const pll_params_t *p, pll_state_t *x, float err, float T_s) {
-    x->omega = bound_f(x->omega + T_s * p->k_i * err, p->omega_max);
-    x->theta = wrap_pi(x->theta + T_s * (x->omega + p->k_p * err));
+    pll_step_faster(p, x, err, 1.0f, T_s);
 }
 
 #endif

@@ -71,9 +71,8 @@ typedef struct {
     ab_t e_f;      /* EMF that turns with omega, corrected by that of each period [V] */
     ab_t axis;     /* sum of the anisotropic responses, along twice the rotor angle [A] */
     float omega;   /* electrical speed at which the EMF turns [rad/s] */
-    int32_t reserved;
-    float i_0;    /* d current before a pulse [A] */
-    float i_pole; /* forward minus backward peaks so far [A] */
+    float i_0;     /* d current before a pulse [A] */
+    float i_pole;  /* forward minus backward peaks so far [A] */
 } start_state_t;
 
 /* Starts the sequence, with nothing measured yet. */
@@ -89,7 +88,6 @@ CORE_INLINE void start_begin(start_state_t *x) {
     x->e_f = zero;
     x->axis = zero;
     x->omega = 0.0f;
-    x->reserved = 0;
     x->i_0 = 0.0f;
     x->i_pole = 0.0f;
 }

@@ -76,7 +76,7 @@ def derive(motor: Motor, design: DriveDesign) -> Derived:
     if given["speed_hz"] is None:
         given["speed_hz"] = motor.speed_hz
     speed = _first(given["speed_hz"], speed_loop(motor))
-    injection = INJECTION_SHARE * tracking(motor, injection_noise(motor)) / (2.0 * math.pi)
+    injection = injection_loop(motor)
     emf = _first(given["smo_pll_hz"], EMF_OVER * injection)
     coupled = bandwidths(motor, speed)
     formulas = {
@@ -116,6 +116,11 @@ def current_loop(motor: Motor, speed_hz: float) -> float:
     over_speed, over_loop = CURRENT_OVER
     by_need = max(over_speed * motor.omega_rated, over_loop * 2.0 * math.pi * speed_hz)
     return min(by_delay, by_need) / (2.0 * math.pi)
+
+
+def injection_loop(motor: Motor) -> float:
+    """Natural frequency of the injection's PLL [Hz]: ``INJECTION_SHARE`` of ``tracking``."""
+    return INJECTION_SHARE * tracking(motor, injection_noise(motor)) / (2.0 * math.pi)
 
 
 def speed_floor(motor: Motor) -> float:

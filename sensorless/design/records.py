@@ -9,7 +9,7 @@ import numpy as np
 from sensorless.core.api import CONTROL, PLANT, SENSOR, Array
 from sensorless.core.bring_up import PARAMS as BRING_UP
 from sensorless.design.control import design_control, design_curves, operating_line
-from sensorless.design.derived import derive
+from sensorless.design.derived import derive, injection_loop
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.design.guard import design_guard
 from sensorless.design.sound import require_finite
@@ -26,6 +26,7 @@ from sensorless.observers.injection_signal import adc_step
 from sensorless.observers.lock_design import design_lock
 from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
 from sensorless.observers.start_design import design_start
+from sensorless.observers.tracking import rated_acceleration
 
 SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
@@ -81,9 +82,12 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
         motoring=design.L_q_motoring / design.L_q_bias,
         omega_max=omega_max,
     )
+    natural = injection_loop(motor)
     hfi = design_hfi(
         motor,
         pll_hz=one_loop or by.hfi_pll_hz,
+        natural_hz=natural,
+        lag=rated_acceleration(motor) / (2.0 * math.pi * natural) ** 2,
         hold=design.injection_hold,
         omega_max=omega_max,
         scheme=design.hfi_scheme,
