@@ -36,6 +36,16 @@ def error_slope(L_d: float, L_q: float) -> float:
     return 1.0 - L_d / L_q
 
 
+def error_signal(L_d: float, L_q: float, delta: float) -> float:
+    """Normalised error signal [1] at an angle error ``delta`` [rad]; ``error_slope`` is its slope.
+
+    From incremental inductances [H]: (L_q - L_d) s c / sqrt(L_q^2 c^2 + L_d^2 s^2), the q part of
+    the injected current over all of it.
+    """
+    s, c = math.sin(delta), math.cos(delta)
+    return (L_q - L_d) * s * c / math.hypot(L_q * c, L_d * s)
+
+
 def design_hfi(
     motor: Motor,
     *,
@@ -75,7 +85,7 @@ def design_hfi(
     """
     floor = (0.25 if normalised else 10.0) * hf_current(motor)
     slope = error_slope(motor.L_d, motor.L_q)
-    low, high = (0.5 * slope * math.sin(2.0 * x * min(lag, LAG_MOST)) for x in RISE)
+    low, high = (error_signal(motor.L_d, motor.L_q, x * min(lag, LAG_MOST)) for x in RISE)
     k_p, k_i = pll_gains(pll_hz, slope if normalised else slope * hf_current(motor) / floor)
     return {
         "pll": {"k_p": k_p, "k_i": k_i, "omega_max": omega_max},

@@ -8,13 +8,16 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from sensorless.core.api import struct_dtype
 from sensorless.core.machine import plant_run
+from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
 from sensorless.machine.magnetics import cross_angle, flux, inverse_inductance
 from sensorless.machine.motor import Motor, Saturation
+from sensorless.observers.tracking import rated_acceleration
 from sensorless.plant.case import PlantCase
 from sensorless.plant.run import plant_arrays
 
@@ -47,7 +50,7 @@ class Bench:
         current: complex | None = None,
     ) -> None:
         """current: [A] held on the saturated machine at standstill; none: a linear machine at 0."""
-        self.c, self.T_s, self.sign = c, motor.T_s, sign
+        self.c, self.T_s, self.sign, self.motor = c, motor.T_s, sign, motor
         assert current is None or rpm == 0.0
         self.omega = motor.rpm_to_electrical(rpm)
         saturation = Saturation.linear(motor.L_d, motor.L_q, motor.psi_f)
@@ -75,6 +78,7 @@ class Bench:
         self.x["pll"]["omega"] = self.omega
         self.wait = 0.0j
         self.theta = 0.5
+        self.acceleration = 0.0  # of the held speed, electrical [rad/s^2]
 
     def _injection(self) -> complex:
         """Sign times direction for the period after next."""
@@ -94,6 +98,9 @@ class Bench:
         self.wait = self._injection()
         plant_run(self.plant, self.state, np.array([[u.real, u.imag, 0.0]]))
         self.theta += self.omega * self.T_s
+        self.omega += self.acceleration * self.T_s
+        self.emf = self.omega * self.motor.psi_f
+        self.state["omega_m"] = self.omega / self.motor.n_p
 
     def run(self, periods: int, average: int) -> tuple[float, float, float]:
         """Mean error signal, amplitude [A] and angle error [deg] over the last periods."""
@@ -154,6 +161,32 @@ def test_error_signal_far_from_lock(c: Call, motor: Motor, degrees: float) -> No
     e = math.radians(degrees)
     got, _, _ = Bench(c, motor, 0.0, e, closed=False).run(60, 20)
     assert got == pytest.approx(error_signal(motor, e), abs=2e-3)
+
+
+@pytest.mark.parametrize("share", [0.5, -1.0, 2.0, -3.0])
+@pytest.mark.parametrize("rises", [True, False])
+def test_lag_of_an_acceleration(c: Call, motor: Motor, share: float, rises: bool) -> None:
+    """The loop of this acceleration over bandwidth squared, and less lag where that has risen.
+
+    At rest in its frame the loop needs k_i f^2 err = d omega / dt. The bandwidth factor f is 1
+    where rated torque on the own inertia leaves three quarters of its lag, 2 at one and a half.
+    """
+    design = DriveDesign(estimator="smo")
+    bench = Bench(c, motor, 0.0, 0.0, closed=True, design=design)
+    bench.p["rise_max"] *= rises
+    bench.acceleration = share * rated_acceleration(motor)
+    lag = rated_acceleration(motor) / (2.0 * math.pi * derive(motor, design).hfi_pll_hz) ** 2
+    slope = 1.0 - motor.L_d / motor.L_q
+    low, high = (error_signal(motor, x * lag) for x in (0.75, 1.5))
+
+    def left(e: float) -> float:
+        err = error_signal(motor, e)
+        f = 1.0 + rises * min(max((err - low) / (high - low), 0.0), 1.0)
+        return abs(share) * lag - f * f * err / slope
+
+    expected = math.degrees(brentq(left, 0.0, math.pi / 4.0))
+    _, _, angle = bench.run(600, 1)
+    assert angle == pytest.approx(math.copysign(expected, share), rel=0.03)
 
 
 @pytest.mark.parametrize("rpm", [-600.0, -150.0, 0.0, 150.0, 350.0, 600.0, 1500.0])
