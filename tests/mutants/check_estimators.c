@@ -4,7 +4,8 @@
 static vec_t unit(double at) { return cexp(I * at); }
 
 static void injection(void) {
-    hfi_params_t p = {{100.0f, 5000.0f, 700.0f}, 50.0f, 0.02f, 3.0f, 0.5f, HFI_ROTATING};
+    hfi_params_t p = {
+        {100.0f, 5000.0f, 700.0f}, 50.0f, 0.02f, 3.0f, 0.5f, 0.1f, 0.3f, 3.0f, 0.8f, HFI_ROTATING};
     for (int j = 0; j < 600; j++) {
         p.scheme = j % 3 == 0 ? HFI_STATIONARY : HFI_ROTATING;
         float size = j % 5 == 0 ? 0.01f : 1.0f;
@@ -16,6 +17,7 @@ static void injection(void) {
                          j % 4 < 2 ? 1.0f : -1.0f,
                          0,
                          0,
+                         draw_f(-1, 1),
                          0,
                          0,
                          0};
@@ -46,14 +48,18 @@ static void injection(void) {
         if (!valid) {
             pll.theta = idle, pll.omega = idle_w;
         }
-        pll_step(&p.pll, &pll, (float)err, 2e-4f);
+        double err_f = valid ? 0.9 * (double)was.err_f + 0.1 * err : 0.0;
+        check("injection's low-passed error", fabs((double)x.err_f - err_f) < 1e-4);
+        double faster = 1.0 + fmin(3.0 * fmax(fabs(err_f) - 0.3, 0.0), 0.8);
+        pll.omega = (float)bounded((double)pll.omega + 2e-4 * 5000.0 * faster * faster * err, 700.0);
+        pll.theta += (float)(2e-4 * ((double)pll.omega + 100.0 * faster * err));
         check("injection's loop", fabs(wrapped((double)(x.pll.theta - pll.theta))) < 1e-5 &&
                                       near((double)x.pll.omega, (double)pll.omega, 1e-4));
         rot_t d = hfi_direction(&p, &x, 2e-4f);
         vec_t to = unit((double)x.pll.theta + 0.5 * 2e-4 * (double)x.pll.omega);
         check("direction of injection", near_v((double)d.c + I * (double)d.s, to, 2e-6));
     }
-    hfi_state_t x = {{0, 0}, {0, 0}, {0, 0}, 0, 0, 0, 0, 0, 0, 0, 0};
+    hfi_state_t x = {{0, 0}, {0, 0}, {0, 0}, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     const float signs[8] = {1, -1, 1, -1, 1, 0, 0, 0};
     for (int k = 0; k < 8; k++) {
         float s = hfi_inject(&p, &x, k < 3);
