@@ -34,7 +34,8 @@ def tune_command(
         typer.Argument(
             metavar="RULE",
             help="Tune this rule; `sensorless evaluate --list` names all rules, and those with "
-            "numbers after a colon can be tuned.",
+            "numbers after a colon can be tuned. Given with numbers, such as linear:200,500, the "
+            "search starts from them.",
         ),
     ],
     out: Annotated[Path, typer.Option(metavar="FILE.json", help="Write the tuned rule here.")],

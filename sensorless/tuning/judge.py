@@ -12,13 +12,14 @@ from sensorless.policies.tuned import Tuned
 
 
 def judged(found: Tuned, motor: Motor, design: DriveDesign, machines: int, seed: int) -> Tuned:
-    """Add to the provenance how a tuned rule compares with its start, the rule's own numbers.
+    """Add to the provenance how a tuned rule compares with the numbers it started from.
 
     Arguments as in ``tune``; both run in scenarios that tuning has not seen.
     """
     rule = rule_named(found.rule)
-    name = f"its start, {rule.spec(rule.defaults(), motor)}"
-    if dict(found.parameters) == rule.defaults():
+    start = str(found.provenance["started_from"])
+    name = f"its start, {start}"
+    if rule.spec(found.parameters, motor) == start:
         used = f"{found.provenance['used_s']:g} s simulated"
         facts: dict[str, object] = {
             "verdict": f"the same as {name}: nothing better was found in {used}"
@@ -27,7 +28,8 @@ def judged(found: Tuned, motor: Motor, design: DriveDesign, machines: int, seed:
         drawn = Machines.of(motor, machines, seed)
         factories = [SimFactory(m, design) for m in drawn.motors]
         ours, theirs = (
-            rule.build(rule.name, values, motor) for values in (found.parameters, rule.defaults())
+            rule.build(rule.name, values, motor)
+            for values in (found.parameters, rule.parse(start, start.partition(":")[2], motor))
         )
         facts = compare(ours, theirs, name, factories).facts()
     return replace(found, provenance={**found.provenance, "verdict": facts})

@@ -7,7 +7,7 @@ the best centre judged, or the start if none is better. All time simulated count
 budget, except that of the sensored twins.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, astuple, dataclass
 from importlib.metadata import version
 from typing import TYPE_CHECKING
@@ -87,7 +87,8 @@ def tune(
     Parameters
     ----------
     name : str
-        Name of a rule with parameters.
+        Name of a rule with parameters; with numbers behind a colon the search starts from them
+        instead of the rule's own.
     budget : float
         Time that may be simulated [s].
     seed : int
@@ -103,17 +104,19 @@ def tune(
     Raises
     ------
     UserError
-        The rule does not exist or has no parameters, the budget is out of range, or the library
-        cma is missing.
+        The rule does not exist or has no parameters, its numbers or the budget are out of range,
+        or the library cma is missing.
     KeyboardInterrupt
         Before the start has been judged; later, an interrupt ends the search with its best.
     """
-    rule = rule_named(name)
+    word, _, numbers = name.partition(":")
+    rule = rule_named(word)
     if not rule.parameters:
         tunable = ", ".join(r.name for r in RULES.values() if r.parameters)
         raise UserError(f"rule: {name!r} has no parameters to tune; choose from {tunable}")
+    start = rule.parse(name, numbers or None, motor)
     drawn = Machines.of(motor, machines, seed)
-    es = _cma(rule, seed)
+    es = _cma(rule, start, seed)
     population = es.popsize
     length, near = (
         float(generation_scenarios(motor, seed, 0, 1, of=name).duration[0])
@@ -129,7 +132,7 @@ def tune(
     judged = population * batch
 
     factories = [SimFactory(motor, design) for motor in drawn.motors]
-    search = _Search(rule, factories, engine, seed, judged, rule.defaults())
+    search = _Search(rule, factories, engine, seed, judged, start)
     (search.best_cost,) = _costs(search, [search.best], 0, judged)
     search.start_cost = search.best_cost
     try:
@@ -139,6 +142,7 @@ def tune(
     provenance = {
         "command": command,
         "policy": rule.spec(search.best, motor),
+        "started_from": rule.spec(start, motor),
         **drawn.origin(),
         **record(design, drawn.one),
         "suite": SUITE,
@@ -157,7 +161,7 @@ def tune(
         "best": _scores(search.best_cost),
         "versions": {**versions(), "cma": version("cma")},
     }
-    return Tuned(name, search.best, provenance)
+    return Tuned(word, search.best, provenance)
 
 
 def _run(
@@ -229,9 +233,10 @@ def _judge(search: _Search, values: dict[str, float]) -> None:
         search.best, search.best_cost = values, cost
 
 
-def _cma(rule: Rule, seed: int) -> "CMAEvolutionStrategy":
-    """Search over the unit cube, from the defaults."""
-    start = [(p.default - low) / (high - low) for p in rule.parameters for low, high in (p.search,)]
+def _cma(rule: Rule, values: Mapping[str, float], seed: int) -> "CMAEvolutionStrategy":
+    """Search over the unit cube, from these numbers."""
+    ranges = ((values[p.name], *p.search) for p in rule.parameters)
+    start = [(value - low) / (high - low) for value, low, high in ranges]
     if len(start) == 1:  # the library needs two dimensions; the second has no effect
         start = [*start, 0.5]
     return evolution(np.clip(start, 0.02, 0.98).tolist(), SIGMA, seed)
