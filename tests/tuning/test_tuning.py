@@ -15,6 +15,7 @@ from sensorless.evaluation.objective import Cost
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, TablePolicy
 from sensorless.tuning import tune as tuning
+from sensorless.tuning.judge import judged as judge
 from tests.helpers.scenarios import lasting
 
 PAPER = Motor.load("paper")
@@ -72,6 +73,27 @@ def test_one_parameter_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tuning, "costs", first_node)
     found = tuning.tune("quadratic", PAPER, DESIGN, 5000.0, 1)
     assert found.parameters["corner"] == pytest.approx(0.7, abs=0.05)
+
+
+@pytest.mark.usefixtures("without_near_losses")
+def test_a_search_starts_from_the_numbers_given(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With numbers the first that is judged is they; with a budget for little else they stay."""
+    judged: list[float] = []
+
+    def first_node(
+        policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, *_: object
+    ) -> tuple[list[Cost], float]:
+        corners = [p.table.axes[0].hi for p in policies if isinstance(p, TablePolicy)]
+        judged.extend(corners)
+        return [Cost(0.0, (c - 0.2) ** 2, 0.0) for c in corners], 16.0 * len(policies)
+
+    monkeypatch.setattr(tuning, "costs", first_node)
+    found = tuning.tune("quadratic:300", PAPER, DESIGN, 5000.0, 1)
+    assert judged[0] == pytest.approx(0.2)
+    assert found.parameters["corner"] == pytest.approx(0.2)
+    assert found.provenance["started_from"] == found.provenance["policy"] == "quadratic:300"
+    verdict = judge(found, PAPER, DESIGN, 0, 1).provenance["verdict"]
+    assert isinstance(verdict, dict) and "the same as its start" in verdict["verdict"]
 
 
 @pytest.mark.usefixtures("without_near_losses")
@@ -165,6 +187,7 @@ def test_every_generation_has_scenarios_of_its_own() -> None:
     [
         ("nobody", 1e4, "gated"),
         ("eq25", 1e4, "no parameters"),
+        ("linear:400,300", 1e4, "LO must be below HI"),
         ("linear", 10.0, "budget"),
         ("linear", float("nan"), "budget"),
         ("linear", float("inf"), "budget"),
