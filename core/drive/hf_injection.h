@@ -31,10 +31,10 @@ enum {
 
 typedef struct {
     pll_params_t pll;
-    float u_inj;   /* amplitude of the injected voltage [V] */
-    float i_floor; /* least magnitude that the error is divided by [A] */
-    float n_hold;  /* periods that injection stays on after the last request */
-    float lead;    /* turn of the voltage beyond the angle at k+1 [periods]: 0.5; -1: no cure */
+    float u_inj;      /* amplitude of the injected voltage [V] */
+    float i_floor;    /* least magnitude that the error is divided by [A] */
+    float n_hold;     /* periods that injection stays on after the last request */
+    float lead;       /* turn of the voltage beyond the angle at k+1 [periods]: 0.5; -1: no cure */
     float alpha_rise; /* low-pass on the error for the bandwidth's rise: 1 - exp(-w T_s) */
     float err_rise;   /* low-passed error above which the bandwidth rises [1] */
     float rise;       /* its rise with the error above that [1] */

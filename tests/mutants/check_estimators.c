@@ -51,7 +51,8 @@ static void injection(void) {
         double err_f = valid ? 0.9 * (double)was.err_f + 0.1 * err : 0.0;
         check("injection's low-passed error", fabs((double)x.err_f - err_f) < 1e-4);
         double faster = 1.0 + fmin(3.0 * fmax(fabs(err_f) - 0.3, 0.0), 0.8);
-        pll.omega = (float)bounded((double)pll.omega + 2e-4 * 5000.0 * faster * faster * err, 700.0);
+        pll.omega =
+            (float)bounded((double)pll.omega + 2e-4 * 5000.0 * faster * faster * err, 700.0);
         pll.theta += (float)(2e-4 * ((double)pll.omega + 100.0 * faster * err));
         check("injection's loop", fabs(wrapped((double)(x.pll.theta - pll.theta))) < 1e-5 &&
                                       near((double)x.pll.omega, (double)pll.omega, 1e-4));
