@@ -18,9 +18,9 @@ SUITES ?= stress-1 handoff stress
 GRID   ?= 41
 RULES  ?= linear hysteresis gated fuzzy logistic
 # Rules on the other observers: `make -f results/reference.mk rules` runs the command in each file
-# again. Each is the best by stress-1 and unload, seed 777, of three searches or more: from the rule's own
-# numbers with two seeds, and from the numbers that an older drive had. KEPT are of an older drive:
-# better than what the three found, and as far from a loss.
+# again. Each is the best by stress-1 and unload, seed 777, of three searches or more: from the
+# rule's own numbers with two seeds, and from the numbers that an older drive had. KEPT are of an
+# older drive: better than what the searches found, and as far from a loss.
 KEPT   ?= logistic-tuned logistic-flux-tuned gated-flux-tuned
 OTHERS := $(filter-out $(KEPT) %-coupled-tuned,$(basename $(notdir $(wildcard $(SHIPPED)/tuned/*.json))))
 

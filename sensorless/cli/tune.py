@@ -83,7 +83,11 @@ def tune_command(
     machine, design = Motor.load(motor), design_from(settings)
     if not machines:
         say_if_unsuited(machine, design)
-    columns = [TextColumn(f"tuning {name}"), BarColumn(), TextColumn("{task.percentage:.0f} %")]
+    columns = [
+        TextColumn(f"tuning {name.partition(':')[0]}"),
+        BarColumn(),
+        TextColumn("{task.percentage:.0f} %"),
+    ]
     columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
     bar = Progress(*columns, console=errors, disable=not errors.is_terminal)
     task = bar.add_task("", total=1.0)
