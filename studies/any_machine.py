@@ -24,7 +24,7 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import summary
 from sensorless.evaluation.evaluate import score
-from sensorless.files import write_atomic
+from sensorless.files import write_record
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import make_policy
 from sensorless.versions import versions
@@ -92,7 +92,7 @@ def main() -> None:
         facts = {"family": NAME, "family_seed": args.family_seed, "seed": args.seed}
         facts |= {"size": args.size, "set": args.set, "versions": versions()}
         text = json.dumps({**facts, "machines": found}, default=float)
-        write_atomic(args.out, text + "\n")
+        write_record(args.out, json.loads(text))
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import Scores, score
-from sensorless.files import write_atomic
+from sensorless.files import write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named
 from sensorless.policy import Policy
@@ -105,7 +105,7 @@ def main() -> None:
             asked["steps"] = args.steps
             done.append({**asked, "size": args.size, "core": core, **row})
             study = {"motor": args.motor, "versions": versions(), "runs": done}
-            write_atomic(args.out, json.dumps(study) + "\n")
+            write_record(args.out, study)
             more = 100.0 * (row["torque_dev_rms"] / row["eq25_torque_dev_rms"] - 1.0)
             print(
                 f"{name:32} seed {seed}: lost {100 * row['lost_rate']:.2f} %, torque deviation "

@@ -8,7 +8,6 @@ counted only on machines whose dead time the check judges.
 """
 
 import argparse
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,7 @@ import numpy as np
 
 from sensorless.design.records import bring_up_record
 from sensorless.envs.scenarios.machine_family import NAME, family
-from sensorless.files import write_atomic
+from sensorless.files import write_record
 from sensorless.identify.bring_up.survey import count_pole_pairs, survey, turning_drive
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.versions import versions
@@ -72,7 +71,7 @@ def main() -> None:
         "versions": versions(),
     }
     show(found)
-    write_atomic(args.out, json.dumps(found) + "\n")
+    write_record(args.out, found)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ scenario by scenario, adds the ripple that a switching inverter has between samp
 """
 
 import argparse
-import json
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,7 @@ from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import paired, summary
 from sensorless.evaluation.evaluate import score
-from sensorless.files import ensure_writable, write_atomic
+from sensorless.files import ensure_writable, write_record
 from sensorless.machine.magnetics import flux, mtpa, torque
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -148,7 +147,7 @@ def main() -> None:
         "suites": found,
         "between_samples": [between_samples(motor, *point) for point in POINTS],
     }
-    write_atomic(folder / "carrier.json", json.dumps(results) + "\n")
+    write_record(folder / "carrier.json", results)
     console.print(f"wrote {folder / 'carrier.json'}")
 
 

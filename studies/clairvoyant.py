@@ -30,7 +30,7 @@ from sensorless.errors import in_one_line
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.rollout import Floats, Rollout, rollout
-from sensorless.files import write_atomic
+from sensorless.files import write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
 from sensorless.policies.bench import bench
@@ -239,7 +239,7 @@ def main() -> None:
         groups |= {name: words for name, *words in args.seeds}
         entry = judged(estimator, groups, args.size, args.generations, record.get(estimator))
         record[estimator] = entry
-        write_atomic(RECORD, json.dumps(record) + "\n")
+        write_record(RECORD, record)
         print(f"{estimator}: the bound deviates by {100 * entry['deviation']:.2f} %, ripple "
               f"{100 * entry['ripple']:.2f} %")  # fmt: skip
         for name, x in sorted(entry["policies"].items(), key=lambda item: item[1]["share"]):

@@ -14,7 +14,6 @@ drive had none before.
 """
 
 import argparse
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +29,7 @@ from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.errors import in_one_line
-from sensorless.files import ensure_writable, write_atomic
+from sensorless.files import ensure_writable, write_record
 from sensorless.machine.motor import Motor
 from sensorless.versions import versions
 
@@ -186,7 +185,7 @@ def main() -> None:
         found = summary(end, plan, motor.T_s)
         record[name] = {"scenarios": int(held.sum()), "faults": found}
         console.print(show(found, f"{motor.name}, {name}"))
-    write_atomic(options.out, json.dumps(record) + "\n")
+    write_record(options.out, record)
     console.print(f"wrote {options.out}")
 
 

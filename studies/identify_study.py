@@ -24,7 +24,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import score
-from sensorless.files import write_atomic
+from sensorless.files import write_record
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.procedure import identify_machine
 from sensorless.identify.machine.result import motor_tables
@@ -145,7 +145,7 @@ def main() -> None:
         "versions": versions(),
     }
     args.out.parent.mkdir(parents=True, exist_ok=True)
-    write_atomic(args.out, json.dumps(record) + "\n")
+    write_record(args.out, record)
     print(json.dumps(record["summary"], indent=1))
 
 

@@ -29,7 +29,7 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.over_seeds import contrast, survived
-from sensorless.files import write_atomic
+from sensorless.files import write_atomic, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named
 from sensorless.policies.shipped import ALIASES, FOLDER, tuned_file
@@ -256,7 +256,7 @@ def main() -> None:
     words = parser.parse_args()
     found = study(words.case, words)
     known = json.loads(words.out.read_text(encoding="utf-8")) if words.out.is_file() else {}
-    write_atomic(words.out, json.dumps({**known, words.case: found}) + "\n")
+    write_record(words.out, {**known, words.case: found})
     if words.publish:
         publish(words.case, found, words.work)
 

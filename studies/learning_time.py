@@ -9,7 +9,6 @@ validated on while it learned; its time is the clock of the machine it ran on. W
 
 import argparse
 import dataclasses
-import json
 import platform
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,7 @@ from rich.table import Table
 
 from sensorless.errors import UserError
 from sensorless.evaluation.objective import OBJECTIVE
-from sensorless.files import ensure_writable, write_atomic
+from sensorless.files import ensure_writable, write_record
 from sensorless.report.learning import Curve, curves_of, levels_of, rule_for
 
 WANTED = {"rule": 120.0, "reference": 900.0}
@@ -120,7 +119,7 @@ def main() -> None:
         "near": NEAR, "wanted_s": WANTED, "machine": platform.platform(),
         "in_time": {what: in_time(runs, what) for what in WANTED}, "runs": runs,
     }  # fmt: skip
-    write_atomic(options.out, json.dumps(record) + "\n")
+    write_record(options.out, record)
     console.print(f"wrote {options.out}")
 
 

@@ -30,7 +30,7 @@ from sensorless.envs.scenarios.suites import SUITES, SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.lock import BACK_IN, BAND, IN_TIME, LOCK, STAYS, lock_summary
 from sensorless.evaluation.rollout import CAUSES, at_a_time, rollouts
-from sensorless.files import write_atomic
+from sensorless.files import write_record
 from sensorless.machine.magnetics import flux
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -265,7 +265,7 @@ def main() -> None:
         record = {"seed": args.seed, "size": args.size, "suites": list(args.suite)}
         record |= {"versions": versions(), "found": found}
         text = json.dumps(record, default=float).replace("NaN", "null")
-        write_atomic(args.out, text + "\n")
+        write_record(args.out, json.loads(text))
 
 
 if __name__ == "__main__":

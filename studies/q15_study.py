@@ -7,7 +7,6 @@ that both survive. Writes ``results/studies/q15.json``.
 """
 
 import argparse
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,7 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import UserError, in_one_line
 from sensorless.evaluation.aggregate import paired
 from sensorless.evaluation.evaluate import Scores, score
-from sensorless.files import ensure_writable, write_atomic
+from sensorless.files import ensure_writable, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Signals, TablePolicy
@@ -152,7 +151,7 @@ def main() -> None:
         console.print(show(word, found[word]))
     setting = {name: getattr(options, name) for name in ("suite", "seed", "size")}
     record = {**setting, "motor": motor.name, "versions": versions(), "policies": found}
-    write_atomic(options.out, json.dumps(record) + "\n")
+    write_record(options.out, record)
     console.print(f"wrote {options.out}")
 
 

@@ -11,7 +11,6 @@ seeds of the noise: means and the worst. Writes ``results/studies/standstill.jso
 """
 
 import argparse
-import json
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +22,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.errors import in_one_line
 from sensorless.evaluation.trace import Trace, lost_cause, trace
-from sensorless.files import ensure_writable, write_atomic
+from sensorless.files import ensure_writable, write_record
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -143,7 +142,7 @@ def main() -> None:
         }
         console.print(show(found[motor.name], motor.name))
     record = {"seeds": list(seeds), "policy": "eq25", "versions": versions(), "motors": found}
-    write_atomic(options.out, json.dumps(record) + "\n")
+    write_record(options.out, record)
     console.print(f"wrote {options.out}")
 
 
