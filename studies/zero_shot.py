@@ -12,6 +12,7 @@ the command to resume, also with more machines or policies; no machine is tuned 
 import argparse
 import json
 from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -97,11 +98,13 @@ def main() -> None:
     asked |= {"versions": {name: known[name] for name in ("sensorless", "core")}}
     old = json.loads(words.out.read_text(encoding="utf-8")) if words.out.is_file() else {}
     done = old["machines"] if old.get("asked") == asked else []
-    for index in range(words.machines):
-        entry = study(index, words, done[index] if index < len(done) else {})
-        done[index : index + 1] = [entry]
-        write_record(words.out, {"asked": asked, "machines": done})
-        print(index + 1, json.dumps(entry), flush=True)
+    n = words.machines
+    with ProcessPoolExecutor() as pool:
+        entries = pool.map(study, range(n), [words] * n, [*done, *({} for _ in range(n))])
+        for index, entry in enumerate(entries):
+            done[index : index + 1] = [entry]
+            write_record(words.out, {"asked": asked, "machines": done})
+            print(index + 1, json.dumps(entry), flush=True)
     shares = {word: summed(done[: words.machines], word) for word in words.policy}
     print(json.dumps(shares, indent=1))
     write_record(words.out, {"asked": asked, "shares": shares, "machines": done})

@@ -15,11 +15,12 @@ ALIASES = {
 }
 """Second names, by what a policy is: who made it, on which drive."""
 LEARNED = "learned"
-"""Folder of the policies of ``studies/learning_study.py`` within ``FOLDER``."""
+"""Folder of the learned policies, and of rules that set gains, within ``FOLDER``."""
 SETS = {
     "ks": ("k_s", "logistic-tuned"),
     "gains": ("k_s and gains", "tuned-smo-gains"),
     "coupled": ("k_s and gains", "a narrow ramp"),
+    "machines": ("k_s and gains, any machine,", "a ramp"),
 }
 """What one of them sets, and what PPO began with, by the last part of its name."""
 SUFFIX = "-tuned"
@@ -37,7 +38,7 @@ def tuned_file(name: str) -> Path:
 
 
 def learned_names() -> list[str]:
-    """Names of the policies that ``studies/learning_study.py`` ships."""
+    """Names of the policies in ``LEARNED``."""
     return sorted(path.stem for path in (FOLDER / LEARNED).glob("*.json"))
 
 

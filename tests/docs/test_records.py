@@ -63,6 +63,24 @@ def test_gains_on_many_machines() -> None:
     ]
 
 
+def test_one_schedule_against_a_rule_for_each_machine() -> None:
+    shares = record("random_machines")["shares"]
+    for word, found in shares.items():
+        (row,) = re.findall(
+            rf"^\| `{word}` \| (\d+) % \| (.*) % \| (\d+) % \| (.*) % \| (\d+) \| (\d+) % \|$",
+            text("suites.md"), re.MULTILINE,
+        )  # fmt: skip
+        told = [float(cell.replace("−", "-")) for cell in row]
+        names = (
+            f"torque_{m}_rms_{what}" for m in ("dev", "ripple") for what in ("as_good", "more")
+        )
+        values = [100.0 * found[name] for name in names]
+        assert told[:4] == pytest.approx(values, abs=0.51), word
+        assert told[1] == pytest.approx(values[1], abs=0.051), word
+        assert told[4:] == pytest.approx([found["lost"], 100.0 * found["no_more_lost"]], abs=0.51)
+    assert f"its own ramps {shares['eq25']['lost_tuned']} " in text("suites.md")
+
+
 def near(told: str, value: float) -> bool:
     decimals = len(told.partition(".")[2])
     return abs(float(told) - value) <= 0.51 * 10.0**-decimals
