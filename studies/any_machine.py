@@ -8,7 +8,6 @@ result is written to a file.
 """
 
 import argparse
-import json
 from pathlib import Path
 from typing import Any
 
@@ -91,8 +90,7 @@ def main() -> None:
     if args.out:
         facts = {"family": NAME, "family_seed": args.family_seed, "seed": args.seed}
         facts |= {"size": args.size, "set": args.set, "versions": versions()}
-        text = json.dumps({**facts, "machines": found}, default=float)
-        write_record(args.out, json.loads(text))
+        write_record(args.out, {**facts, "machines": found})
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ machine's own ramp. Judge it by studies/zero_shot.py, on machines that neither h
 
 import argparse
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -26,9 +25,11 @@ from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
+from sensorless.evaluation.engines.threads import Threads
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.rollout import CAUSES, rollout
+from sensorless.files import ensure_writable
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policies.shipped import learned_file
@@ -89,7 +90,7 @@ def against_own(own: str, motor: Motor, xs: Sequence[Floats], seed: int, size: i
     ours = run([TablePolicy("one", table_of(x)) for x in xs], motor, seed, size)
     both = np.isfinite(ours[1] + ramp[1])
     means = (np.nanmean(np.where(both, y[1:], np.nan), axis=2) for y in (ours, ramp))
-    more = next(means) / next(means)
+    more = np.nan_to_num(next(means) / next(means), nan=2.0)  # where none survives both
     return np.concatenate([ours[:1].sum(axis=2), more]).T
 
 
@@ -104,28 +105,27 @@ def search(motors: Sequence[Motor], words: argparse.Namespace) -> KsTable:
     """Best of the judged centres."""
     es = evolution([0.4] * 2 + [0.5] * (len(RANGES) * len(SPEEDS)), SIGMA, words.seed)
     best, least = np.array(es.x0), np.inf
-    with ProcessPoolExecutor() as pool:
-        n = len(motors)
-        own = list(pool.map(own_ramp, motors, [words.budget] * n))
+    own = list(Threads().map(lambda motor: own_ramp(motor, words.budget), motors))
 
-        def found(xs: Sequence[Floats], seed: int, size: int) -> Floats:
-            parts = pool.map(against_own, own, motors, [xs] * n, [seed] * n, [size] * n)
-            return np.stack(list(parts), axis=1)
+    def found(xs: Sequence[Floats], seed: int, size: int) -> Floats:
+        jobs = zip(own, motors, strict=True)
+        parts = Threads().map(lambda job: against_own(*job, xs, seed, size), jobs)
+        return np.stack(list(parts), axis=1)
 
-        for generation in range(words.generations):
-            points = [np.array(x) for x in es.ask()]
-            drawn = int(combine(words.seed, generation // SAME)[0]) >> 1
-            es.tell(points, [cost(f, words.size) for f in found(points, drawn, words.size)])
-            if generation % CHECK == CHECK - 1:
-                centre = np.clip(es.result.xfavorite, 0.0, 1.0)
-                judged = found([centre], words.seed, 4 * words.size)[0]
-                value = cost(judged, 4 * words.size)
-                dev, ripple = (judged[:, 1:] <= 1.0 + 2.0 * AS_GOOD).mean(axis=0)
-                lost = judged[:, 0].sum()
-                print(f"{generation + 1}: {value:.5f}, lost {lost:.0f}; within 2 %: deviation on "
-                      f"{dev:.0%}, ripple on {ripple:.0%}", flush=True)  # fmt: skip
-                if value < least:
-                    best, least = centre, value
+    for generation in range(words.generations):
+        points = [np.array(x) for x in es.ask()]
+        drawn = int(combine(words.seed, generation // SAME)[0]) >> 1
+        es.tell(points, [cost(f, words.size) for f in found(points, drawn, words.size)])
+        if generation % CHECK == CHECK - 1 or generation == words.generations - 1:
+            centre = np.clip(es.result.xfavorite, 0.0, 1.0)
+            judged = found([centre], words.seed, 4 * words.size)[0]
+            value = cost(judged, 4 * words.size)
+            dev, ripple = (judged[:, 1:] <= 1.0 + 2.0 * AS_GOOD).mean(axis=0)
+            lost = judged[:, 0].sum()
+            print(f"{generation + 1}: {value:.5f}, lost {lost:.0f}; within 2 %: deviation on "
+                  f"{dev:.0%}, ripple on {ripple:.0%}", flush=True)  # fmt: skip
+            if value < least:
+                best, least = centre, value
     return table_of(best)
 
 
@@ -140,10 +140,10 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("build/one-schedule.json"))
     parser.add_argument("--publish", action="store_true", help="ship it by its name")
     words = parser.parse_args()
+    out = learned_file("tuned-coupled-machines") if words.publish else words.out
+    ensure_writable(out.parent)
     motors = family(words.seed, words.machines)
     table = search(motors, words)
-    out = learned_file("tuned-coupled-machines") if words.publish else words.out
-    out.parent.mkdir(parents=True, exist_ok=True)
     facts = {"command": f"python studies/one_schedule.py --seed {words.seed} --machines "
              f"{words.machines} --budget {words.budget:g} --generations {words.generations} "
              f"--size {words.size}"}  # fmt: skip

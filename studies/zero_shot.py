@@ -12,7 +12,6 @@ the command to resume, also with more machines or policies; no machine is tuned 
 import argparse
 import json
 from collections.abc import Mapping
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import paired
+from sensorless.evaluation.engines.threads import Threads
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.rollout import CAUSES
 from sensorless.files import write_record
@@ -99,12 +99,12 @@ def main() -> None:
     old = json.loads(words.out.read_text(encoding="utf-8")) if words.out.is_file() else {}
     done = old["machines"] if old.get("asked") == asked else []
     n = words.machines
-    with ProcessPoolExecutor() as pool:
-        entries = pool.map(study, range(n), [words] * n, [*done, *({} for _ in range(n))])
-        for index, entry in enumerate(entries):
-            done[index : index + 1] = [entry]
-            write_record(words.out, {"asked": asked, "machines": done})
-            print(index + 1, json.dumps(entry), flush=True)
+    before = [*done[:n], *({} for _ in range(n - len(done)))]
+    entries = Threads().map(lambda job: study(job[0], words, job[1]), enumerate(before))
+    for index, entry in enumerate(entries):
+        done[index : index + 1] = [entry]
+        write_record(words.out, {"asked": asked, "machines": done})
+        print(index + 1, json.dumps(entry), flush=True)
     shares = {word: summed(done[: words.machines], word) for word in words.policy}
     print(json.dumps(shares, indent=1))
     write_record(words.out, {"asked": asked, "shares": shares, "machines": done})

@@ -35,8 +35,7 @@ def test_cost_rises_with_what_exceeds_the_own_ramp_and_with_losses() -> None:
 def test_search_writes_a_table_of_no_machine(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, STUDY.__name__, STUDY)
-    monkeypatch.setattr(STUDY, "own_ramp", fixed_ramp)
+    monkeypatch.setattr(STUDY, "own_ramp", lambda *_: "linear:60,240")
     out = tmp_path / "one.json"
     words = "--machines 2 --generations 6 --size 4 --seed 3 --out".split()
     monkeypatch.setattr(sys, "argv", [STUDY.__name__, *words, str(out)])
@@ -44,7 +43,3 @@ def test_search_writes_a_table_of_no_machine(
     table = KsTable.load(out)
     assert [g.gain for g in table.gains] == ["observer", "injection", "l_q", "amplitude"]
     assert table.provenance["machines"]["n"] == 2 and "motor_digest" not in table.provenance
-
-
-def fixed_ramp(*_: object) -> str:
-    return "linear:60,240"
