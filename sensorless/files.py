@@ -53,7 +53,7 @@ def write_record(path: Path, record: object) -> None:
     """Write a record as one line of JSON, floats to six digits; errors as ``write_atomic``."""
     exact = json.dumps(record, default=float)
     short = json.loads(exact, parse_float=lambda text: float(f"{float(text):.6g}"))
-    write_atomic(path, json.dumps(short) + "\n")
+    write_atomic(path, json.dumps(short, separators=(",", ":")) + "\n")
 
 
 def is_device(path: Path) -> bool:

@@ -38,7 +38,7 @@ from sensorless.versions import versions
 ROOT = Path(__file__).parents[1]
 CSV, PAGE = ROOT / "results" / "leaderboard.csv", ROOT / "docs" / "leaderboard.md"
 EACH = ROOT / "results" / "leaderboard.npz"
-STEP, LOST = 1e-5, 65535
+STEP, LOST = 1e-4, 65535
 """Unit of ``EACH``, over rated torque; its largest number stands for a scenario not survived."""
 HEADROOM = ROOT / "results" / "studies" / "clairvoyant.json"
 PLAIN = ("eq25", "sliding_mode", "flux_observer", "error_blend", "sensored")
