@@ -32,11 +32,11 @@ from sensorless.evaluation.over_seeds import contrast, survived
 from sensorless.files import write_atomic, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named
-from sensorless.policies.shipped import ALIASES, FOLDER, tuned_file
+from sensorless.policies.shipped import ALIASES, FOLDER, learned_names, tuned_file
 from sensorless.policies.tuned import Tuned
 from sensorless.policy import Policy
 from sensorless.table.ks_table import KsTable
-from sensorless.tuning.with_gains import SCHEDULED, STATIC, tune_with_gains
+from sensorless.tuning.with_gains import LOST_BESIDE, SCHEDULED, STATIC, tune_with_gains
 from sensorless.versions import versions
 
 NAMES = ("torque_dev_rms", "torque_ripple_rms", "overshoot_excess_pct", "injection_share")
@@ -70,6 +70,8 @@ class Case:
     """Schedule that training starts from"""
     rule: str = "logistic-tuned"
     """Rule that those with gains start from; tuned before, in 50,000 simulated seconds"""
+    losses: Sequence[str] = ()
+    """Suites whose share of lost scenarios counts in tuning and validation, too"""
 
 
 CASES = {
@@ -100,6 +102,22 @@ CASES = {
         {"static": STATIC, "scheduled": SCHEDULED},
         "tuned-smo-gains",
     ),
+    "smo-robust": Case(
+        "smo",
+        {
+            "gains": "observer,injection,l_q,amplitude:0.5:1.5",
+            "axes": "start", "hard": 0.15, "low_inertia": 0.25, "mismatch": 0.15,
+            "outlier": 30.0, "ripple_cost": 0.25, "speed_cost": 0.03, "lr_nodes": 0.04,
+            "lr_end": 0.1, "eval_freq": 10**9, "last": True, "validate_size": 512,
+        },
+        4.0,
+        ((1.0, {}),),
+        5_000_000,
+        ("eq25", "tuned-smo-gains", "ppo-smo-gains"),
+        {"scheduled": SCHEDULED},
+        "tuned-smo-robust",
+        losses=("low-inertia", "hard-train"),
+    ),
     "coupled": Case(
         "coupled",
         {
@@ -118,7 +136,8 @@ CASES = {
         "logistic-coupled-tuned",
     ),
 }  # fmt: skip
-"""``coupled`` is asked for less injection, which no objective counts, so its last table counts."""
+"""``coupled`` is asked for less injection, ``smo-robust`` for fewer losses where many are lost.
+Validation in training counts neither, so their last tables count."""
 
 
 def trained(
@@ -149,7 +168,7 @@ def tuned(
         ranges = TrainConfig(**case.train).gain_ranges
         start = Tuned.load(tuned_file(case.rule)).parameters
         given = factory, ranges, case.gains[kind], budget, seed, case.ripple_weight, start
-        table, value = tune_with_gains(*given)
+        table, value = tune_with_gains(*given, case.losses)
         origin = {**Machines.of(motor, 0, seed).origin(), **record(factory.design, motor)}
         facts = {"rule": "logistic", "gains over speed": list(case.gains[kind]), "seed": seed}
         table.save(path, {**origin, **facts, "budget_s": budget, "judged": value})
@@ -157,10 +176,17 @@ def tuned(
 
 
 def validated(
-    policies: Mapping[int, Policy], factory: SimFactory, weight: float, size: int
+    policies: Mapping[int, Policy], factory: SimFactory, case: Case, size: int
 ) -> dict[int, float]:
     """Objective of each policy in validation, by its seed."""
-    return {s: round(validate(p, factory, size).weighted(weight), 5) for s, p in policies.items()}
+    out = {}
+    for seed, policy in policies.items():
+        value = validate(policy, factory, size).weighted(case.ripple_weight)
+        for name in case.losses:
+            rows = SuiteRows(name, factory.motor, 0, size, "tune")
+            value += LOST_BESIDE * float((score(policy, rows, factory).lost != 0).mean())
+        out[seed] = round(value, 5)
+    return out
 
 
 def judge(
@@ -196,16 +222,18 @@ def study(name: str, words: argparse.Namespace) -> dict[str, Any]:
     steps = words.steps or case.steps
     agents = {s: trained(name, case, s, factory, words.work, steps) for s in words.seeds}
     policies = {word: make_policy(word, factory.motor) for word in case.beside}
-    values = {"ppo": validated(agents, factory, case.ripple_weight, words.validate)}
+    values = {"ppo": validated(agents, factory, case, words.validate)}
     if case.gains:
-        shipped = {0: make_policy(f"tuned-{name}", factory.motor)}
-        values["shipped"] = validated(shipped, factory, case.ripple_weight, words.validate)
+        shipped = f"tuned-{name}"
+        if shipped in (*ALIASES, *learned_names()):
+            policy = {0: make_policy(shipped, factory.motor)}
+            values["shipped"] = validated(policy, factory, case, words.validate)
     for kind in case.gains:
         rules = {
             s: tuned(name, kind, case, s, factory, words.work, words.budget)
             for s in words.rule_seeds
         }
-        values[kind] = validated(rules, factory, case.ripple_weight, words.validate)
+        values[kind] = validated(rules, factory, case, words.validate)
         policies[kind] = rules[least(values[kind])]
     policies |= {f"ppo seed {s}": p for s, p in agents.items()}
     names = [f"ppo seed {s}" for s in agents]

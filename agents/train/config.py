@@ -187,6 +187,8 @@ class TrainConfig:
         "take this share of the scenarios from hard-train, the finds of a search for losses: of "
         "stress-1 alone, too few are lost to learn from",
     )
+    low_inertia: float = number(0.0, "1", 0, 1, "take this share of the scenarios from low-inertia")
+    mismatch: float = number(0.0, "1", 0, 1, "take this share of the scenarios from mismatch")
     injection_cost: float = number(
         RewardWeights.injection, "1/ms", 0, 10, "charge this while injection is on"
     )
@@ -218,12 +220,23 @@ class TrainConfig:
         if self.gains and self.policy_kind != "table":
             raise UserError("gains: only a table sets them: use policy_kind table")
         self._named_gains()
+        if sum(self.others.values()) > 1.0:
+            raise UserError(
+                f"hard, low_inertia, mismatch: {self.hard:g}, {self.low_inertia:g}, "
+                f"{self.mismatch:g}: their sum must be at most 1"
+            )
         if self.n_envs % 2:
             raise UserError(f"n_envs: {self.n_envs}: must be even")
         if 2 * self.machines > self.n_envs:
             raise UserError(
                 f"machines: {self.machines}: must be at most half of n_envs = {self.n_envs}"
             )
+
+    @property
+    def others(self) -> dict[str, float]:
+        """Share of the scenarios that other suites than ``stress-1`` give, by suite."""
+        shares = {"hard-train": self.hard, "low-inertia": self.low_inertia}
+        return {k: v for k, v in {**shares, "mismatch": self.mismatch}.items() if v}
 
     @property
     def gain_ranges(self) -> dict[str, Gain]:

@@ -1,6 +1,6 @@
-"""Environments to train in: scenarios of the suite ``stress-1`` with the role ``train``."""
+"""Environments to train in: scenarios of ``stress-1`` with the role ``train``, and of others."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 
 import numpy as np
@@ -12,16 +12,15 @@ from sensorless.envs.blend_settings import Sampler
 from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.reward import RewardWeights
-from sensorless.envs.scenarios.finds import hard_scenarios
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.stress import stress_1_scenarios
-from sensorless.envs.scenarios.suites import ROLES
+from sensorless.envs.scenarios.suites import ROLES, SUITES
 from sensorless.envs.several import SeveralMachines
 from sensorless.envs.window_reward import WindowWeights
 from sensorless.machine.motor import Motor
 
-OF_HARD = 100
-"""Added to the role for the draws that decide which scenarios are hard."""
+OF_OTHERS = 100
+"""Added to the role for the draws that decide which scenarios another suite gives."""
 REPEATS = 10_000
 """Indices from here on repeat the suite, so every number is moved."""
 
@@ -31,19 +30,25 @@ def training_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
     return stress_1_scenarios(motor, combine(ROLES["train"], seeds))
 
 
-def with_hard(share: float) -> Sampler:
-    """Sampler of the same, but a ``share`` of them of the suite ``hard-train``, slightly moved."""
+def with_others(shares: Mapping[str, float]) -> Sampler:
+    """Sampler of the same, but for the shares that other suites give, by their names.
+
+    Scenarios of ``hard-train`` are slightly moved.
+    """
 
     def draw(motor: Motor, seeds: Seeds) -> Scenarios:
-        usual, chance = training_scenarios(motor, seeds), combine(ROLES["train"] + OF_HARD, seeds)
-        rows = np.flatnonzero(chance < np.uint64(share * (2**64 - 2**11)))
-        if not len(rows):
-            return usual
-        repeats = REPEATS + (chance[rows] >> np.uint64(34)).astype(np.int64)
-        hard = hard_scenarios(motor, chance[rows], repeats, 1)
+        usual, chance = training_scenarios(motor, seeds), combine(ROLES["train"] + OF_OTHERS, seeds)
         out = {f.name: getattr(usual, f.name).copy() for f in fields(usual)}
-        for name, values in out.items():
-            values[rows] = getattr(hard, name)
+        begin = 0.0
+        for name, share in shares.items():
+            low, high = (np.uint64(x * (2**64 - 2**11)) for x in (begin, min(begin + share, 1.0)))
+            begin += share
+            rows = np.flatnonzero((chance >= low) & (chance < high))
+            if len(rows):
+                repeats = REPEATS + (chance[rows] >> np.uint64(34)).astype(np.int64)
+                drawn = SUITES[name](motor, chance[rows], repeats, len(rows))
+                for field, values in out.items():
+                    values[rows] = getattr(drawn, field)
         return Scenarios(**out)
 
     return draw
@@ -71,7 +76,7 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
             motor=motor,
             design=design,
             decision_period=1e-3 * config.decision_ms,
-            scenarios=with_hard(config.hard) if config.hard else training_scenarios,
+            scenarios=with_others(config.others) if config.others else training_scenarios,
             weights=weights,
             gains=tuple(ranges),
             gain_ranges=ranges,

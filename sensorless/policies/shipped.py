@@ -19,6 +19,7 @@ LEARNED = "learned"
 SETS = {
     "ks": ("k_s", "logistic-tuned"),
     "gains": ("k_s and gains", "tuned-smo-gains"),
+    "robust": ("k_s and gains against losses", "the rule"),
     "coupled": ("k_s and gains", "a narrow ramp"),
     "machines": ("k_s and gains, any machine,", "a ramp"),
 }

@@ -30,6 +30,9 @@ SIGMA = 0.12
 """First step of the search, over the range of each number."""
 CANDIDATE, CHECK, JUDGED = 32, 6, 1024
 """Scenarios of a candidate, generations between two judgements, scenarios of a judgement."""
+LOST_BESIDE = 0.1
+"""Weight of the share lost on suites in which many are: losing one in ten of them more weighs like
+1 % of torque."""
 
 Floats = NDArray[np.float64]
 
@@ -60,6 +63,7 @@ def tune_with_gains(
     seed: int,
     ripple_weight: float,
     start: Mapping[str, float],
+    beside: Sequence[str] = (),
 ) -> tuple[KsTable, float]:
     """Best centre of the search within ``budget`` simulated seconds, and its value in judgement.
 
@@ -67,6 +71,8 @@ def tune_with_gains(
     ----------
     start : mapping
         The rule's numbers to begin with; all gains begin static.
+    beside : sequence of str
+        Suites of which the share lost counts too, with ``LOST_BESIDE``.
     """
     motor = factory.motor
     first = [
@@ -74,21 +80,31 @@ def tune_with_gains(
         for p in RULE.parameters
     ]
     es = evolution(first + [0.5] * (len(ranges) * len(speeds)), SIGMA, seed)
-    judge = suite("stress-1", motor, seed, JUDGED, "tune")
+
+    def values(tables: Sequence[KsTable], draw: int, size: int) -> tuple[Floats, float]:
+        """Value of each table on scenarios of this seed, and the simulated seconds."""
+        policies = [TablePolicy("tried", table) for table in tables]
+        found, seconds = costs(policies, suite("stress-1", motor, draw, size, "tune"), factory)
+        out = np.array([cost.weighted(ripple_weight) for cost in found])
+        for name in beside:
+            found, more = costs(policies, suite(name, motor, draw, size, "tune"), factory)
+            out += LOST_BESIDE * np.array([cost.lost_rate for cost in found])
+            seconds += more
+        return out, seconds
+
     best, least, used = table_of(np.array(es.x0), ranges, speeds), np.inf, 0.0
     generation = 0
     while used < budget:
         points = es.ask()
-        drawn = suite("stress-1", motor, int(combine(seed, generation)[0]) >> 1, CANDIDATE, "tune")
-        tried = [TablePolicy("tried", table_of(x, ranges, speeds)) for x in points]
-        found, seconds = costs(tried, drawn, factory)
-        es.tell(points, [cost.weighted(ripple_weight) for cost in found])
+        draw = int(combine(seed, generation)[0]) >> 1
+        found, seconds = values([table_of(x, ranges, speeds) for x in points], draw, CANDIDATE)
+        es.tell(points, list(found))
         used += seconds
         generation += 1
         if generation % CHECK == 0 or used >= budget:
             centre = table_of(np.array(es.result.xfavorite), ranges, speeds)
-            (cost,), seconds = costs([TablePolicy("centre", centre)], judge, factory)
+            (value,), seconds = values([centre], seed, JUDGED)
             used += seconds
-            if cost.weighted(ripple_weight) < least:
-                best, least = centre, cost.weighted(ripple_weight)
+            if value < least:
+                best, least = centre, float(value)
     return best, least

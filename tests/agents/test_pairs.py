@@ -9,7 +9,7 @@ from sensorless.agents.pairs import PairedRolloutBuffer, opposite, paired_seeds
 from sensorless.agents.table.kernel import NodeKernel
 from sensorless.agents.table.noise import NodeNoise
 from sensorless.agents.train.config import TrainConfig
-from sensorless.agents.train.env import training_env, training_scenarios, with_hard
+from sensorless.agents.train.env import training_env, training_scenarios, with_others
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -68,13 +68,33 @@ def test_one_lost_scenario_counts_a_few_times_the_usual_difference() -> None:
 
 def test_a_share_of_the_scenarios_is_hard_and_each_follows_from_its_seed() -> None:
     motor, seeds = Motor.load("paper"), np.arange(600, dtype=np.uint64)
-    usual, mixed = training_scenarios(motor, seeds), with_hard(0.25)(motor, seeds)
+    usual, mixed = training_scenarios(motor, seeds), with_others({"hard-train": 0.25})(motor, seeds)
     hard = (usual.seed != mixed.seed) | (usual.t != mixed.t).any(axis=1)
     assert 0.18 < hard.mean() < 0.32
-    one = with_hard(0.25)(motor, seeds[41:42])
+    one = with_others({"hard-train": 0.25})(motor, seeds[41:42])
     assert np.array_equal(one.omega, mixed.omega[41:42]) and one.J[0] == mixed.J[41]
     moved = mixed.omega[hard]
     assert len(np.unique(moved, axis=0)) == len(moved), "none is repeated"
+
+
+def test_suites_share_the_scenarios_without_moving_those_of_each_other() -> None:
+    motor, seeds = Motor.load("paper"), np.arange(400, dtype=np.uint64)
+    usual, hard = training_scenarios(motor, seeds), with_others({"hard-train": 0.2})(motor, seeds)
+    mixed = with_others({"hard-train": 0.2, "low-inertia": 0.5, "mismatch": 0.3})(motor, seeds)
+    of_hard = usual.seed != hard.seed
+    assert (mixed.t[of_hard] == hard.t[of_hard]).all()
+    light = ~of_hard & (mixed.J <= 0.5)
+    assert 0.4 < light.mean() < 0.6
+    rest = ~of_hard & ~light
+    assert 0.22 < rest.mean() < 0.38 and mixed.R_s[rest].max() > usual.R_s.max()
+    assert with_others({"low-inertia": 1.0})(motor, seeds).J.max() <= 0.5
+
+
+def test_shares_of_other_suites_above_one_are_refused() -> None:
+    with pytest.raises(
+        UserError, match=r"hard, low_inertia, mismatch: 0\.5, 0\.4, 0\.2: .* at most 1"
+    ):
+        TrainConfig(hard=0.5, low_inertia=0.4, mismatch=0.2)
 
 
 def test_nothing_is_learned_from_a_pair_out_of_step() -> None:
