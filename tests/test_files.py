@@ -136,4 +136,4 @@ def test_text_from_a_shell_without_unicode_is_written(tmp_path: Path) -> None:
 def test_a_record_has_floats_of_six_digits(tmp_path: Path) -> None:
     path = tmp_path / "record.json"
     write_record(path, {"share": np.float32(1.0) / 3.0, "n": 1234567, "rows": [1e-9 / 7.0]})
-    assert path.read_text() == '{"share": 0.333333, "n": 1234567, "rows": [1.42857e-10]}\n'
+    assert path.read_text() == '{"share":0.333333,"n":1234567,"rows":[1.42857e-10]}\n'

@@ -166,7 +166,7 @@ def test_share_of_the_headroom() -> None:
 
 def test_learning_with_gains() -> None:
     """Both tables of five seeds, and what is lost on the harder suites."""
-    page = text("results.md").split("### With gains\n")[1].split("\n## ")[0]
+    page = text("results.md").split("### With gains\n")[1].split("\n### ")[0]
     judged = record("learning")["smo-gains"]["judged"]
     rows = re.findall(r"^\| .* \|$", page, re.MULTILINE)
     found = [judged[f"stress-1:{seed}"]["policies"] for seed in (11, 12)]
@@ -189,6 +189,29 @@ def test_learning_with_gains() -> None:
         lost = {name: x["lost"] for name, x in judged[f"{suite}:11"]["policies"].items()}
         seeds = [n for name, n in lost.items() if name.startswith("ppo")]
         assert f" {min(seeds)} to {max(seeds)} " in " ".join(page.split()), suite
+
+
+def test_learning_where_many_are_lost() -> None:
+    """What each loses on four suites, its means on one, and the changes of five seeds."""
+    page = text("results.md").split("### Where many are lost\n")[1].split("\n## ")[0]
+    judged = record("learning")["smo-robust"]["judged"]
+    rows = re.findall(r"^\| .* \|$", page, re.MULTILINE)
+    suites = ("mismatch:11", "low-inertia:11", "hard:11", "stress-1:11")
+    metrics = ("torque_dev_rms", "torque_ripple_rms", "injection_share")
+    for row, name in zip(rows[1:10], judged["hard:11"]["policies"], strict=True):
+        found = [judged[suite]["policies"][name] for suite in suites]
+        cells = [cell.strip() for cell in row.split("|")[2:-1]]
+        assert [int(cell) for cell in cells[:4]] == [x["lost"] for x in found], name
+        assert all(map(near, cells[4:], [100.0 * found[3][m] for m in metrics])), name
+    against = judged["stress-1:11"]["agents against"]
+    for row, name in zip(rows[11:], ("eq25", "tuned-smo-gains", "scheduled"), strict=True):
+        names = ("torque_dev_rms", "torque_ripple_rms", "overshoot_excess_pct")
+        values = [x for m in names for x in against[name][m].values()]
+        told = re.findall(r"[-+]?\d+\.\d", row.split("|", 2)[2].replace("−", "-"))
+        assert [float(t) for t in told] == pytest.approx(values, abs=0.051)
+    for suite in suites[:3]:
+        lost = {n: x["lost"] for n, x in judged[suite]["policies"].items()}
+        assert all(2 * n <= lost["tuned-smo-gains"] for m, n in lost.items() if "seed" in m)
 
 
 def test_first_page_on_gains() -> None:

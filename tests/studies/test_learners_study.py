@@ -15,6 +15,8 @@ from sensorless.agents.train.env import training_env, training_scenarios
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.returns import acts, returns
+from sensorless.envs.scenarios.stress import stress_1_scenarios
+from sensorless.envs.scenarios.suites import SUITES
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import table_named
 from sensorless.policy import TablePolicy
@@ -52,8 +54,8 @@ def test_every_learner_is_judged(
     """In two updates, of scenarios of 0.5 s."""
     for name, value in {"n_envs": 24, "n_steps": 50, "warm_up": 0}.items():
         monkeypatch.setitem(learners.SHARED, name, value)
-    for name in ("stress_1_scenarios", "hard_scenarios"):
-        monkeypatch.setattr(train_env, name, cut(getattr(train_env, name), 0.5))
+    monkeypatch.setattr(train_env, "stress_1_scenarios", cut(stress_1_scenarios, 0.5))
+    monkeypatch.setitem(SUITES, "hard-train", cut(SUITES["hard-train"], 0.5))
     monkeypatch.setattr(learners, "STEPS", dict.fromkeys(learners.STEPS, 0.2))
     monkeypatch.setattr(learners, "LAST", 1)
     out = tmp_path / "learners.json"
