@@ -32,7 +32,7 @@ from sensorless.evaluation.over_seeds import contrast, survived
 from sensorless.files import write_atomic, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named
-from sensorless.policies.shipped import ALIASES, FOLDER, learned_names, tuned_file
+from sensorless.policies.shipped import ALIASES, FOLDER, tuned_file
 from sensorless.policies.tuned import Tuned
 from sensorless.policy import Policy
 from sensorless.table.ks_table import KsTable
@@ -224,10 +224,8 @@ def study(name: str, words: argparse.Namespace) -> dict[str, Any]:
     policies = {word: make_policy(word, factory.motor) for word in case.beside}
     values = {"ppo": validated(agents, factory, case, words.validate)}
     if case.gains:
-        shipped = f"tuned-{name}"
-        if shipped in (*ALIASES, *learned_names()):
-            policy = {0: make_policy(shipped, factory.motor)}
-            values["shipped"] = validated(policy, factory, case, words.validate)
+        shipped = {0: make_policy(f"tuned-{name}", factory.motor)}
+        values["shipped"] = validated(shipped, factory, case, words.validate)
     for kind in case.gains:
         rules = {
             s: tuned(name, kind, case, s, factory, words.work, words.budget)

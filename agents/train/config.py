@@ -220,7 +220,7 @@ class TrainConfig:
         if self.gains and self.policy_kind != "table":
             raise UserError("gains: only a table sets them: use policy_kind table")
         self._named_gains()
-        if sum(self.others.values()) > 1.0:
+        if round(sum(self.others.values()), 9) > 1.0:
             raise UserError(
                 f"hard, low_inertia, mismatch: {self.hard:g}, {self.low_inertia:g}, "
                 f"{self.mismatch:g}: their sum must be at most 1"
