@@ -37,7 +37,7 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
 CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
     const control_state_t *y = &x->control;
     float share = max_f(y->u_max / max_f(y->u_abs, y->u_max), DEMAND_HELD);
-    float off = share * (y->i.q - y->i_ref.q);
+    float off = share * share * (y->i.q - y->i_ref.q);
     lock_judge(&p->lock, &x->lock, x->est.omega, off);
     x->lock.wait = p->lock.n;
     x->fault |= x->lock.alarm != 0 ? FAULT_LOCK : 0;
