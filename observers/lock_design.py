@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from sensorless.core.api import lib
-from sensorless.machine.magnetics import mtpa
+from sensorless.machine.magnetics import flux, mtpa
 from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import principal
 from sensorless.observers.injection_signal import dead_time_voltage
@@ -36,9 +36,16 @@ SLIP = ANGLE / 16e-3
 """Speed [rad/s] at which an estimate slips by 60 degrees in 16 ms; those of drives that hold swing
 by 40 degrees in 8 ms and back."""
 LARGER = 1.1
-"""d inductance that a machine may have, over that of its file."""
+"""d inductance that a machine may have, over that of its file, or the file's over it."""
 LEADS = 0.5
 """Weight from which the injection's own angle is most of a blend of two."""
+IRON = 0.03
+"""Largest iron loss at rated speed, over rated power: that of the suite ``stress``."""
+LOADED = 0.1
+"""Torque current over rated from which dead time is compensated well enough to bound the answer."""
+D_FLOOR = 0.25
+"""Residual on the d axis that lock may have, and beyond that the least that tells a direction, over
+the largest on the q axis."""
 ACTS = 0.1
 """Least share of an injected voltage that acts, with any dead time."""
 CURRENT_SHARE = 0.1
@@ -65,6 +72,32 @@ def least_answer(motor: Motor) -> float:
     beside = np.cos(ANGLE) ** 2 / small + np.sin(ANGLE) ** 2 / large
     left = max(1.0 - LEFT_DEAD_TIME * dead_time_voltage(motor) / motor.u_inj, ACTS)
     return 0.5 * motor.T_s * float(np.min(np.minimum(beside, left / (LARGER * small))))
+
+
+def d_share(motor: Motor) -> float:
+    """Voltage on the d axis over the torque current that a lagging speed makes in lock [V/A].
+
+    A speed that is ``SPEED_LAG`` of the rated one too small leaves that times psi_q = L_q i_q, with
+    the apparent L_q at rated current.
+    """
+    i = np.stack(mtpa(motor), axis=-1)
+    size, psi_q = np.hypot(i[:, 0], i[:, 1]), flux(motor.saturation, i)[:, 1]
+    psi_q, i_q = (float(np.interp(motor.i_rated, size, x)) for x in (psi_q, i[:, 1]))
+    return SPEED_LAG * motor.omega_rated * psi_q / i_q
+
+
+def most_answer(motor: Motor) -> float:
+    """Largest current that an injected voltage moves in lock, over that voltage [A/V].
+
+    On the d axis u T_s / (2 L_small), the most along the operating line, with an inductance
+    ``LARGER`` times too large in the file and the voltage that a compensation of dead time adds;
+    and what an iron loss p draws as the conductance p / (1.5 (w psi_f)^2) at rated speed.
+    """
+    small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
+    acts = 1.0 + LEFT_DEAD_TIME * dead_time_voltage(motor) / motor.u_inj
+    p_iron = IRON * motor.tau_rated * motor.omega_rated / motor.n_p
+    iron = p_iron / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
+    return 0.5 * motor.T_s * acts * LARGER / float(np.min(small)) + iron
 
 
 def evaluation_periods(motor: Motor) -> int:
@@ -100,17 +133,21 @@ def design_lock(
     emf = motor.omega_rated * motor.psi_f
     unknown = LEFT_DEAD_TIME * dead_time_voltage(motor)
     unknown += LEFT_RESISTANCE * motor.R_s * motor.i_rated
-    lag = 2.0 * speed_hz / current_hz
+    floor, lag = SPEED_LAG * emf + unknown, 2.0 * speed_hz / current_hz
     return {
         "alpha": -math.expm1(-step / TAU),
         "inv_t": 1.0 / step,
         "R_s": motor.R_s,
         "L_q_true": 1.0 / bias,
         "e_share": 1.0 - math.cos(ANGLE),
-        "e_floor": SPEED_LAG * emf + unknown,
+        "e_floor": floor,
+        "d_share": d_share(motor),
+        "d_floor": D_FLOOR * floor,
         "jump": SPEED_SHARE * rated_acceleration(motor) * TAU + SLIP,
         "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
         "answer": least_answer(motor),
+        "most": most_answer(motor),
+        "i_most": LOADED * motor.i_rated,
         "leads": 0.0 if one_axis else LEADS,
         "n": n,
         "n_alarm": max(1, round(ALARM / step)),

@@ -77,6 +77,16 @@ CORE_INLINE void control_sample(control_state_t *x, rot_t r, ab_t i_ab) {
     x->i = i;
 }
 
+/* Voltage that the current control wants at electrical speed omega [rad/s], before its limit [V]. */
+CORE_INLINE dq_t current_voltage(const control_params_t *p, const control_state_t *x, float omega) {
+    dq_t i = x->i;
+    dq_t u = {
+        p->k_t_d * x->i_ref.d - p->k_p_d * i.d + x->u_int.d - omega * p->L_q * i.q,
+        p->k_t_q * x->i_ref.q - p->k_p_q * i.q + x->u_int.q + omega * (p->L_d * i.d + p->psi_f),
+    };
+    return u;
+}
+
 /* Current control alone, for the torque current i_q_ref [A]; otherwise as control_step. */
 CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, estimate_t est,
                                  rot_t r, ab_t i_ab, float u_dc, float i_q_ref, float reserve,
@@ -88,10 +98,7 @@ CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, 
     x->i_ref.q = i_q_ref;
     x->i_ref.d = max_f(i_d_mtpa + x->i_d_fw, p->i_d_min);
 
-    dq_t u = {
-        p->k_t_d * x->i_ref.d - p->k_p_d * i.d + x->u_int.d - est.omega * p->L_q * i.q,
-        p->k_t_q * x->i_ref.q - p->k_p_q * i.q + x->u_int.q + est.omega * (p->L_d * i.d + p->psi_f),
-    };
+    dq_t u = current_voltage(p, x, est.omega);
     float u_abs = sqrt_f(u.d * u.d + u.q * u.q);
     float u_max = max_f(u_dc * INV_SQRT3_F - reserve, 1.0f);
     float scale = u_abs > u_max ? u_max / u_abs : 1.0f;

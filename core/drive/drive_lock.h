@@ -17,12 +17,13 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     float L_q = p->lock.L_q_true * curve_at(&p->L_q, pos);
     float psi_0 = curve_at(&p->coupled.psi_d, pos);
     float omega = x->est.omega;
-    float u_q = c->k_t_q * y->i_ref.q - c->k_p_q * y->i.q + y->u_int.q +
-                omega * (c->L_d * y->i.d + c->psi_f);
+    float share = y->u_max / max_f(y->u_abs, y->u_max);
+    dq_t u = current_voltage(c, y, omega);
     lock_in_t in = {
         omega,
-        u_q * y->u_max / max_f(y->u_abs, y->u_max),
-        y->i.q,
+        {share * u.d, share * u.q},
+        y->i,
+        c->L_d,
         L_q,
         psi_0 + c->L_d * y->i.d,
         min_f(psi_0 + (c->L_d - L_q) * y->i.d, 2.0f * psi_0),

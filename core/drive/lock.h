@@ -3,14 +3,17 @@
  *   EMF      the q voltage without resistive drop and change of flux is omega psi_d at the true
  *            angle. r = u_q - R_s i_q - L_q d i_q/dt - omega psi_d, low-passed, stays small next
  *            to the EMF of the auxiliary flux; a quarter turn off adds -omega psi_a, half a turn
- *            -2 omega psi_d without d current, an EMF that is missing or unexpected all of it
+ *            -2 omega psi_d without d current, an EMF that is missing or unexpected all of it.
+ *            On the d axis u_d - R_s i_d - L_d d i_d/dt + omega L_q i_q is 0 at the true angle;
+ *            with what is left there, the auxiliary flux's EMF has a direction
  *   SPEED    an estimate that slips moves faster than torque and load can move the shaft: the
  *            estimated speed leaves its own low-pass
  *   CURRENT  in a frame that is not the rotor's the EMF turns, and the torque current misses its
  *            reference
  *   ANSWER   an injected voltage moves the current along its axis, least where the axis is far off.
  *            Where it moves it less than 60 degrees off, or the other way, the axis is wrong, the
- *            voltage did not act when the drive thinks, or the samples are wrong
+ *            voltage did not act when the drive thinks, or the samples are wrong; where it moves it
+ *            more than on any axis, a channel reads too much
  *
  * An evaluation every n periods, in two parts in two periods in a row, neither of them the one in
  * which a schedule decides. Thresholds and reasons: docs/lock.md.
@@ -39,9 +42,13 @@ typedef struct {
     float L_q_true;  /* apparent q inductance over that of the observer */
     float e_share;   /* EMF: residual over the EMF of the auxiliary flux beyond which it fails */
     float e_floor;   /* beyond this residual in addition [V] */
+    float d_share;   /* EMF: d residual in lock, over the torque current [V/A] */
+    float d_floor;   /* in addition, and the least beyond both that has a direction [V] */
     float jump;      /* SPEED: distance from the low-pass beyond which it fails [rad/s] */
     float i_off;     /* CURRENT: mean distance from the reference beyond which it fails [A] */
     float answer;    /* ANSWER: least current over the injected voltage [A/V] */
+    float most;      /* largest current over it, with injection alone [A/V], */
+    float i_most;    /* from this torque current on: near zero dead time is compensated badly [A] */
     float leads;     /* weight of injection from which it counts: its axis is the estimate's */
     int32_t n;       /* periods from one evaluation to the next, at least 2 */
     int32_t n_alarm; /* evaluations from the first failed one to an alarm, if the last failed too */
@@ -54,7 +61,8 @@ typedef struct {
 } lock_params_t;
 
 typedef struct {
-    float i_q;        /* torque current at the last evaluation [A] */
+    dq_t i;           /* current at the last evaluation [A] */
+    float across;     /* low-passed d residual [V] */
     float residual;   /* low-passed r [V] */
     float emf;        /* low-passed magnitude of the auxiliary flux's EMF [V] */
     float omega;      /* low-passed estimated speed [rad/s] */
@@ -79,8 +87,9 @@ typedef struct {
 /* What EMF reads; all in the estimated frame. */
 typedef struct {
     float omega; /* electrical [rad/s] */
-    float u_q;   /* [V] */
-    float i_q;   /* [A] */
+    dq_t u;      /* [V] */
+    dq_t i;      /* [A] */
+    float L_d;   /* [H] */
     float L_q;   /* [H] */
     float psi_d; /* [Vs] */
     float psi_a; /* auxiliary flux on the d axis, at most twice that of the magnets [Vs] */
@@ -88,7 +97,9 @@ typedef struct {
 
 /* Nothing seen yet, for a drive that takes control without torque at speed omega [rad/s]. */
 CORE_INLINE void lock_begin(const lock_params_t *p, lock_state_t *x, float omega) {
-    x->i_q = 0.0f;
+    x->i.d = 0.0f;
+    x->i.q = 0.0f;
+    x->across = 0.0f;
     x->residual = 0.0f;
     x->emf = 0.0f;
     x->omega = omega;
@@ -100,11 +111,23 @@ CORE_INLINE void lock_begin(const lock_params_t *p, lock_state_t *x, float omega
 
 /* First part of an evaluation: the EMF. */
 CORE_INLINE void lock_emf(const lock_params_t *p, lock_state_t *x, const lock_in_t *in) {
-    float change = p->inv_t * in->L_q * (in->i_q - x->i_q);
-    float r = in->u_q - p->R_s * in->i_q - change - in->omega * in->psi_d;
-    x->i_q = in->i_q;
-    x->residual += p->alpha * (r - x->residual);
+    float drop_d = p->R_s * in->i.d + p->inv_t * in->L_d * (in->i.d - x->i.d);
+    float drop_q = p->R_s * in->i.q + p->inv_t * in->L_q * (in->i.q - x->i.q);
+    float d = in->u.d - drop_d + in->omega * in->L_q * in->i.q;
+    float q = in->u.q - drop_q - in->omega * in->psi_d;
+    x->i = in->i;
+    x->across += p->alpha * (d - x->across);
+    x->residual += p->alpha * (q - x->residual);
     x->emf += p->alpha * (abs_f(in->omega * in->psi_a) - x->emf);
+}
+
+/* Whether the EMF is that of another angle: its q part far from what it should be, or its direction
+ * 60 degrees from the q axis. */
+CORE_INLINE int lock_emf_fails(const lock_params_t *p, const lock_state_t *x, float omega) {
+    float along = x->emf + times_sign_f(x->residual, omega);
+    float beside = abs_f(x->across) - p->d_share * abs_f(x->i.q) - p->d_floor;
+    return abs_f(x->residual) > p->e_share * x->emf + p->e_floor ||
+           (beside > p->d_floor && along < INV_SQRT3_F * beside);
 }
 
 /* Also in the first part: the answer to an injected voltage of amplitude u_inj [V]. seen: how far it
@@ -112,7 +135,9 @@ CORE_INLINE void lock_emf(const lock_params_t *p, lock_state_t *x, const lock_in
 CORE_INLINE void lock_answer(const lock_params_t *p, lock_state_t *x, float seen, float valid,
                              float u_inj, float k_s) {
     float least = p->answer * u_inj;
-    float more = valid > 0.0f && k_s >= p->leads ? seen - least : least;
+    float above = seen - least;
+    float below = k_s >= 1.0f && abs_f(x->i.q) > p->i_most ? p->most * u_inj - seen : above;
+    float more = valid > 0.0f && k_s >= p->leads ? min_f(above, below) : least;
     x->answer += p->alpha * (more - x->answer);
 }
 
@@ -122,7 +147,7 @@ CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega
     x->omega += p->alpha * (omega - x->omega);
     x->i_off += p->alpha * (abs_f(off) - x->i_off);
     int32_t grace = x->bad > LOCK_GRACE;
-    int32_t found = (abs_f(x->residual) > p->e_share * x->emf + p->e_floor ? LOCK_EMF : 0) |
+    int32_t found = (lock_emf_fails(p, x, omega) ? LOCK_EMF : 0) |
                     (abs_f(omega - x->omega) > p->jump ? LOCK_SPEED : 0) |
                     (x->i_off > p->i_off ? LOCK_CURRENT : 0) | (x->answer < 0.0f ? LOCK_ANSWER : 0);
     int32_t failed = grace ? 0 : found;

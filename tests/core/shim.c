@@ -266,20 +266,22 @@ void t_curve(const curve_t *c, const float *i_q, float inv_step, float *y, int n
     }
 }
 
-/* n evaluations; rows of in: omega, u_q, i_q, L_q, psi_d, psi_a, err, i_q less its reference. */
+/* n evaluations; rows of in: omega, u_d, u_q, i_d, i_q, L_d, L_q, psi_d, psi_a, i_q less its
+ * reference. */
 void t_lock(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
     for (int j = 0; j < n; j++) {
-        const float *v = &in[7 * j];
-        lock_in_t now = {v[0], v[1], v[2], v[3], v[4], v[5]};
+        const float *v = &in[10 * j];
+        lock_in_t now = {v[0], {v[1], v[2]}, {v[3], v[4]}, v[5], v[6], v[7], v[8]};
         lock_emf(p, x, &now);
-        lock_judge(p, x, v[0], v[6]);
+        lock_judge(p, x, v[0], v[9]);
     }
 }
 
-/* n evaluations at rest; rows of in: answer to the injection, its valid, u_inj, k_s. */
+/* n evaluations at rest; rows of in: answer to the injection, its valid, u_inj, k_s, i_q. */
 void t_lock_answer(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
     for (int j = 0; j < n; j++) {
-        const float *v = &in[4 * j];
+        const float *v = &in[5 * j];
+        x->i.q = v[4];
         lock_answer(p, x, v[0], v[1], v[2], v[3]);
         lock_judge(p, x, 0.0f, 0.0f);
     }

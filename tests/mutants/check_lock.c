@@ -82,7 +82,9 @@ static void sums(void) {
         x.control.u_max = 250.0f, x.control.u_abs = draw_f(100, 400);
         x.k_s = draw_f(0, 1), x.hfi.answer = draw_f(-1, 1);
         x.hfi.valid = j % 2 ? 1.0f : 0.0f;
-        x.lock.i_q = draw_f(-5, 5), x.lock.residual = draw_f(-9, 9), x.lock.emf = draw_f(0, 90);
+        x.control.i_ref.d = draw_f(-5, 5), x.control.u_int.d = draw_f(-50, 50);
+        x.lock.i.d = draw_f(-5, 5), x.lock.i.q = draw_f(-5, 5);
+        x.lock.across = draw_f(-9, 9), x.lock.residual = draw_f(-9, 9), x.lock.emf = draw_f(0, 90);
         const lock_state_t was = x.lock;
         const control_params_t *c = &p.control;
         double omega = (double)x.est.omega, i_d = (double)x.control.i.d,
@@ -92,21 +94,29 @@ static void sums(void) {
         double psi_0 = (double)curve_at(&p.coupled.psi_d, pos);
         double u_q = (double)(c->k_t_q * x.control.i_ref.q - c->k_p_q * x.control.i.q) +
                      (double)x.control.u_int.q + omega * (L_d * i_d + (double)c->psi_f);
-        u_q *= fmin(1.0, 250.0 / (double)x.control.u_abs);
+        double u_d = (double)(c->k_t_d * x.control.i_ref.d - c->k_p_d * x.control.i.d) +
+                     (double)x.control.u_int.d - omega * (double)c->L_q * i_q;
+        double limit = fmin(1.0, 250.0 / (double)x.control.u_abs);
+        u_d *= limit, u_q *= limit;
+        double beside = u_d - (double)p.lock.R_s * i_d + omega * L_q * i_q -
+                        (double)p.lock.inv_t * L_d * (i_d - (double)was.i.d);
         double r = u_q - (double)p.lock.R_s * i_q - omega * (psi_0 + L_d * i_d) -
-                   (double)p.lock.inv_t * L_q * (i_q - (double)was.i_q);
+                   (double)p.lock.inv_t * L_q * (i_q - (double)was.i.q);
         double psi_a = fmin(psi_0 + (L_d - L_q) * i_d, 2.0 * psi_0);
         double emf = fabs(omega * psi_a), alpha = (double)p.lock.alpha;
         drive_watch(&p, &x);
         double to = (double)was.residual + alpha * (r - (double)was.residual);
         check("EMF: residual", near((double)x.lock.residual, to, 1e-4));
+        to = (double)was.across + alpha * (beside - (double)was.across);
+        check("EMF: across", near((double)x.lock.across, to, 1e-4));
         to = (double)was.emf + alpha * (emf - (double)was.emf);
-        check("EMF: expected", near((double)x.lock.emf, to, 1e-4) && x.lock.i_q == x.control.i.q);
+        check("EMF: expected", near((double)x.lock.emf, to, 1e-4));
+        check("EMF: current", x.lock.i.d == x.control.i.d && x.lock.i.q == x.control.i.q);
         lock_state_t answer = was;
         lock_answer(&p.lock, &answer, x.hfi.answer, x.hfi.valid, p.hfi.u_inj, x.k_s);
         check("answer: of the drive", x.lock.answer == answer.answer);
         double share = fmin(1.0, fmax(0.75, (double)x.control.u_max / (double)x.control.u_abs));
-        double off = share * fabs((double)x.control.i.q - (double)x.control.i_ref.q);
+        double off = share * share * fabs((double)x.control.i.q - (double)x.control.i_ref.q);
         drive_judge(&p, &x);
         to = (double)was.i_off + alpha * (off - (double)was.i_off);
         check("tests: current", near((double)x.lock.i_off, to, 1e-5));

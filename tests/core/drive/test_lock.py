@@ -31,8 +31,8 @@ def evaluate(c: Call, rows: Any) -> Array:
 def without_current(share: float, delta: float, estimated: float | None = None) -> list[float]:
     """A rotor at ``share`` of rated speed that is ``delta`` [rad] ahead, seen at ``estimated``."""
     omega = MOTOR.omega_rated * (share if estimated is None else estimated)
-    u_q = share * E_RATED * np.cos(delta)
-    return [omega, u_q, 0.0, MOTOR.L_q, MOTOR.psi_f, MOTOR.psi_f, 0.0]
+    u_d, u_q = -share * E_RATED * np.sin(delta), share * E_RATED * np.cos(delta)
+    return [omega, u_d, u_q, 0.0, 0.0, MOTOR.L_d, MOTOR.L_q, MOTOR.psi_f, MOTOR.psi_f, 0.0]
 
 
 @pytest.mark.parametrize("delta", [0.0, 30.0, 60.0, 90.0, 180.0])
@@ -44,6 +44,8 @@ def test_the_residual_is_what_the_angle_takes_from_the_emf(
     expected = share * E_RATED * (np.cos(np.deg2rad(delta)) - 1.0)
     assert x["residual"] == pytest.approx(expected, abs=1e-4 * E_RATED)
     assert x["emf"] == pytest.approx(abs(share) * E_RATED, rel=1e-4)
+    beside = -share * E_RATED * np.sin(np.deg2rad(delta))
+    assert x["across"] == pytest.approx(beside, abs=1e-4 * E_RATED)
 
 
 @pytest.mark.parametrize(
@@ -55,6 +57,35 @@ def test_which_angles_the_emf_tells(c: Call, share: float, delta: float, told: b
     """At rated speed those beyond 60 degrees and the floor; at rest none."""
     x = evaluate(c, [without_current(share, np.deg2rad(delta))] * 100)
     assert x["alarm"] == told
+    assert x["reason"] == (lib.LOCK_EMF if told else 0)
+
+
+@pytest.mark.parametrize(
+    ("share", "delta", "told"),
+    [(0.35, 50, False), (0.35, 80, True), (0.35, -80, True), (-0.35, 80, True), (0.35, 85, True),
+     (0.08, 80, False), (0.8, 58, False), (0.8, 68, True)],
+)  # fmt: skip
+def test_the_direction_tells_what_the_size_does_not(
+    c: Call, share: float, delta: float, told: bool
+) -> None:
+    """The q part alone is within its bounds at these angles."""
+    x = evaluate(c, [without_current(share, np.deg2rad(delta))] * 100)
+    assert abs(x["residual"]) < PARAMS["e_share"] * x["emf"] + PARAMS["e_floor"]
+    assert x["reason"] == (lib.LOCK_EMF if told else 0)
+
+
+@pytest.mark.parametrize(("lag", "told"), [(0.14, False), (-0.14, False), (0.3, True)])
+def test_a_speed_that_lags_under_load_has_no_direction(c: Call, lag: float, told: bool) -> None:
+    """Rated torque current, reached in 50 ms, in a frame that turns by ``lag`` of rated too fast
+    against a rotor without an EMF: d shows L_q i_q alone."""
+    i_q = MOTOR.i_rated * np.minimum(np.arange(100) / 50.0, 1.0)
+    behind = lag * MOTOR.omega_rated
+    rows = np.array([without_current(0.0, 0.0)] * 100)
+    rows[:, 1], rows[:, 4] = behind * MOTOR.L_q * i_q, i_q
+    slope = np.diff(i_q, prepend=0.0) * PARAMS["inv_t"]
+    rows[:, 2] = MOTOR.R_s * i_q + MOTOR.L_q * slope
+    x = evaluate(c, rows)
+    assert x["across"] == pytest.approx(behind * MOTOR.L_q * i_q[-1], rel=1e-3)
     assert x["reason"] == (lib.LOCK_EMF if told else 0)
 
 
@@ -88,24 +119,27 @@ def test_a_slip_of_half_a_turn_in_ten_milliseconds_is_told(c: Call) -> None:
     speed = np.concatenate([np.zeros(20), np.pi / (0.5 * n * every) * np.hanning(n), np.zeros(20)])
     rows = np.array([without_current(0.0, 0.0)] * len(speed))
     rows[:, 0] = speed
-    rows[:, 3:6] = 0.0  # nothing for the EMF
+    rows[:, 5:9] = 0.0  # nothing for the EMF
     assert evaluate(c, rows)["alarms"] == 1
 
 
 def test_a_current_that_misses_its_reference(c: Call) -> None:
     for off, told in ((0.9, False), (-0.9, False), (1.1, True), (-1.1, True)):
         rows = np.array([without_current(0.0, 0.0)] * 100)
-        rows[:, 6] = off * PARAMS["i_off"]
+        rows[:, 9] = off * PARAMS["i_off"]
         assert evaluate(c, rows)["reason"] == (lib.LOCK_CURRENT if told else 0)
 
 
 def test_a_ramp_of_the_current_is_no_residual(c: Call) -> None:
-    """L_q di/dt is taken off: a slope of rated current in 20 ms."""
+    """L di/dt is taken off on both axes: a slope of rated current in 20 ms."""
     slope = MOTOR.i_rated / 0.02
     rows = np.array([without_current(0.0, 0.0)] * 60)
-    rows[:, 2] = slope / PARAMS["inv_t"] * np.arange(1, 61)
-    rows[:, 1] = MOTOR.L_q * slope + MOTOR.R_s * rows[:, 2]
-    assert abs(evaluate(c, rows)["residual"]) < 0.01 * MOTOR.L_q * slope
+    for u, i, L in ((1, 3, MOTOR.L_d), (2, 4, MOTOR.L_q)):
+        rows[:, i] = slope / PARAMS["inv_t"] * np.arange(1, 61)
+        rows[:, u] = L * slope + MOTOR.R_s * rows[:, i]
+    x = evaluate(c, rows)
+    assert abs(x["residual"]) < 0.01 * MOTOR.L_q * slope
+    assert abs(x["across"]) < 0.01 * MOTOR.L_d * slope
 
 
 def test_a_drive_that_takes_control_has_a_grace(c: Call) -> None:

@@ -18,13 +18,17 @@ MOTOR = Motor.load("ipmsm_2200w")
 
 
 def answered(
-    c: Call, parts: list[tuple[float, float, float]], estimator: str = "coupled", k_s: float = 1.0
+    c: Call,
+    parts: list[tuple[float, float, float]],
+    estimator: str = "coupled",
+    k_s: float = 1.0,
+    i_q: float = 0.5 * MOTOR.i_rated,
 ) -> Array:
     """State after parts of a time [s], a share of the current at no load, and whether it counts."""
     params = control_record(MOTOR, DriveDesign(estimator=estimator))["lock"].reshape(1)
     state, every = np.zeros(1, dtype=struct_dtype("lock_state_t")), float(1.0 / params["inv_t"][0])
     for seconds, share, valid in parts:
-        row = [share * hf_current(MOTOR), valid, MOTOR.u_inj, k_s]
+        row = [share * hf_current(MOTOR), valid, MOTOR.u_inj, k_s, i_q]
         rows = np.array([row] * round(seconds / every), dtype=np.float32)
         c("lock_answer", params.copy(), state, rows, len(rows))
     (row,) = state
@@ -56,3 +60,16 @@ def test_the_answer_counts_where_its_axis_is_that_of_the_estimate(c: Call, estim
     for k_s in (0.1, 0.6):
         told = k_s > 0.5 or estimator in ("coupled", "errors")
         assert answered(c, [(0.1, 0.0, 1.0)], estimator, k_s)["alarm"] == told
+
+
+@pytest.mark.parametrize(
+    ("share", "k_s", "load", "told"),
+    [(1.3, 1.0, 0.5, False), (1.5, 1.0, 0.5, True), (1.5, 1.0, -0.5, True), (1.5, 0.9, 0.5, False),
+     (1.5, 1.0, 0.05, False)],
+)  # fmt: skip
+def test_more_than_any_axis_answers_is_a_channel_that_reads_too_much(
+    c: Call, share: float, k_s: float, load: float, told: bool
+) -> None:
+    """With injection alone, and not near zero current, where dead time adds to the voltage."""
+    x = answered(c, [(0.2, share, 1.0)], k_s=k_s, i_q=load * MOTOR.i_rated)
+    assert x["reason"] == (lib.LOCK_ANSWER if told else 0)
