@@ -43,9 +43,8 @@ IRON = 0.03
 """Largest iron loss at rated speed, over rated power: that of the suite ``stress``."""
 LOADED = 0.1
 """Torque current over rated from which dead time is compensated well enough to bound the answer."""
-D_FLOOR = 0.25
-"""Residual on the d axis that lock may have, and beyond that the least that tells a direction, over
-the largest on the q axis."""
+E_LEAST = 0.7
+"""Least EMF that has a direction, over the residual that lock may have on the q axis."""
 ACTS = 0.1
 """Least share of an injected voltage that acts, with any dead time."""
 CURRENT_SHARE = 0.1
@@ -142,7 +141,7 @@ def design_lock(
         "e_share": 1.0 - math.cos(ANGLE),
         "e_floor": floor,
         "d_share": d_share(motor),
-        "d_floor": D_FLOOR * floor,
+        "e_least": E_LEAST * floor,
         "jump": SPEED_SHARE * rated_acceleration(motor) * TAU + SLIP,
         "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
         "answer": least_answer(motor),

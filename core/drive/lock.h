@@ -43,7 +43,7 @@ typedef struct {
     float e_share;   /* EMF: residual over the EMF of the auxiliary flux beyond which it fails */
     float e_floor;   /* beyond this residual in addition [V] */
     float d_share;   /* EMF: d residual in lock, over the torque current [V/A] */
-    float d_floor;   /* in addition, and the least beyond both that has a direction [V] */
+    float e_least;   /* least EMF that has a direction [V] */
     float jump;      /* SPEED: distance from the low-pass beyond which it fails [rad/s] */
     float i_off;     /* CURRENT: mean distance from the reference beyond which it fails [A] */
     float answer;    /* ANSWER: least current over the injected voltage [A/V] */
@@ -121,13 +121,16 @@ CORE_INLINE void lock_emf(const lock_params_t *p, lock_state_t *x, const lock_in
     x->emf += p->alpha * (abs_f(in->omega * in->psi_a) - x->emf);
 }
 
+#define LOCK_BESIDE 0.35f /* share of e_least that lock may leave on the d axis */
+
 /* Whether the EMF is that of another angle: its q part far from what it should be, or its direction
  * 60 degrees from the q axis. */
 CORE_INLINE int lock_emf_fails(const lock_params_t *p, const lock_state_t *x, float omega) {
     float along = x->emf + times_sign_f(x->residual, omega);
-    float beside = abs_f(x->across) - p->d_share * abs_f(x->i.q) - p->d_floor;
+    float across = abs_f(x->across);
+    float beside = across - p->d_share * abs_f(x->i.q) - LOCK_BESIDE * p->e_least;
     return abs_f(x->residual) > p->e_share * x->emf + p->e_floor ||
-           (beside > p->d_floor && along < INV_SQRT3_F * beside);
+           (max_f(across, -along) > p->e_least && along < INV_SQRT3_F * beside);
 }
 
 /* Also in the first part: the answer to an injected voltage of amplitude u_inj [V]. seen: how far it

@@ -55,19 +55,51 @@ static void injected(void) {
         lock_begin(&p, &x, 0.0f);
         check("answer: anew", x.answer == 0.0f);
     }
-    for (int j = 0; j < 100; j++) {
+    for (int j = 0; j < 400; j++) {
         lock_state_t x;
         memset(&x, 0, sizeof x);
         p.leads = j % 4 < 2 ? 0.5f : 0.0f;
         float k_s = j % 3 == 0 ? p.leads : draw_f(0, 1);
-        float was = draw_f(-1, 1), seen = draw_f(-1, 1), u = draw_f(10, 90);
-        double least = (double)p.answer * (double)u;
-        x.answer = was;
+        k_s = j % 5 == 0 ? 1.0f : k_s;
+        float was = draw_f(-1, 1), u = draw_f(10, 90), seen = draw_f(-1, 2) * p.most * u;
+        double least = (double)p.answer * (double)u, most = (double)p.most * (double)u;
+        x.answer = was, x.i.q = draw_f(-2, 2) * p.i_most;
+        int upper = k_s >= 1.0f && fabs((double)x.i.q) > (double)p.i_most;
         lock_answer(&p, &x, seen, j % 2 ? 1.0f : 0.0f, u, k_s);
-        double more = j % 2 && k_s >= p.leads ? (double)seen - least : least;
+        double more = (double)seen - least;
+        more = upper ? fmin(more, most - (double)seen) : more;
+        more = j % 2 && k_s >= p.leads ? more : least;
         double to = (double)was + (double)p.alpha * (more - (double)was);
         check("answer: low-pass", fabs((double)x.answer - to) < 1e-6);
     }
+}
+
+/* The EMF fails by its size on the q axis, or by its direction. */
+static void direction(void) {
+    lock_params_t p = PARAMS[4].lock;
+    int told[3] = {0, 0, 0};
+    for (int j = 0; j < 4000; j++) {
+        lock_state_t x;
+        memset(&x, 0, sizeof x);
+        double e = 4.0 * (double)p.e_floor;
+        x.residual = (float)draw(-e, e), x.across = (float)draw(-e, e), x.emf = (float)draw(0, e);
+        x.i.q = draw_f(-5, 5);
+        float omega = draw_f(-300, 300);
+        double along = (double)x.emf + (omega < 0 ? -1.0 : 1.0) * (double)x.residual;
+        double size = fabs((double)x.residual) - 0.5 * (double)x.emf - (double)p.e_floor;
+        double beside = fabs((double)x.across) - fabs((double)(p.d_share * x.i.q));
+        beside -= 0.35 * (double)p.e_least;
+        double least = fmax(fabs((double)x.across), -along) - (double)p.e_least;
+        double turned = beside - along * sqrt(3.0);
+        double edge = 1e-3 * e;
+        if (fabs(size) < edge || fabs(least) < edge || fabs(turned) < edge) {
+            continue;
+        }
+        int by_size = size > 0, by_direction = least > 0 && turned > 0;
+        check("EMF: fails", lock_emf_fails(&p, &x, omega) == (by_size || by_direction));
+        told[by_size ? 1 : by_direction ? 2 : 0] += 1;
+    }
+    check("EMF: each case", told[0] > 99 && told[1] > 99 && told[2] > 99);
 }
 
 /* The EMF's part of an evaluation: r and the EMF expected, both low-passed, from a drive's state. */
@@ -178,6 +210,7 @@ static void told_once(void) {
 void check_lock(void) {
     speed();
     injected();
+    direction();
     sums();
     first();
     told_once();
