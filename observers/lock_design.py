@@ -81,8 +81,8 @@ def d_share(motor: Motor) -> float:
     """
     i = np.stack(mtpa(motor), axis=-1)
     size, psi_q = np.hypot(i[:, 0], i[:, 1]), flux(motor.saturation, i)[:, 1]
-    psi_q, i_q = (float(np.interp(motor.i_rated, size, x)) for x in (psi_q, i[:, 1]))
-    return SPEED_LAG * motor.omega_rated * psi_q / i_q
+    rated = [float(np.interp(motor.i_rated, size, x)) for x in (psi_q, i[:, 1])]
+    return SPEED_LAG * motor.omega_rated * rated[0] / rated[1]
 
 
 def most_answer(motor: Motor) -> float:

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from sensorless.decision import RUNNING, decision_periods
@@ -10,7 +11,9 @@ from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
 from sensorless.evaluation import lock as judged
 from sensorless.evaluation.metrics.held import BAND_PCT
+from sensorless.machine.magnetics import mtpa
 from sensorless.machine.motor import MOTORS, Motor
+from sensorless.machine.saliency import principal
 from sensorless.observers.lock_design import ACTIONS, EVERY, least_answer
 from sensorless.observers.tracking import rated_acceleration
 
@@ -39,4 +42,9 @@ def test_limits_lie_between_noise_and_what_can_be_measured(name: str) -> None:
     assert 0.1 * motor.i_rated < lock["i_off"] < 0.3 * motor.i_rated
     in_lock = 0.5 * motor.T_s / motor.L_d
     assert in_lock * motor.L_d / motor.L_q < lock["answer"] < 0.9 * in_lock
+    small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
+    assert lock["most"] > 1.1 * 0.5 * motor.T_s / np.min(small)
+    assert 0.0 < lock["i_most"] < motor.i_rated
+    assert 0.5 * lock["e_floor"] < lock["e_least"] < lock["e_floor"]
+    assert 0.05 * motor.L_d < lock["d_share"] / motor.omega_rated < 0.2 * motor.L_q
     assert 1 <= lock["n_alarm"] < lock["n_act"] < lock["n_calm"]

@@ -76,8 +76,7 @@ def test_the_direction_tells_what_the_size_does_not(
 
 @pytest.mark.parametrize(("lag", "told"), [(0.14, False), (-0.14, False), (0.3, True)])
 def test_a_speed_that_lags_under_load_has_no_direction(c: Call, lag: float, told: bool) -> None:
-    """Rated torque current, reached in 50 ms, in a frame that turns by ``lag`` of rated too fast
-    against a rotor without an EMF: d shows L_q i_q alone."""
+    """At standstill under rated current d shows what an error of speed makes of L_q i_q."""
     i_q = MOTOR.i_rated * np.minimum(np.arange(100) / 50.0, 1.0)
     behind = lag * MOTOR.omega_rated
     rows = np.array([without_current(0.0, 0.0)] * 100)
