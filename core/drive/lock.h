@@ -130,7 +130,7 @@ CORE_INLINE int lock_emf_fails(const lock_params_t *p, const lock_state_t *x, fl
     float across = abs_f(x->across);
     float beside = across - p->d_share * abs_f(x->i.q) - LOCK_BESIDE * p->e_least;
     return abs_f(x->residual) > p->e_share * x->emf + p->e_floor ||
-           (max_f(across, -along) > p->e_least && along < INV_SQRT3_F * beside);
+           (max_f(across, -along) > p->e_least && INV_SQRT3_F * beside > max_f(along, 0.0f));
 }
 
 /* Also in the first part: the answer to an injected voltage of amplitude u_inj [V]. seen: how far it

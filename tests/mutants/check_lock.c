@@ -90,7 +90,7 @@ static void direction(void) {
         double beside = fabs((double)x.across) - fabs((double)(p.d_share * x.i.q));
         beside -= 0.35 * (double)p.e_least;
         double least = fmax(fabs((double)x.across), -along) - (double)p.e_least;
-        double turned = beside - along * sqrt(3.0);
+        double turned = beside - fmax(along, 0.0) * sqrt(3.0);
         double edge = 1e-3 * e;
         if (fabs(size) < edge || fabs(least) < edge || fabs(turned) < edge) {
             continue;
