@@ -81,9 +81,10 @@ static void direction(void) {
     for (int j = 0; j < 4000; j++) {
         lock_state_t x;
         memset(&x, 0, sizeof x);
-        double e = 4.0 * (double)p.e_floor;
-        x.residual = (float)draw(-e, e), x.across = (float)draw(-e, e), x.emf = (float)draw(0, e);
-        x.i.q = draw_f(-5, 5);
+        double e = (j % 2 ? 4.0 : 1.2) * (double)p.e_floor;
+        x.residual = (float)draw(-e, e), x.across = (float)draw(-e, e),
+        x.emf = (float)draw(0, j % 2 ? e : 0.3 * e);
+        x.i.q = j % 2 ? draw_f(-5, 5) : draw_f(-1, 1);
         float omega = draw_f(-300, 300);
         double along = (double)x.emf + (omega < 0 ? -1.0 : 1.0) * (double)x.residual;
         double size = fabs((double)x.residual) - 0.5 * (double)x.emf - (double)p.e_floor;
