@@ -43,6 +43,9 @@ IRON = 0.03
 """Largest iron loss at rated speed, over rated power: that of the suite ``stress``."""
 LOADED = 0.1
 """Torque current over rated from which dead time is compensated well enough to bound the answer."""
+GAINED = 2.0
+"""Bound on the answer over that of the d axis beyond which no channel with a wrong gain comes: one
+that reads 1.5 times as much makes 1.4 to 2.1."""
 E_LEAST = 0.7
 """Least EMF that has a direction, over the residual that lock may have on the q axis."""
 ACTS = 0.1
@@ -99,6 +102,16 @@ def most_answer(motor: Motor) -> float:
     return 0.5 * motor.T_s * acts * LARGER / float(np.min(small)) + iron
 
 
+def least_bounded(motor: Motor) -> float:
+    """Torque current from which the answer has a bound above [A].
+
+    One that no channel reads, if the bound is out of reach.
+    """
+    small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
+    reach = GAINED * 0.5 * motor.T_s / float(np.min(small))
+    return LOADED * motor.i_rated if most_answer(motor) < reach else motor.adc_range
+
+
 def evaluation_periods(motor: Motor) -> int:
     """PWM periods from one evaluation to the next."""
     return max(2, round(EVERY / motor.T_s))
@@ -146,7 +159,7 @@ def design_lock(
         "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
         "answer": least_answer(motor),
         "most": most_answer(motor),
-        "i_most": LOADED * motor.i_rated,
+        "i_most": least_bounded(motor),
         "leads": 0.0 if one_axis else LEADS,
         "n": n,
         "n_alarm": max(1, round(ALARM / step)),

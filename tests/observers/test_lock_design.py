@@ -44,7 +44,9 @@ def test_limits_lie_between_noise_and_what_can_be_measured(name: str) -> None:
     assert in_lock * motor.L_d / motor.L_q < lock["answer"] < 0.9 * in_lock
     small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
     assert lock["most"] > 1.1 * 0.5 * motor.T_s / np.min(small)
-    assert 0.0 < lock["i_most"] < motor.i_rated
+    out_of_reach = name in ("brusa_hsm1", "pmsyrm_5600w")  # much iron loss for their inductance
+    assert 0.0 < lock["i_most"] <= motor.adc_range
+    assert (lock["i_most"] > motor.i_rated) == out_of_reach
     assert 0.5 * lock["e_floor"] < lock["e_least"] < lock["e_floor"]
     assert 0.05 * motor.L_d < lock["d_share"] / motor.omega_rated < 0.2 * motor.L_q
     assert 1 <= lock["n_alarm"] < lock["n_act"] < lock["n_calm"]
