@@ -40,7 +40,8 @@ LARGER = 1.1
 LEADS = 0.5
 """Weight from which the injection's own angle is most of a blend of two."""
 IRON = 0.03
-"""Largest iron loss at rated speed, over rated power: that of the suite ``stress``."""
+"""Iron loss at rated speed that a machine may have, over rated power, where its file has none larger:
+that of the suite ``stress``."""
 LOADED = 0.1
 """Torque current over rated from which dead time is compensated well enough to bound the answer."""
 GAINED = 2.0
@@ -97,7 +98,7 @@ def most_answer(motor: Motor) -> float:
     """
     small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
     acts = 1.0 + LEFT_DEAD_TIME * dead_time_voltage(motor) / motor.u_inj
-    p_iron = IRON * motor.tau_rated * motor.omega_rated / motor.n_p
+    p_iron = max(motor.p_iron, IRON * motor.tau_rated * motor.omega_rated / motor.n_p)
     iron = p_iron / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
     return 0.5 * motor.T_s * acts * LARGER / float(np.min(small)) + iron
 

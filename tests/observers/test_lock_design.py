@@ -14,7 +14,7 @@ from sensorless.evaluation.metrics.held import BAND_PCT
 from sensorless.machine.magnetics import mtpa
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.machine.saliency import principal
-from sensorless.observers.lock_design import ACTIONS, EVERY, least_answer
+from sensorless.observers.lock_design import ACTIONS, EVERY, least_answer, most_answer
 from sensorless.observers.tracking import rated_acceleration
 
 
@@ -23,6 +23,14 @@ def test_a_large_dead_time_leaves_little_of_the_answer() -> None:
     motor = Motor.load("formula_wheel")
     left = [least_answer(replace(motor, dead_time=x * motor.dead_time)) for x in (0.1, 1.0, 9.0)]
     assert left[0] > left[1] > left[2] > 0.0
+
+
+def test_the_bound_above_knows_the_iron_loss_of_the_file() -> None:
+    """A conductance across the EMF at rated speed: p = 3/2 g (w psi_f)^2."""
+    motor = Motor.load("ipmsm_2200w")
+    loss = 0.1 * motor.tau_rated * motor.omega_rated / motor.n_p
+    more = most_answer(replace(motor, p_iron=2.0 * loss)) - most_answer(replace(motor, p_iron=loss))
+    assert more == pytest.approx(loss / (1.5 * (motor.omega_rated * motor.psi_f) ** 2), rel=1e-9)
 
 
 def test_an_evaluation_keeps_step_with_decisions() -> None:
