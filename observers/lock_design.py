@@ -40,8 +40,8 @@ LARGER = 1.1
 LEADS = 0.5
 """Weight from which the injection's own angle is most of a blend of two."""
 IRON = 0.03
-"""Iron loss at rated speed that a machine may have, over rated power, where its file has none larger:
-that of the suite ``stress``."""
+"""Iron loss at rated speed that a machine may have, over rated power, unless its file has a larger
+one: that of the suite ``stress``."""
 LOADED = 0.1
 """Torque current over rated from which dead time is compensated well enough to bound the answer."""
 GAINED = 2.0
