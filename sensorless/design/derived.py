@@ -48,6 +48,12 @@ HAND_OVER = 0.2
 """Speed at which Eq. 25 leaves injection, over rated."""
 TOO_MUCH = 0.2
 """Voltage that may be compensated too much, over the EMF at the hand-over."""
+L_Q_LOW = 0.85
+"""The coupled observer's q inductance over the apparent one: one too large feeds back positively,
+and sensors and iron are uncertain by more than a tenth."""
+TURN, BY_TURN = 0.16, 1.25
+"""Angle by which the rotor turns in a PWM period at rated speed beyond which one too small swings
+[rad], and the rise of ``coupled_L_q_bias`` with it, up to 1: docs/coupled-observer.md."""
 FLOOR_MOST = 0.1
 """Largest speed floor over rated speed: half of the speed at which Eq. 25 leaves injection."""
 
@@ -66,6 +72,7 @@ class Derived:
     flux_pll_hz: float
     coupled_flux_hz: float
     coupled_injection_hz: float
+    coupled_L_q_bias: float
     smo_floor_rpm: float
     dead_time_share: float
 
@@ -90,6 +97,7 @@ def derive(motor: Motor, design: DriveDesign) -> Derived:
         "flux_pll_hz": tracking(motor, flux_noise(motor)) / (2.0 * math.pi),
         "coupled_flux_hz": coupled.flux / (2.0 * math.pi),
         "coupled_injection_hz": coupled.injection / (2.0 * math.pi),
+        "coupled_L_q_bias": coupled_L_q_bias(motor),
         "smo_floor_rpm": speed_floor(motor),
         "dead_time_share": dead_time_share(motor),
     }
@@ -128,6 +136,12 @@ def speed_floor(motor: Motor) -> float:
     unknown = LEFT_DEAD_TIME * voltage_drift(motor)
     unknown += LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
     return min(unknown, FLOOR_MOST * motor.omega_rated) / motor.n_p / RPM_TO_RAD_S
+
+
+def coupled_L_q_bias(motor: Motor) -> float:
+    """q inductance of the coupled observer over the apparent one, by ``L_Q_LOW`` and ``TURN``."""
+    turn = motor.omega_rated * motor.T_s
+    return max(L_Q_LOW, min(L_Q_LOW + BY_TURN * (turn - TURN), 1.0))
 
 
 def dead_time_share(motor: Motor) -> float:

@@ -40,7 +40,9 @@ class DriveDesign:
     )
     flux_gain: float = number(0.2, "1", 0, 5, "how fast the flux correction rises with speed")
     flux_L_q_bias: float = number(0.9, "1", 0.3, 1.5, "flux observer's L_q over the apparent one")
-    coupled_L_q_bias: float = number(0.85, "1", 0.3, 1.5, "coupled one's L_q over the apparent one")
+    coupled_L_q_bias: float | None = derived(
+        "1", 0.3, 1.5, "coupled observer's q inductance over the apparent one"
+    )
     coupled_flux_hz: float | None = derived(
         "Hz", 0.5, 1000, "double pole of the coupled observer's voltage model"
     )

@@ -109,14 +109,14 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
             load=load_pole(by.speed_hz),
             injection=2.0 * math.pi * by.coupled_injection_hz,
         ),
-        L_q_bias=design.coupled_L_q_bias,
+        L_q_bias=by.coupled_L_q_bias,
         linear=design.coupled_linear,
         u_dt=control["u_dt"],
         inv_i_comp=control["inv_i_dt"],
         floor_rpm=by.smo_floor_rpm,
         omega_max=omega_max,
     )
-    own_bias = {"flux": design.flux_L_q_bias, "coupled": design.coupled_L_q_bias}
+    own_bias = {"flux": design.flux_L_q_bias, "coupled": by.coupled_L_q_bias}
     bias = own_bias.get(design.estimator, design.L_q_bias)
     alpha = 2.0 * math.pi * design.signal_hz
     fill(

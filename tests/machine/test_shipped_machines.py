@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sensorless.design.control import design_curves, operating_line
+from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
@@ -103,7 +104,7 @@ def test_the_default_drive_holds_rated_torque(name: str) -> None:
     high = steady(motor, design, 0.3 * motor.n_rated_rpm, tau, 0.0, settle=2.5)
     assert low.held.all() and high.held.all()
     assert np.all(np.abs(np.rad2deg(low.err)) < 1.5)
-    (want,) = error_of_bias(motor, design, design.coupled_L_q_bias)
+    (want,) = error_of_bias(motor, design, derive(motor, design).coupled_L_q_bias)
     want -= np.rad2deg(0.045 * (0.2 / 0.3) * motor.L_q * motor.i_rated / motor.psi_f)
     odd = 0.5 * np.rad2deg(high.err[0] - high.err[2])
     assert odd == pytest.approx(float(want), abs=2.5)
