@@ -48,6 +48,8 @@ typedef struct {
     dq_t u_int;   /* integrators of the current control [V] */
     float i_int;  /* integrator of the speed control [A] */
     float i_d_fw; /* field-weakening part of i_d_ref, at most 0 [A] */
+    dq_t u_sum;   /* voltages since lock.h looked, before injection [V] */
+    dq_t i_sum;   /* currents since then [A] */
     float u_abs;  /* magnitude of the voltage before the limit [V] */
     float u_max;  /* voltage limit of the last period [V] */
 } control_state_t;
@@ -77,16 +79,6 @@ CORE_INLINE void control_sample(control_state_t *x, rot_t r, ab_t i_ab) {
     x->i = i;
 }
 
-/* Voltage that the current control wants at electrical speed omega [rad/s], before its limit [V]. */
-CORE_INLINE dq_t current_voltage(const control_params_t *p, const control_state_t *x, float omega) {
-    dq_t i = x->i;
-    dq_t u = {
-        p->k_t_d * x->i_ref.d - p->k_p_d * i.d + x->u_int.d - omega * p->L_q * i.q,
-        p->k_t_q * x->i_ref.q - p->k_p_q * i.q + x->u_int.q + omega * (p->L_d * i.d + p->psi_f),
-    };
-    return u;
-}
-
 /* Current control alone, for the torque current i_q_ref [A]; otherwise as control_step. */
 CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, estimate_t est,
                                  rot_t r, ab_t i_ab, float u_dc, float i_q_ref, float reserve,
@@ -98,7 +90,11 @@ CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, 
     x->i_ref.q = i_q_ref;
     x->i_ref.d = max_f(i_d_mtpa + x->i_d_fw, p->i_d_min);
 
-    dq_t u = current_voltage(p, x, est.omega);
+    float omega = est.omega;
+    dq_t u = {
+        p->k_t_d * x->i_ref.d - p->k_p_d * i.d + x->u_int.d - omega * p->L_q * i.q,
+        p->k_t_q * x->i_ref.q - p->k_p_q * i.q + x->u_int.q + omega * (p->L_d * i.d + p->psi_f),
+    };
     float u_abs = sqrt_f(u.d * u.d + u.q * u.q);
     float u_max = max_f(u_dc * INV_SQRT3_F - reserve, 1.0f);
     float scale = u_abs > u_max ? u_max / u_abs : 1.0f;
@@ -106,9 +102,13 @@ CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, 
     x->u_int.d += p->k_i_d * (x->i_ref.d - i.d + (u_lim.d - u.d) / p->k_t_d);
     x->u_int.q += p->k_i_q * (x->i_ref.q - i.q + (u_lim.q - u.q) / p->k_t_q);
     x->i_d_fw = clamp_f(x->i_d_fw + p->k_fw * (p->fw_margin * u_max - u_abs), p->i_d_min, 0.0f);
+    x->u_sum.d += u_lim.d;
+    x->u_sum.q += u_lim.q;
+    x->i_sum.d += i.d;
+    x->i_sum.q += i.q;
     x->u_abs = u_abs;
     x->u_max = u_max;
-    return dq_to_ab(u_lim, rot_turn(r, 1.5f * T_s * est.omega));
+    return dq_to_ab(u_lim, rot_turn(r, 1.5f * T_s * omega));
 }
 
 /* One period: fundamental voltage that becomes active at k+1, stator frame [V]. est: angle and
@@ -119,6 +119,14 @@ CORE_INLINE ab_t control_step(const control_params_t *p, control_state_t *x, est
                               float T_s) {
     float i_q_ref = speed_control(p, x, omega_ref, est.omega, T_s);
     return current_control(p, x, est, r, i_ab, u_dc, i_q_ref, reserve, T_s);
+}
+
+/* Begins the sums for lock.h again. */
+CORE_INLINE void control_sum_anew(control_state_t *x) {
+    x->u_sum.d = 0.0f;
+    x->u_sum.q = 0.0f;
+    x->i_sum.d = 0.0f;
+    x->i_sum.q = 0.0f;
 }
 
 /* Sets the speed controller to its state at speed omega without load: the integrator cancels the

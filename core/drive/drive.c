@@ -63,6 +63,7 @@ static void control_clear(control_state_t *x) {
     x->i_ref.q = 0.0f;
     x->u_int.d = 0.0f;
     x->u_int.q = 0.0f;
+    control_sum_anew(x);
     x->i_d_fw = 0.0f;
     x->u_abs = 0.0f;
     x->u_max = 1.0f;

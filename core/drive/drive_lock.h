@@ -9,37 +9,32 @@
 extern "C" {
 #endif
 
-/* First part of an evaluation, after a period in control. */
-CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
-    const control_params_t *c = &p->control;
-    const control_state_t *y = &x->control;
-    curve_pos_t pos = curve_locate(y->i.q, c->curve_inv_step);
-    float L_q = p->lock.L_q_true * curve_at(&p->L_q, pos);
-    float psi_0 = curve_at(&p->coupled.psi_d, pos);
-    float omega = x->est.omega;
-    float share = y->u_max / max_f(y->u_abs, y->u_max);
-    dq_t u = current_voltage(c, y, omega);
-    lock_in_t in = {
-        omega,
-        {share * u.d, share * u.q},
-        y->i,
-        c->L_d,
-        L_q,
-        psi_0 + c->L_d * y->i.d,
-        min_f(psi_0 + (c->L_d - L_q) * y->i.d, 2.0f * psi_0),
-    };
-    lock_emf(&p->lock, &x->lock, &in);
-    lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, p->hfi.u_inj, x->k_s);
-}
-
 #define DEMAND_HELD 0.75f /* drives that hold want up to a third more voltage than there is */
 
-/* Second part. Where voltage is short, the current cannot follow: its distance counts for less. */
-CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
-    const control_state_t *y = &x->control;
+/* First part of an evaluation, after a period in control. Where voltage is short, the current cannot
+ * follow: its distance counts for less. */
+CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
+    control_state_t *y = &x->control;
+    curve_pos_t pos = curve_locate(y->i.q, p->control.curve_inv_step);
+    float L_d = p->control.L_d;
+    float L_q = p->lock.L_q_true * curve_at(&p->L_q, pos);
+    float psi_0 = curve_at(&p->coupled.psi_d, pos);
+    float one = p->lock.inv_t * p->T_s; /* over the number of periods */
+    dq_t i = {one * y->i_sum.d, one * y->i_sum.q};
+    lock_in_t in = {
+        x->est.omega,      {one * y->u_sum.d, one * y->u_sum.q},           i, y->i, L_d, L_q,
+        psi_0 + L_d * i.d, min_f(psi_0 + (L_d - L_q) * i.d, 2.0f * psi_0),
+    };
     float share = max_f(y->u_max / max_f(y->u_abs, y->u_max), DEMAND_HELD);
-    float off = share * share * (y->i.q - y->i_ref.q);
-    lock_judge(&p->lock, &x->lock, x->est.omega, off);
+    lock_emf(&p->lock, &x->lock, &in);
+    lock_current(&p->lock, &x->lock, share * share * (i.q - y->i_ref.q));
+    lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, p->hfi.u_inj, x->k_s);
+    control_sum_anew(y);
+}
+
+/* Second part. */
+CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
+    lock_judge(&p->lock, &x->lock, x->est.omega);
     x->lock.wait = p->lock.n;
     x->fault |= x->lock.alarm != 0 ? FAULT_LOCK : 0;
 }

@@ -62,6 +62,7 @@ CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimat
     if (x->start.again == 0) { /* else the integrator knows the load of before */
         control_ready(&p->control, &x->control, next.omega);
     }
+    control_sum_anew(&x->control);
     lock_begin(&p->lock, &x->lock, next.omega);
     start_enter(&x->start, START_DONE);
 }

@@ -87,8 +87,9 @@ typedef struct {
 /* What EMF reads; all in the estimated frame. */
 typedef struct {
     float omega; /* electrical [rad/s] */
-    dq_t u;      /* [V] */
-    dq_t i;      /* [A] */
+    dq_t u;      /* mean voltage since the last evaluation [V] */
+    dq_t i;      /* mean current since then [A] */
+    dq_t i_now;  /* current [A] */
     float L_d;   /* [H] */
     float L_q;   /* [H] */
     float psi_d; /* [Vs] */
@@ -111,11 +112,11 @@ CORE_INLINE void lock_begin(const lock_params_t *p, lock_state_t *x, float omega
 
 /* First part of an evaluation: the EMF. */
 CORE_INLINE void lock_emf(const lock_params_t *p, lock_state_t *x, const lock_in_t *in) {
-    float drop_d = p->R_s * in->i.d + p->inv_t * in->L_d * (in->i.d - x->i.d);
-    float drop_q = p->R_s * in->i.q + p->inv_t * in->L_q * (in->i.q - x->i.q);
+    float drop_d = p->R_s * in->i.d + p->inv_t * in->L_d * (in->i_now.d - x->i.d);
+    float drop_q = p->R_s * in->i.q + p->inv_t * in->L_q * (in->i_now.q - x->i.q);
     float d = in->u.d - drop_d + in->omega * in->L_q * in->i.q;
     float q = in->u.q - drop_q - in->omega * in->psi_d;
-    x->i = in->i;
+    x->i = in->i_now;
     x->across += p->alpha * (d - x->across);
     x->residual += p->alpha * (q - x->residual);
     x->emf += p->alpha * (abs_f(in->omega * in->psi_a) - x->emf);
@@ -144,11 +145,14 @@ CORE_INLINE void lock_answer(const lock_params_t *p, lock_state_t *x, float seen
     x->answer += p->alpha * (more - x->answer);
 }
 
-/* Second part, a period later: the other tests, and the verdict. omega: estimated
- * speed [rad/s]; off: torque current less its reference [A]. */
-CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega, float off) {
-    x->omega += p->alpha * (omega - x->omega);
+/* Also in the first part: the current. off: mean torque current less its reference [A]. */
+CORE_INLINE void lock_current(const lock_params_t *p, lock_state_t *x, float off) {
     x->i_off += p->alpha * (abs_f(off) - x->i_off);
+}
+
+/* Second part, a period later: the speed, and the verdict. omega: estimated speed [rad/s]. */
+CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega) {
+    x->omega += p->alpha * (omega - x->omega);
     int32_t grace = x->bad > LOCK_GRACE;
     int32_t found = (lock_emf_fails(p, x, omega) ? LOCK_EMF : 0) |
                     (abs_f(omega - x->omega) > p->jump ? LOCK_SPEED : 0) |
