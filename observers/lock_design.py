@@ -11,6 +11,7 @@ import numpy as np
 from sensorless.core.api import lib
 from sensorless.machine.magnetics import flux, mtpa
 from sensorless.machine.motor import Motor
+from sensorless.machine.rated_point import USABLE
 from sensorless.machine.saliency import principal
 from sensorless.observers.injection_signal import dead_time_voltage
 from sensorless.observers.tracking import rated_acceleration
@@ -19,9 +20,9 @@ ACTIONS = {name: getattr(lib, f"LOCK_{name.upper()}") for name in ("report", "re
 """Numbers of the C core by the name that the setting ``lost_lock`` takes."""
 EVERY = 1e-3
 """Time from one evaluation to the next [s]: that between two decisions of a schedule."""
-TAU = 6e-3
-"""Time constant of the tests' low-pass [s]: a half turn of slip at 60 degrees in 10 ms is seen, a
-step of the current is not."""
+TAU = 4e-3
+"""Time constant of the tests' low-pass [s]: a half turn of slip that takes 10 ms is seen, a step of
+the current is not."""
 ANGLE = math.pi / 3.0
 """Angle error that is told as lost [rad]."""
 SPEED_LAG = 0.15
@@ -54,14 +55,13 @@ ACTS = 0.1
 CURRENT_SHARE = 0.1
 """Distance of the torque current from its reference, over rated current, beyond what the slope of
 the reference makes."""
-ALARM, ACT, CLEAR, CALM = 2e-3, 2.0 * TAU, 10e-3, 1.0
+ALARM, ACT, CLEAR, CALM = 2e-3, 12e-3, 10e-3, 1.0
 """Times [s] from the first failed test to the alarm and until the drive acts, and of passed tests
 after which the alarm ends, and after which restarts are forgotten. A drive acts when what a swing
 left in the low-pass has decayed. A judge waits 10 ms; a slipping drive passes less at a time."""
 RESTARTS = 5
-SETTLED = 3.0
-"""Time constants of the current loop, and of the tests' low-pass, after which the current follows
-its reference when a drive has taken control."""
+SETTLED = 4.0
+"""Time constants of the current loop, and of the tests' low-pass, in ``settled``."""
 
 
 def least_answer(motor: Motor) -> float:
@@ -113,6 +113,20 @@ def least_bounded(motor: Motor) -> float:
     return LOADED * motor.i_rated if most_answer(motor) < reach else motor.adc_range
 
 
+def settled(motor: Motor, current: float, weakening: float) -> float:
+    """Time after which the current follows its reference when a drive takes control [s].
+
+    On a shaft whose EMF is more than the voltage it first takes field weakening.
+
+    Parameters
+    ----------
+    current, weakening : float
+        Bandwidths of the current loop and of field weakening [rad/s].
+    """
+    short = motor.omega_rated * motor.psi_f > USABLE * motor.u_dc / math.sqrt(3.0)
+    return SETTLED * (TAU + 1.0 / current) + (1.0 / weakening if short else 0.0)
+
+
 def evaluation_periods(motor: Motor) -> int:
     """PWM periods from one evaluation to the next."""
     return max(2, round(EVERY / motor.T_s))
@@ -126,6 +140,7 @@ def design_lock(
     one_axis: bool,
     speed_hz: float,
     current_hz: float,
+    weakening: float,
 ) -> dict[str, Any]:
     """Fields of ``lock_params_t``.
 
@@ -140,6 +155,8 @@ def design_lock(
     speed_hz, current_hz : float
         Natural frequency of the speed loop, whose reference may move by 4 pi speed_hz i_rated a
         second, and bandwidth of the current loop [Hz].
+    weakening : float
+        Bandwidth of field weakening at rated speed [rad/s].
     """
     n = evaluation_periods(motor)
     step = n * motor.T_s
@@ -169,5 +186,5 @@ def design_lock(
         "n_calm": round(CALM / step),
         "restarts": RESTARTS,
         "action": ACTIONS[action],
-        "n_grace": math.ceil(SETTLED * (TAU + 1.0 / (2.0 * math.pi * current_hz)) / step),
+        "n_grace": math.ceil(settled(motor, 2.0 * math.pi * current_hz, weakening) / step),
     }

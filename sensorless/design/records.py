@@ -149,6 +149,7 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
                 one_axis=design.estimator in ("coupled", "errors"),
                 speed_hz=by.speed_hz,
                 current_hz=by.current_hz,
+                weakening=control["k_fw"] * motor.omega_rated * motor.L_d / motor.T_s,
             ),
         },
     )

@@ -65,6 +65,8 @@ static void control(int j) {
         (double)was.u_int.d + (double)p.k_i_d * (i_d - creal(i) + creal(lack) / (double)p.k_t_d);
     double int_q =
         (double)was.u_int.q + (double)p.k_i_q * (i_q - cimag(i) + cimag(lack) / (double)p.k_t_q);
+    check("sums", near_v(of_dq(x.u_sum) - of_dq(was.u_sum), cut, 1e-3) &&
+                      near_v(of_dq(x.i_sum) - of_dq(was.i_sum), i, 1e-4));
     check("current's integrators", near_v(of_dq(x.u_int), int_d + I * int_q, 1e-4));
     double fw = (double)was.i_d_fw + (double)p.k_fw * ((double)p.fw_margin * limit - cabs(v));
     check("field weakening", near((double)x.i_d_fw, fmin(fmax(fw, (double)p.i_d_min), 0.0), 1e-4));

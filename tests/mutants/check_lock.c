@@ -17,7 +17,7 @@ static void speed(void) {
         double was = (double)x.omega, now = was + draw(-2, 2) * (double)p.jump;
         double to = was + (double)p.alpha * ((double)(float)now - was);
         double beyond = fabs((double)(float)now - to) / (double)p.jump - 1.0;
-        lock_judge(&p, &x, (float)now, 0.0f);
+        lock_judge(&p, &x, (float)now);
         check("speed: low-pass", near((double)x.omega, to, 1e-5));
         if (fabs(beyond) > 0.01) {
             check("speed: told", x.alarm == (beyond > 0.0) && x.reason == (beyond > 0.0 ? 2 : 0));
@@ -50,7 +50,7 @@ static void injected(void) {
         lock_state_t x;
         memset(&x, 0, sizeof x);
         x.bad = p.n_alarm, x.answer = limit[j];
-        lock_judge(&p, &x, 0.0f, 0.0f);
+        lock_judge(&p, &x, 0.0f);
         check("answer: told", x.reason == (j == 0 ? LOCK_ANSWER : 0));
         lock_begin(&p, &x, 0.0f);
         check("answer: anew", x.answer == 0.0f);
@@ -111,30 +111,28 @@ static void sums(void) {
         drive_init(&p, &x, 0.0f, 0.0f, 0.5f);
         x.est.omega = draw_f(-500, 500);
         x.control.i.d = draw_f(-5, 5), x.control.i.q = draw_f(-5, 5);
-        x.control.i_ref.q = draw_f(-5, 5), x.control.u_int.q = draw_f(-50, 50);
+        x.control.i_ref.q = draw_f(-5, 5);
         x.control.u_max = 250.0f, x.control.u_abs = draw_f(100, 400);
         x.k_s = draw_f(0, 1), x.hfi.answer = draw_f(-1, 1);
         x.hfi.valid = j % 2 ? 1.0f : 0.0f;
-        x.control.i_ref.d = draw_f(-5, 5), x.control.u_int.d = draw_f(-50, 50);
+        double n = (double)p.lock.n;
+        x.control.u_sum.d = draw_f(-2000, 2000), x.control.u_sum.q = draw_f(-2000, 2000);
+        x.control.i_sum.d = draw_f(-50, 50), x.control.i_sum.q = draw_f(-50, 50);
         x.lock.i.d = draw_f(-5, 5), x.lock.i.q = draw_f(-5, 5);
         x.lock.across = draw_f(-9, 9), x.lock.residual = draw_f(-9, 9), x.lock.emf = draw_f(0, 90);
         const lock_state_t was = x.lock;
-        const control_params_t *c = &p.control;
-        double omega = (double)x.est.omega, i_d = (double)x.control.i.d,
-               i_q = (double)x.control.i.q;
-        curve_pos_t pos = curve_locate(x.control.i.q, c->curve_inv_step);
-        double L_q = (double)(p.lock.L_q_true * curve_at(&p.L_q, pos)), L_d = (double)c->L_d;
+        double omega = (double)x.est.omega;
+        double i_d = (double)x.control.i_sum.d / n, i_q = (double)x.control.i_sum.q / n;
+        double u_d = (double)x.control.u_sum.d / n, u_q = (double)x.control.u_sum.q / n;
+        curve_pos_t pos = curve_locate(x.control.i.q, p.control.curve_inv_step);
+        double L_q = (double)(p.lock.L_q_true * curve_at(&p.L_q, pos)), L_d = (double)p.control.L_d;
         double psi_0 = (double)curve_at(&p.coupled.psi_d, pos);
-        double u_q = (double)(c->k_t_q * x.control.i_ref.q - c->k_p_q * x.control.i.q) +
-                     (double)x.control.u_int.q + omega * (L_d * i_d + (double)c->psi_f);
-        double u_d = (double)(c->k_t_d * x.control.i_ref.d - c->k_p_d * x.control.i.d) +
-                     (double)x.control.u_int.d - omega * (double)c->L_q * i_q;
-        double limit = fmin(1.0, 250.0 / (double)x.control.u_abs);
-        u_d *= limit, u_q *= limit;
-        double beside = u_d - (double)p.lock.R_s * i_d + omega * L_q * i_q -
-                        (double)p.lock.inv_t * L_d * (i_d - (double)was.i.d);
+        double d_d = (double)x.control.i.d - (double)was.i.d;
+        double d_q = (double)x.control.i.q - (double)was.i.q;
+        double beside =
+            u_d - (double)p.lock.R_s * i_d + omega * L_q * i_q - (double)p.lock.inv_t * L_d * d_d;
         double r = u_q - (double)p.lock.R_s * i_q - omega * (psi_0 + L_d * i_d) -
-                   (double)p.lock.inv_t * L_q * (i_q - (double)was.i.q);
+                   (double)p.lock.inv_t * L_q * d_q;
         double psi_a = fmin(psi_0 + (L_d - L_q) * i_d, 2.0 * psi_0);
         double emf = fabs(omega * psi_a), alpha = (double)p.lock.alpha;
         drive_watch(&p, &x);
@@ -149,10 +147,12 @@ static void sums(void) {
         lock_answer(&p.lock, &answer, x.hfi.answer, x.hfi.valid, p.hfi.u_inj, x.k_s);
         check("answer: of the drive", x.lock.answer == answer.answer);
         double share = fmin(1.0, fmax(0.75, (double)x.control.u_max / (double)x.control.u_abs));
-        double off = share * share * fabs((double)x.control.i.q - (double)x.control.i_ref.q);
-        drive_judge(&p, &x);
+        double off = share * share * fabs(i_q - (double)x.control.i_ref.q);
         to = (double)was.i_off + alpha * (off - (double)was.i_off);
         check("tests: current", near((double)x.lock.i_off, to, 1e-5));
+        check("sums: anew", x.control.u_sum.d == 0.0f && x.control.u_sum.q == 0.0f);
+        check("sums: anew", x.control.i_sum.d == 0.0f && x.control.i_sum.q == 0.0f);
+        drive_judge(&p, &x);
         check("tests: the next", x.lock.wait == p.lock.n);
     }
 }
@@ -163,19 +163,19 @@ static void told_once(void) {
     lock_state_t x;
     memset(&x, 0, sizeof x);
     for (int k = 0; k < 60; k++) {
-        lock_judge(&p, &x, 0.0f, 0.0f);
+        lock_judge(&p, &x, 0.0f);
         check("alarm: none", x.alarm == 0 && x.bad == 0 && x.alarms == 0);
     }
     for (int n = 1; n <= 3; n++) {
         for (int k = 0; k < 9; k++) {
             x.residual = 2.0f * p.e_floor;
-            lock_judge(&p, &x, 0.0f, 0.0f);
+            lock_judge(&p, &x, 0.0f);
             check("alarm: begins",
                   x.alarm == (k + 1 >= p.n_alarm) && x.reason == LOCK_EMF * x.alarm);
         }
         x.residual = 0.0f;
         for (int k = 1; k <= p.n_clear + 9; k++) {
-            lock_judge(&p, &x, 0.0f, 0.0f);
+            lock_judge(&p, &x, 0.0f);
             check("alarm: ends", x.alarm == (k < p.n_clear));
         }
         check("alarm: counted", x.alarms == n);
@@ -184,13 +184,13 @@ static void told_once(void) {
     for (int n = 1; n <= p.n_grace + 1; n++) { /* counts down, nothing is judged; damage ends it */
         memset(&x, 0, sizeof x);
         x.bad = LOCK_GRACE + n, x.residual = 2.0f * p.e_floor;
-        lock_judge(&p, &x, 0.0f, 0.0f);
+        lock_judge(&p, &x, 0.0f);
         check("grace", x.bad == (n == 1 || n > p.n_grace ? 0 : LOCK_GRACE + n - 1) && !x.alarm);
     }
     for (int n = -2; n <= 1; n++) { /* restarts are forgotten once it was calm for n_calm */
         memset(&x, 0, sizeof x);
         x.calm = p.n_calm + n, x.restarts = 2;
-        lock_judge(&p, &x, 0.0f, 0.0f);
+        lock_judge(&p, &x, 0.0f);
         check("restarts: forgotten", x.restarts == (n >= -1 ? 0 : 2));
     }
     for (int n = -1; n <= 1; n++) {

@@ -19,6 +19,7 @@ static void fly(void) {
                   x.start.phase != START_FLY || x.hfi.pll.omega == x.est.omega);
         }
         check("length of FLY", n == (again ? p->start.n_again : p->start.n_fly));
+        check("sums anew", x.control.u_sum.q == 0.0f && x.control.i_sum.q == 0.0f);
         check("flux starts again", x.flux.psi.a == 0.0f && x.flux.psi.b == 0.0f);
     }
     drive_state_t x;
