@@ -18,7 +18,7 @@ FAST = member(8101, 1)
 
 def scores(design: DriveDesign) -> Scores:
     """Three scenarios with an observer's L_q far too low, at rated speed."""
-    rows = SuiteRows("stress", FAST, 7701, 64).draw()[[33, 41, 58]]
+    rows = SuiteRows("stress", FAST, 7701, 64).draw()[np.array([33, 41, 58])]
     return score(make_policy("eq25", FAST), rows, SimFactory(FAST, design))
 
 

@@ -15,7 +15,7 @@ MOTOR = member(9301, 42)
 
 def test_six_swings_a_turn_raise_no_alarm() -> None:
     """With samples in place of means, LOCK_CURRENT told a lost angle in each of these."""
-    rows = SuiteRows("stress", MOTOR, 7701, 64).draw()[[8, 9, 22, 30, 46]]
+    rows = SuiteRows("stress", MOTOR, 7701, 64).draw()[np.array([8, 9, 22, 30, 46])]
     found = score(make_policy("eq25", MOTOR), rows, SimFactory(MOTOR, DriveDesign()))
     assert not found.lost.any()
     assert np.all(found.lock["false_alarms"] == 0)
