@@ -17,7 +17,7 @@ from benchmarks.words import parser
 from sensorless import _core  # type: ignore[attr-defined]
 from sensorless.core.api import lib
 
-LOOP = "block_period_twin"
+LOOP = "block_smo_twin"
 
 HELPERS = ("frames.h", "trig.h", "curve.h", "pll.h", "signals.h")
 """Their instructions count for the stage that calls them."""
