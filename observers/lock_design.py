@@ -55,7 +55,7 @@ ACTS = 0.1
 CURRENT_SHARE = 0.1
 """Distance of the torque current from its reference, over rated current, beyond what the slope of
 the reference makes."""
-ALARM, ACT, CLEAR, CALM = 2e-3, 12e-3, 10e-3, 1.0
+ALARM, ACT, CLEAR, CALM = 2e-3, 2.0 * TAU, 10e-3, 1.0
 """Times [s] from the first failed test to the alarm and until the drive acts, and of passed tests
 after which the alarm ends, and after which restarts are forgotten. A drive acts when what a swing
 left in the low-pass has decayed. A judge waits 10 ms; a slipping drive passes less at a time."""
