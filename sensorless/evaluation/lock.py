@@ -98,7 +98,9 @@ class LockWatch:
         """Whether lost drives are in control again, at their angle and their twin's speed."""
         x, y = sims["drive"]["x"], sims["drive"]["y"]
         away = np.abs(y["omega_m"] - sims["twin"]["y"]["omega_m"])
-        err = np.abs(np.angle(np.exp(1j * (y["theta_e"] - x["est"]["theta"].astype(np.float64)))))
+        with np.errstate(invalid="ignore"):  # a lost drive may have left all numbers
+            off = y["theta_e"] - x["est"]["theta"].astype(np.float64)
+            err = np.abs(np.angle(np.exp(1j * off)))
         good = (away <= self._band) & (err <= sims["err_limit"])
         good &= lost & (x["start"]["phase"] == lib.START_DONE)
         self._since = np.where(good, np.minimum(self._since, self._now), np.inf)
