@@ -16,18 +16,22 @@ extern "C" {
 CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     control_state_t *y = &x->control;
     curve_pos_t pos = curve_locate(y->i.q, p->control.curve_inv_step);
-    float L_d = p->control.L_d;
-    float L_q = p->lock.L_q_true * curve_at(&p->L_q, pos);
-    float psi_0 = curve_at(&p->coupled.psi_d, pos);
     float one = p->lock.inv_t * p->T_s; /* over the number of periods */
-    dq_t i = {one * y->i_sum.d, one * y->i_sum.q};
-    lock_in_t in = {
-        x->est.omega,      {one * y->u_sum.d, one * y->u_sum.q},           i, y->i, L_d, L_q,
-        psi_0 + L_d * i.d, min_f(psi_0 + (L_d - L_q) * i.d, 2.0f * psi_0),
-    };
+    float psi_0 = curve_at(&p->coupled.psi_d, pos);
+    lock_in_t in;
+    in.omega = x->est.omega;
+    in.u.d = one * y->u_sum.d;
+    in.u.q = one * y->u_sum.q;
+    in.i.d = one * y->i_sum.d;
+    in.i.q = one * y->i_sum.q;
+    in.i_now = y->i;
+    in.L_d = p->control.L_d;
+    in.L_q = p->lock.L_q_true * curve_at(&p->L_q, pos);
+    in.psi_d = psi_0 + in.L_d * in.i.d;
+    in.psi_a = min_f(psi_0 + (in.L_d - in.L_q) * in.i.d, 2.0f * psi_0);
     float share = max_f(y->u_max / max_f(y->u_abs, y->u_max), DEMAND_HELD);
     lock_emf(&p->lock, &x->lock, &in);
-    lock_current(&p->lock, &x->lock, share * share * (i.q - y->i_ref.q));
+    lock_current(&p->lock, &x->lock, share * share * (in.i.q - y->i_ref.q));
     lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, p->hfi.u_inj, x->k_s);
     control_sum_anew(y);
 }
