@@ -1,6 +1,6 @@
 """Tests that tell lost lock: from the machine and its loops to ``lock_params_t``.
 
-docs/lock.md has the reasons and what separates drives that hold from those that do not.
+docs/lock-trials.md has the reasons and what separates drives that hold from those that do not.
 """
 
 import math
