@@ -16,7 +16,7 @@
  *            more than on any axis, a channel reads too much
  *
  * An evaluation every n periods, in two parts in two periods in a row, neither of them the one in
- * which a schedule decides. Thresholds and reasons: docs/lock.md.
+ * which a schedule decides. Thresholds and reasons: docs/lock-trials.md.
  */
 #ifndef SENSORLESS_LOCK_H
 #define SENSORLESS_LOCK_H
