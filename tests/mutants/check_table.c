@@ -24,14 +24,16 @@ static uint32_t crc_bytes(const void *data, size_t words, int half) {
 }
 
 static ks_table_t table(uint32_t n_axes, int half) {
-    static const uint32_t n[4] = {12, 4, 3, 2}, signal[4] = {0, 1, 2, 11};
+    static const uint32_t nodes_of[4][4] = {{12}, {12, 12}, {11, 3, 12}, {11, 3, 3, 10}};
+    static const uint32_t signal[4] = {0, 1, 2, 11};
+    const uint32_t *n = nodes_of[n_axes - 1];
     ks_table_t t;
     memset(&t, 0, sizeof t);
     t.magic = KS_TABLE_MAGIC, t.format = KS_TABLE_FORMAT;
     t.value_format = half ? KS_VALUES_Q15 : KS_VALUES_F32;
     t.n_axes = n_axes, t.n_nodes = 1, t.kind = n_axes | (half ? (uint32_t)KS_KIND_Q15 : 0U);
     for (uint32_t a = 0; a < n_axes; a++) {
-        ks_axis_t x = {signal[a], n[a], -0.5f + 0.3f * (float)a, a ? 2.0f + (float)a : 5.0f,
+        ks_axis_t x = {signal[a], n[a], -0.5f + 0.3f * (float)a, 0.4f * (float)n[a],
                        (float)(n[a] - 1)};
         t.axis[a] = x;
         t.n_nodes *= n[a];
