@@ -203,6 +203,7 @@ static void schedule(void) {
     check("bad input",
           ks_schedule_step(&p, &x, &signal, &at) == 0.75f && x.fault == KS_FAULT_INPUT);
     p.table = 0;
+    check("fault bits", KS_FAULT_TABLE == 1 && KS_FAULT_INPUT == 2);
     check("no table", ks_schedule_init(&p, &x) == KS_BAD_MAGIC && x.fault == KS_FAULT_TABLE);
     check("rule of NaN", ks_schedule_step(&p, &x, &signal, &at) == 1.0f &&
                              x.fault == (KS_FAULT_TABLE | KS_FAULT_INPUT));
