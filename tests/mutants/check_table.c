@@ -24,7 +24,7 @@ static uint32_t crc_bytes(const void *data, size_t words, int half) {
 }
 
 static ks_table_t table(uint32_t n_axes, int half) {
-    static const uint32_t nodes_of[4][4] = {{12}, {12, 12}, {11, 3, 12}, {11, 3, 3, 10}};
+    static const uint32_t nodes_of[4][4] = {{12}, {12, 12}, {11, 3, 12}, {9, 3, 3, 12}};
     static const uint32_t signal[4] = {0, 1, 2, 11};
     const uint32_t *n = nodes_of[n_axes - 1];
     ks_table_t t;
