@@ -52,8 +52,7 @@ CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimat
     ab_t nothing = {0.0f, 0.0f};
     x->hfi.pll.theta = next.theta;
     x->hfi.pll.omega = next.omega;
-    x->emf.pll.theta = next.theta;
-    x->emf.pll.omega = next.omega;
+    x->emf.pll = x->hfi.pll;
     x->smo.omega_f = next.omega;
     x->emf.valid = 0.0f; /* observers that integrate start again */
     x->flux.psi = nothing;

@@ -14,7 +14,13 @@ from sensorless.evaluation.metrics.held import BAND_PCT
 from sensorless.machine.magnetics import mtpa
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.machine.saliency import principal
-from sensorless.observers.lock_design import ACTIONS, EVERY, least_answer, most_answer
+from sensorless.observers.lock_design import (
+    ACTIONS,
+    EVERY,
+    least_answer,
+    most_answer,
+    settled,
+)
 from sensorless.observers.tracking import rated_acceleration
 
 
@@ -31,6 +37,15 @@ def test_the_bound_above_knows_the_iron_loss_of_the_file() -> None:
     loss = 0.1 * motor.tau_rated * motor.omega_rated / motor.n_p
     more = most_answer(replace(motor, p_iron=2.0 * loss)) - most_answer(replace(motor, p_iron=loss))
     assert more == pytest.approx(loss / (1.5 * (motor.omega_rated * motor.psi_f) ** 2), rel=1e-9)
+
+
+def test_grace_waits_for_field_weakening_where_the_emf_needs_it() -> None:
+    """One of its time constants more on a shaft whose EMF is beyond the usable voltage."""
+    motor = Motor.load("ipmsm_2200w")
+    limit = motor.omega_rated * motor.psi_f * math.sqrt(3.0) / 0.97  # u_dc at which it is short
+    short, enough = (settled(replace(motor, u_dc=x * limit), 800.0, 50.0) for x in (0.99, 1.01))
+    assert enough == pytest.approx(4.0 * (4e-3 + 1.0 / 800.0))
+    assert short - enough == pytest.approx(1.0 / 50.0)
 
 
 def test_an_evaluation_keeps_step_with_decisions() -> None:
