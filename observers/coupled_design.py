@@ -10,16 +10,16 @@ from typing import Any
 
 from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.motor import Motor
-from sensorless.observers.drift_design import HAND_OVER, design_drift
+from sensorless.observers.drift_design import design_drift
 from sensorless.observers.flux_design import standstill_rate
 from sensorless.observers.hfi_design import error_slope
 from sensorless.observers.match_design import design_match
 from sensorless.observers.smo_design import low_pass
 from sensorless.observers.tracking import (
-    CHANGES,
+    HAND_OVER,
     LEFT_RESISTANCE,
     flux_noise,
-    injection_noise,
+    injection_bandwidth,
     rated_acceleration,
     tracking,
     voltage_drift,
@@ -64,20 +64,17 @@ class Bandwidths:
 def bandwidths(motor: Motor, speed_hz: float) -> Bandwidths:
     """Steady-state Kalman gains of the two loops, for white noise and random steps.
 
-    Voltage model: ``tracking`` with ``flux_noise``. Injection: a drift of ``voltage_drift`` v
-    changes as often as the acceleration; with ``injection_noise`` sigma,
-    W^2 = v sqrt(CHANGES) / (sigma sqrt(T_s)) / 2.
+    Voltage model: ``tracking`` with ``flux_noise``. Injection: ``injection_bandwidth``.
 
     Parameters
     ----------
     speed_hz : float
         Natural frequency of the speed loop [Hz].
     """
-    often = math.sqrt(CHANGES / motor.T_s)
     return Bandwidths(
         flux=tracking(motor, flux_noise(motor)),
         load=load_pole(speed_hz),
-        injection=math.sqrt(0.5 * voltage_drift(motor) * often / injection_noise(motor)),
+        injection=injection_bandwidth(motor),
     )
 
 

@@ -9,8 +9,9 @@ from typing import Any
 from sensorless.machine.motor import Motor
 from sensorless.observers.hfi_design import hf_current
 from sensorless.observers.match_design import learning_time
+from sensorless.observers.q_inductance import learned_share
 from sensorless.observers.smo_design import low_pass
-from sensorless.observers.tracking import dead_time_noise, flux_noise, voltage_drift
+from sensorless.observers.tracking import HAND_OVER, dead_time_noise, flux_noise, voltage_drift
 
 LEG = 0.75
 """Dead-time voltage of a leg over that of the voltage vector: three legs make 4/3 of it."""
@@ -23,18 +24,12 @@ LEARNED_R_S = 0.25
 L_Q_ERROR = 0.3
 """Error of the q inductance, over the file's unsaturated one: what the observer takes too low on
 purpose, and as much again."""
-LEARNED_L_Q = 0.09
-"""Largest error that is learned, over the same: less than what is too low on purpose, which keeps
-the loop through the torque current stable."""
 KNOWN_L_Q = 0.3
 """Share of what is too low on purpose that counts before any error was learned, for the same
 reason: half of the largest that is learned."""
 CALM = 8.0
 """Torque current below which the voltages are trusted less, over ``zero_current``: with less, some
 leg is within that for more than a quarter of the time."""
-HAND_OVER = 0.2
-"""Speed of the hand-over, over rated: there the EMF's pulses are taken, and to there the error of
-an inductance grows, because injection, which reveals it, goes there."""
 
 
 def zero_current(motor: Motor) -> float:
@@ -88,6 +83,7 @@ def design_drift(
     resistance = R_S_ERROR * motor.R_s * motor.i_rated / motor.psi_f
     omega = HAND_OVER * motor.omega_rated
     inductance = L_Q_ERROR * omega * motor.L_q * motor.i_rated / (2.0 * damping * motor.psi_f)
+    learned = learned_share(motor)
     known = KNOWN_L_Q * (L_q_bias - 1.0)
     both = dead_time**2 + resistance**2
     share = dead_time**2 / both
@@ -98,8 +94,8 @@ def design_drift(
         "most": 2.0 * dead_time + resistance,
         "res_most": min(LEARNED_R_S / R_S_ERROR, 1.0 - share) * resistance,
         "alpha": low_pass(injection / (2.0 * math.pi), learning_time(motor)),
-        "ind_most": LEARNED_L_Q / L_Q_ERROR * inductance,
-        "ind_0": max(-LEARNED_L_Q, min(known, LEARNED_L_Q)) / L_Q_ERROR * inductance,
+        "ind_most": learned / L_Q_ERROR * inductance,
+        "ind_0": max(-learned, min(known, learned)) / L_Q_ERROR * inductance,
         "inv_omega": 1.0 / omega,
         "ind_share": inductance**2 / both,
         "inv_i_true": 1.0 / zero_current(motor),

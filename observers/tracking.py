@@ -24,6 +24,8 @@ second differences, whose error is one step."""
 LEFT_RESISTANCE = 1.0 / 3.0
 """What is not known of the resistance, over the file's: a cold winding's to a hot one's."""
 
+HAND_OVER = 0.2
+"""Speed at which Eq. 25 leaves injection, over rated."""
 LEAST_DEAD_TIME = 1e-3
 """Least dead time of an inverter, over a period: stands for a dead time of zero."""
 LEAST_SLOPE = 1e-6
@@ -54,6 +56,16 @@ def injection_noise(motor: Motor) -> float:
     """Noise of the injection's angle of a sample [rad]: a step over the slope of its answer."""
     slope = max(error_slope(motor.L_d, motor.L_q), LEAST_SLOPE)
     return adc_step(motor) / (hf_current(motor) * slope)
+
+
+def injection_bandwidth(motor: Motor) -> float:
+    """W of the injection's double pole [rad/s]: steady-state Kalman gains, as of ``tracking``.
+
+    A drift of ``voltage_drift`` v changes as often as the acceleration; with ``injection_noise``
+    sigma, W^2 = v sqrt(CHANGES) / (sigma sqrt(T_s)) / 2.
+    """
+    often = math.sqrt(CHANGES / motor.T_s)
+    return math.sqrt(0.5 * voltage_drift(motor) * often / injection_noise(motor))
 
 
 def tracking(motor: Motor, noise: float) -> float:

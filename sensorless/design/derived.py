@@ -12,7 +12,9 @@ from sensorless.design.drive import DriveDesign
 from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_inductance, mtpa
 from sensorless.machine.motor import Motor
 from sensorless.observers.coupled_design import bandwidths
+from sensorless.observers.q_inductance import coupled_L_q_bias
 from sensorless.observers.tracking import (
+    HAND_OVER,
     LEFT_RESISTANCE,
     flux_noise,
     injection_noise,
@@ -44,16 +46,8 @@ LEFT_DEAD_TIME = 0.75
 compensated by 0.75."""
 SHARE, LEAST_DEAD_TIME = 0.75, 0.25
 """Share of the file's dead time that is compensated, and the least that an inverter may have."""
-HAND_OVER = 0.2
-"""Speed at which Eq. 25 leaves injection, over rated."""
 TOO_MUCH = 0.2
 """Voltage that may be compensated too much, over the EMF at the hand-over."""
-L_Q_LOW = 0.85
-"""The coupled observer's q inductance over the apparent one: one too large feeds back positively,
-and sensors and iron are uncertain by more than a tenth."""
-TURN, BY_TURN = 0.16, 1.25
-"""Angle by which the rotor turns in a PWM period at rated speed beyond which one too small swings
-[rad], and the rise of ``coupled_L_q_bias`` with it, up to 1: docs/coupled-observer.md."""
 FLOOR_MOST = 0.1
 """Largest speed floor over rated speed: half of the speed at which Eq. 25 leaves injection."""
 
@@ -136,12 +130,6 @@ def speed_floor(motor: Motor) -> float:
     unknown = LEFT_DEAD_TIME * voltage_drift(motor)
     unknown += LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
     return min(unknown, FLOOR_MOST * motor.omega_rated) / motor.n_p / RPM_TO_RAD_S
-
-
-def coupled_L_q_bias(motor: Motor) -> float:
-    """q inductance of the coupled observer over the apparent one, by ``L_Q_LOW`` and ``TURN``."""
-    turn = motor.omega_rated * motor.T_s
-    return max(L_Q_LOW, min(L_Q_LOW + BY_TURN * (turn - TURN), 1.0))
 
 
 def dead_time_share(motor: Motor) -> float:
