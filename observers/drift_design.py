@@ -1,6 +1,6 @@
 """Errors of the voltages that the injection reveals: from the machine to ``drift_params_t``.
 
-docs/coupled-observer.md derives each formula.
+docs/coupled-learning.md derives each formula.
 """
 
 import math

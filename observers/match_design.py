@@ -1,6 +1,6 @@
 """Errors of the current sensors: from the machine to ``match_params_t``.
 
-docs/coupled-observer.md derives each formula.
+docs/coupled-learning.md derives each formula.
 """
 
 import math

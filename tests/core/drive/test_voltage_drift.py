@@ -1,4 +1,4 @@
-"""What the voltage model gets wrong, learned from the injection: docs/coupled-observer.md."""
+"""What the voltage model gets wrong, learned from the injection: docs/coupled-learning.md."""
 
 import math
 from collections.abc import Callable
