@@ -12,7 +12,7 @@
  *           what it sees, and eps leads the error of a steady offset by 0 to 180 degrees, so it is
  *           multiplied by the error's direction a quarter turn ahead
  *
- * Below two speeds, and at rest, the values stay as they are. docs/coupled-observer.md derives it.
+ * Below two speeds, and at rest, the values stay as they are. docs/coupled-learning.md derives it.
  */
 #ifndef SENSORLESS_SENSOR_MATCH_H
 #define SENSORLESS_SENSOR_MATCH_H

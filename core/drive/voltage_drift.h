@@ -18,7 +18,7 @@
  *
  * Near zero current dead time makes a voltage that no current tells, so the flux is trusted less: the
  * observer follows it with a share of its bandwidth.
- * docs/coupled-observer.md derives it.
+ * docs/coupled-learning.md derives it.
  */
 #ifndef SENSORLESS_VOLTAGE_DRIFT_H
 #define SENSORLESS_VOLTAGE_DRIFT_H
