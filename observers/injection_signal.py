@@ -11,6 +11,8 @@ from sensorless.machine.saliency import principal
 
 NOISE = 0.0012
 """Current noise expected of a sensor, RMS over rated current: mean of the suite ``stress-1``."""
+NOISE_SHARE = 0.7
+"""Least error of a sample that gains count on, over that noise."""
 NOISE_DEG = 1.0
 """RMS angle noise that the voltage is chosen for, at the worst current up to rated [deg]."""
 STEP_DEG = 10.0
@@ -77,6 +79,15 @@ def injection_signal(motor: Motor, pll_hz: float) -> InjectionSignal:
 def adc_step(motor: Motor) -> float:
     """One step of the current measurement [A]."""
     return motor.adc_range * 2.0 ** (1 - motor.adc_bits)
+
+
+def sample_error(motor: Motor) -> float:
+    """Error of a current sample that gains count on [A]: a step of the converter, or the noise.
+
+    A finer converter makes no sensor quieter. ``NOISE_SHARE`` of ``NOISE`` is the step of 12 bits
+    over twice the rated current, less a seventh.
+    """
+    return max(adc_step(motor), NOISE_SHARE * NOISE * motor.i_rated)
 
 
 def suggested_injection(motor: Motor, pll_hz: float) -> float:

@@ -13,7 +13,7 @@ import math
 
 from sensorless.machine.motor import Motor
 from sensorless.observers.hfi_design import error_slope, hf_current
-from sensorless.observers.injection_signal import adc_step
+from sensorless.observers.injection_signal import sample_error
 
 CHANGES = 1.0
 """Rated changes of the load, and full changes of the dead time's voltage, per second [1/s]."""
@@ -44,7 +44,7 @@ def voltage_drift(motor: Motor) -> float:
 
 def flux_noise(motor: Motor) -> float:
     """Noise of the flux angle of a sample [rad]: L_q ``SENSOR_LSB`` steps over psi_f."""
-    return motor.L_q * SENSOR_LSB * adc_step(motor) / motor.psi_f
+    return motor.L_q * SENSOR_LSB * sample_error(motor) / motor.psi_f
 
 
 def dead_time_noise(motor: Motor) -> float:
@@ -55,7 +55,7 @@ def dead_time_noise(motor: Motor) -> float:
 def injection_noise(motor: Motor) -> float:
     """Noise of the injection's angle of a sample [rad]: a step over the slope of its answer."""
     slope = max(error_slope(motor.L_d, motor.L_q), LEAST_SLOPE)
-    return adc_step(motor) / (hf_current(motor) * slope)
+    return sample_error(motor) / (hf_current(motor) * slope)
 
 
 def injection_bandwidth(motor: Motor) -> float:

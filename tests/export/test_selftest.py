@@ -109,6 +109,26 @@ def test_a_folder_corrupted_by_hand_fails(
         assert re.search(f"self test FAILED: {message}", done.stderr), done.stderr
 
 
+@GCC
+def test_a_limit_that_no_vector_sees_is_named_if_edited(made: Make, tmp_path: Path) -> None:
+    copied = shutil.copytree(made("gcc", "-O0").folder, tmp_path / "copy")
+    before = selftest(copied, "CC=gcc", "CFLAGS=-O0")
+    edit(copied / "params.c", r"u_dc_min = ([\d.]+f)", lambda _: "1.0f")
+    after = selftest(copied, "CC=gcc", "CFLAGS=-O0")
+    assert "note" not in before.stdout
+    assert after.returncode == 0 and "params.c: FAILED\nnote: not as exported" in after.stdout
+
+
+@pytest.mark.parametrize("words", [("CC=gcc", "-Ofast"), ("CC=clang", "-O2 -ffast-math")])
+def test_fast_math_is_named_with_all_warnings_on(copied: Path, words: tuple[str, str]) -> None:
+    compiler, flags = words
+    if shutil.which(compiler[3:]) is None:
+        pytest.skip(f"{compiler}: not found")
+    done = selftest(copied, compiler, f"CFLAGS={flags}")
+    assert done.returncode != 0
+    assert "arithmetic: compiled with -ffast-math; leave it out" in done.stderr
+
+
 @pytest.mark.usefixtures("whole_run")
 def test_the_golden_run_crosses_over_both_ways(
     table: KsTable, motor: Motor, design: DriveDesign
