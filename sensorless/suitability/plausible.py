@@ -10,6 +10,7 @@ from sensorless.machine.magnetics import currents, flux, plant_currents
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import polar
 from sensorless.machine.saliency import LEAST, principal
+from sensorless.observers.drift_design import MOST_DEAD_TIME
 from sensorless.observers.injection_signal import LINK_SHARE, dead_time_voltage
 from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 
@@ -151,8 +152,9 @@ def _inverter(m: Motor) -> Iterator[Finding]:
     elif m.u_inj > 1.01 * LINK_SHARE * m.u_dc:
         text = f"u_inj = {m.u_inj:g} V is above a fifth of the DC link, {LINK_SHARE * m.u_dc:g} V"
         yield Finding(LIMIT, "u_inj", text)
-    elif m.u_inj < dead_time_voltage(m):
-        text = f"u_inj = {m.u_inj:g} V is below the loss by dead time, {dead_time_voltage(m):.3g} V"
+    elif m.u_inj < MOST_DEAD_TIME * dead_time_voltage(m):
+        least = MOST_DEAD_TIME * dead_time_voltage(m)
+        text = f"u_inj = {m.u_inj:g} V is below {least:.3g} V, which 1.5 times dead_time may take"
         yield Finding(LIMIT, "u_inj", text)
     if m.dead_time > 0.1 * m.T_s:
         weight = NO if m.dead_time > 0.5 * m.T_s else LIMIT
