@@ -61,7 +61,11 @@ def test_random_machines_are_suitable() -> None:
         ({"u_dc": 300.0}, "with limits", "beyond 300 V: rated torque is reached up to"),
         ({"tau_rated": 30.0}, "with limits", "rated torque 30 N m needs more than i_max"),
         ({"dead_time": 3e-5}, "with limits", "dead time is 15% of T_s"),
-        ({"dead_time": 1.9e-5}, "with limits", "V, which 1.5 times dead_time may take"),
+        (
+            {"dead_time": 1.9e-5, "u_inj": 70.0},
+            "with limits",
+            "70 V is below 76.9 V, which 1.5 times",
+        ),
         ({"i_max": 5.0}, "with limits", "i_max = 5 A is below i_rated"),
     ],
 )
