@@ -60,6 +60,8 @@ ALARM, ACT, CLEAR, CALM = 2e-3, 2.0 * TAU, 10e-3, 1.0
 after which the alarm ends, and after which restarts are forgotten. A drive acts when what a swing
 left in the low-pass has decayed. A judge waits 10 ms; a slipping drive passes less at a time."""
 RESTARTS = 5
+LOW_LINK = 0.88
+"""Least voltage of the link that a drive may take control at, over the file's."""
 SETTLED = 4.0
 """Time constants of the current loop, and of the tests' low-pass, in ``settled``."""
 
@@ -116,14 +118,15 @@ def least_bounded(motor: Motor) -> float:
 def settled(motor: Motor, current: float, weakening: float) -> float:
     """Time after which the current follows its reference when a drive takes control [s].
 
-    On a shaft whose EMF is more than the voltage it first takes field weakening.
+    On a shaft whose EMF is more than the voltage of a low link it first takes field weakening.
 
     Parameters
     ----------
     current, weakening : float
         Bandwidths of the current loop and of field weakening [rad/s].
     """
-    short = motor.omega_rated * motor.psi_f > USABLE * motor.u_dc / math.sqrt(3.0)
+    least = LOW_LINK * USABLE * motor.u_dc / math.sqrt(3.0)
+    short = motor.omega_rated * motor.psi_f > least
     return SETTLED * (TAU + 1.0 / current) + (1.0 / weakening if short else 0.0)
 
 
