@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.table import Table
+from rich.text import Text
 
 from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
+from sensorless.plain_table import PlainTable
 from sensorless.policies.registry import make_policy
 from sensorless.report.machine_curves import reach, signal
 from sensorless.report.page import UPLOT, render
@@ -153,10 +154,10 @@ def facts(c: Check) -> dict[str, Any]:
     }
 
 
-def screen(c: Check) -> Table:
+def screen(c: Check) -> PlainTable:
     """The result as a table for the terminal."""
     m = c.examination.motor
-    table = Table(
+    table = PlainTable(
         title=f"{m.name}: {m.description}", title_justify="left", box=None, padding=(0, 1)
     )
     for heading in ("quantity", "found"):
@@ -164,7 +165,7 @@ def screen(c: Check) -> Table:
     for what, found, hint in rows(c):
         table.add_row(what, found + (f"; suggested: {hint}" if hint else ""))
     for finding in c.examination.findings:
-        table.add_row(f"[bold]{finding.weight}: {finding.field}[/]", finding.text)
+        table.add_row(Text(f"{finding.weight}: {finding.field}", "bold"), finding.text)
     return table
 
 
