@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.text import Text
 
 from sensorless.cli.options import (
     JsonOption,
@@ -58,15 +59,15 @@ def demo_command(
     require_machine(machine, DriveDesign())
     fresh_folder(out)
     run = out / "ppo-table"
-    errors.print(f"[bold]1/4[/] training a schedule for {minutes:g} min, starting from Eq. 25")
+    _step("1/4", f"training a schedule for {minutes:g} min, starting from Eq. 25")
     run_training(config, {}, run, resume=False)
-    errors.print(f"[bold]2/4[/] judging it on {size} scenarios of the suite {SUITE}")
+    _step("2/4", f"judging it on {size} scenarios of the suite {SUITE}")
     with policy_progress() as report:
         word = str(run) if run.is_absolute() else f"./{run}"
         results = judge(out, word, machine, size, seed, report)
-    errors.print("[bold]3/4[/] drawing figures")
+    _step("3/4", "drawing figures")
     figures = draw(out, str(run), machine, results)
-    errors.print("[bold]4/4[/] exporting the C code and checking it")
+    _step("4/4", "exporting the C code and checking it")
     folder, said = hand_over(out, str(run), machine)
     if as_json:
         typer.echo(results.to_json(scenarios=False))
@@ -74,3 +75,7 @@ def demo_command(
     console.print(f"figures:  {', '.join(map(str, figures))}", soft_wrap=True)
     console.print(f"results:  {out / 'results.json'}", soft_wrap=True)
     console.print(f"firmware: {folder} ({said})", soft_wrap=True)
+
+
+def _step(number: str, text: str) -> None:
+    errors.print(Text(number, "bold"), text)

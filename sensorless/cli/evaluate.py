@@ -35,7 +35,7 @@ def list_policies(context: typer.Context, wanted: bool) -> None:
         raise typer.Exit
     width = max(map(len, lines))
     for name, doc in lines.items():
-        console.print(f"{name:{width}}  {doc}", markup=False, highlight=False, soft_wrap=True)
+        console.print(f"{name:{width}}  {doc}", highlight=False, soft_wrap=True)
     raise typer.Exit
 
 

@@ -83,7 +83,7 @@ def bring_up_command(
             if save_log is not None:
                 write_log(rows, save_log)
         for line in verdict(found):
-            console.print(line, markup=False, highlight=False)
+            console.print(line, highlight=False)
         if as_json:
             say_json({"faults": list(found.faults), "said": verdict(found)})
         if found.faults:

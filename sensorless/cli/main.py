@@ -4,7 +4,7 @@ import os
 import sys
 from traceback import extract_tb
 
-from rich.markup import escape
+from rich.text import Text
 
 from sensorless.cli.options import errors
 from sensorless.cli.surroundings import Signalled, ended_by_signals, never_fail_to_print
@@ -64,4 +64,4 @@ def _run() -> None:
 
 
 def _say(text: str) -> None:
-    errors.print(f"[bold red]error:[/] {escape(text)}", highlight=False, soft_wrap=True)
+    errors.print(Text("error:", "bold red"), text, highlight=False, soft_wrap=True)

@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.markup import escape
 
 from sensorless.cli.options import (
     JsonOption,
@@ -78,7 +77,7 @@ def show_check(
 
     done = check(motor, design, size)
     console.print(screen(done))
-    console.print(f"[bold]{escape(str(done.examination.verdict))}[/]", highlight=False)
+    console.print(str(done.examination.verdict), style="bold", highlight=False)
     if as_json:
         say_json(facts(done))
     if out is not None:

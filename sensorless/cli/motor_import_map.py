@@ -130,7 +130,7 @@ def import_map_command(
         if made.flux_correction is not None:
             table = correction_table(made.flux_correction)
             lines += ["", *table_lines("flux_correction", table)]
-        console.print("\n".join(lines), highlight=False, markup=False)
+        console.print("\n".join(lines), highlight=False)
     else:
         head = f"{machine.name} with the flux map of {file.name}, by sensorless motor import-map."
         source = f"flux map {file.name}: fit within {d:.2f} and {q:.2f} % RMS of rated current"

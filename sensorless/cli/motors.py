@@ -22,6 +22,7 @@ def motors_command(as_json: JsonOption = False) -> None:
         sensorless evaluate --motor ipmsm_2200w --policy eq25 --suite nominal
     """
     from rich.table import Table
+    from rich.text import Text
 
     from sensorless.design.derived import derive
     from sensorless.design.drive import DriveDesign
@@ -48,7 +49,7 @@ def motors_command(as_json: JsonOption = False) -> None:
             line = f"{motor.name}: --policy {found.policy}\n  {found.verdict}{unfit}{since}"
             schedules.append(line)
         table.add_row(
-            f"{motor.name}\n[dim]{motor.description}[/]",
+            Text.assemble(f"{motor.name}\n", (motor.description, "dim")),
             f"{motor.tau_rated:g}",
             f"{motor.n_rated_rpm:g}",
             f"{motor.u_dc:g}",
@@ -61,6 +62,6 @@ def motors_command(as_json: JsonOption = False) -> None:
     console.print(table)
     console.print("best schedules, by studies/best_schedules.py", highlight=False)
     for line in schedules:
-        console.print(line, markup=False, highlight=False, soft_wrap=True)
+        console.print(line, highlight=False, soft_wrap=True)
     text = f"The table [source] of each file in {MOTORS} names the source of every number."
-    console.print(text, markup=False, highlight=False, soft_wrap=True)
+    console.print(text, highlight=False, soft_wrap=True)

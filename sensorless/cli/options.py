@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.text import Text
 
 from sensorless.cli.surroundings import AnyConsole
 
@@ -140,7 +140,7 @@ def bench_of(
     made = bench(specs, motor, settings, override=override)
     say_if_unsuited(made.motor, made.design)
     for note in made.notes:
-        errors.print(f"note: {note}", markup=False, highlight=False, soft_wrap=True)
+        errors.print(f"note: {note}", highlight=False, soft_wrap=True)
     return made
 
 
@@ -174,7 +174,7 @@ def say_if_unsuited(motor: "Motor", design: "DriveDesign") -> None:
     require_machine(motor, design)
     verdict = examine(motor, derive(motor, design).hfi_pll_hz).verdict
     if verdict.word != "yes":
-        text = f"[bold]{escape(motor.name)}[/]: {escape(str(verdict))}"
+        text = Text.assemble((motor.name, "bold"), f": {verdict}")
         errors.print(text, highlight=False, soft_wrap=True)
 
 
@@ -186,7 +186,7 @@ def say_json(data: object) -> None:
 def say_wrote(*paths: Path | None) -> None:
     """Name the files that a command wrote, on the error stream: programs read the other one."""
     for path in filter(None, paths):
-        errors.print(f"wrote {path}", markup=False, highlight=False, soft_wrap=True)
+        errors.print(f"wrote {path}", highlight=False, soft_wrap=True)
 
 
 def typed() -> str:
@@ -212,7 +212,7 @@ def describe(scores: Mapping[str, float]) -> str:
 
 def say_verdict(sentence: str) -> None:
     """Print the sentence that a command ends with."""
-    console.print(f"verdict: {sentence}", markup=False, highlight=False, soft_wrap=True)
+    console.print(f"verdict: {sentence}", highlight=False, soft_wrap=True)
 
 
 def minutely() -> Callable[[str], None]:
@@ -223,7 +223,7 @@ def minutely() -> Callable[[str], None]:
         nonlocal last
         if not errors.is_terminal and time.monotonic() - last >= MINUTE:
             last = time.monotonic()
-            errors.print(text, markup=False, highlight=False, soft_wrap=True)
+            errors.print(text, highlight=False, soft_wrap=True)
 
     return say
 
@@ -232,7 +232,7 @@ def minutely() -> Callable[[str], None]:
 def policy_progress() -> Iterator[Callable[[str, float], None]]:
     """Progress of several policies: bars on a terminal, otherwise a line when one is done."""
     bar = Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn("{task.percentage:.0f} %"),
         TimeElapsedColumn(),
@@ -248,7 +248,7 @@ def policy_progress() -> Iterator[Callable[[str, float], None]]:
         bar.update(tasks[name], completed=done)
         say(f"{name}: {100.0 * done:.0f} %")
         if done >= 1.0 and not errors.is_terminal:
-            errors.print(f"evaluated {name}", markup=False, highlight=False)
+            errors.print(f"evaluated {name}", highlight=False)
 
     with bar:
         yield report

@@ -113,13 +113,13 @@ def replay_command(
     )
     table = found.table(after)
     for note in found.notes:
-        errors.print(f"note: {note}", markup=False, highlight=False, soft_wrap=True)
+        errors.print(f"note: {note}", highlight=False, soft_wrap=True)
     if as_json:
         say_json({"estimators": found.summary(after), "notes": found.notes})
     else:
         console.print(table)
         for line in judgement(found, after):
-            console.print(line, markup=False, highlight=False, soft_wrap=True)
+            console.print(line, highlight=False, soft_wrap=True)
     if out is not None:
         found.write_csv(out)
     if plot is not None:

@@ -4,7 +4,6 @@ import math
 from dataclasses import asdict
 from typing import Any
 
-from rich.markup import escape
 from rich.table import Table
 
 from sensorless.cli.options import (
@@ -50,7 +49,7 @@ def settings_command(
         choices = "".join(f"\n{word}: {doc}" for word, doc in s.choices.items())
         default = text_of(s.default) + (f" = {values[s.name]:.4g}" if s.derived else "")
         cells = (s.name, default, unit_of(s), range_of(s), s.meaning + choices)
-        table.add_row(*map(escape, cells))
+        table.add_row(*cells)
     console.print(table)
 
 

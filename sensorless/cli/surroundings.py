@@ -2,7 +2,6 @@
 
 import codecs
 import contextlib
-import re
 import signal
 import sys
 import threading
@@ -88,12 +87,18 @@ def never_fail_to_print() -> None:
 
 
 class AnyConsole(Console):
-    """A console whose tables stay in line where its output lacks a sign."""
+    """A console that prints text as it is, without markup: a path may have brackets or :x:.
+
+    Its tables stay in line where its output lacks a sign.
+    """
+
+    def __init__(self, **how: Any) -> None:
+        super().__init__(markup=False, emoji=False, **how)
 
     def render_str(self, text: str, **how: Any) -> Text:
         """Text of a cell or a line, spelled if need be."""
         try:
             text.encode(self.encoding)
-        except UnicodeEncodeError:  # a unit like [°] would become a tag
-            text = spelled(re.sub(r"(\[[^\[\]\x00-\x7f]+[^\[\]]*\])", r"\\\1", text))
+        except UnicodeEncodeError:
+            text = spelled(text)
         return super().render_str(text, **how)

@@ -84,13 +84,13 @@ def tune_command(
     if not machines:
         say_if_unsuited(machine, design)
     columns = [
-        TextColumn(f"tuning {name.partition(':')[0]}"),
+        TextColumn("tuning {task.fields[rule]}", markup=False),
         BarColumn(),
         TextColumn("{task.percentage:.0f} %"),
     ]
     columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
     bar = Progress(*columns, console=errors, disable=not errors.is_terminal)
-    task = bar.add_task("", total=1.0)
+    task = bar.add_task("", total=1.0, rule=name.partition(":")[0])
     say = minutely()
 
     def report(done: float, best: "Cost", start: "Cost") -> None:

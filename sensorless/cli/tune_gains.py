@@ -183,7 +183,7 @@ def _show_gains(record: dict[str, Any]) -> None:
     console.print(table)
     if tuned:
         words = " ".join(f"--set {word}" for word in record["words"])
-        console.print(f"settings: {words}", markup=False, highlight=False, soft_wrap=True)
+        console.print(f"settings: {words}", highlight=False, soft_wrap=True)
 
 
 def _show_judged(suites: dict[str, Any]) -> None:

@@ -1,6 +1,7 @@
 """Compensation of cross-coupling: nothing, a line, the flux map's own curve, or a measured one."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ from sensorless.machine.magnetics import Floats, cross_angle, torque
 from sensorless.machine.motor import Motor
 
 FORMAT = "sensorless-cross-coupling/1"
+MOST = 0.5 * math.pi
+"""Largest angle by which current can turn the magnetic axes [rad]."""
 POINTS = 60
 """Number of currents that a line is fitted to."""
 
@@ -85,11 +88,12 @@ def load(path: Path, motor: Motor, i_q: Floats) -> Floats:
         nodes = np.asarray(data["table"]["i_q_A"], dtype=np.float64)
         angle = np.deg2rad(np.asarray(data["table"]["angle_deg"], dtype=np.float64))
         good = nodes.ndim == 1 and len(nodes) > 1 and nodes.shape == angle.shape
-        good = good and bool(np.all(np.diff(nodes) > 0.0) and np.all(np.isfinite(angle)))
+        good = good and bool(np.all(np.diff(nodes) > 0.0) and np.all(np.abs(angle) <= MOST))
     except (KeyError, TypeError, ValueError):
         good = False
     if not good:
         raise UserError(
-            f"cross: {path}: table: must hold finite angles over rising i_q_A; identify it again"
+            f"cross: {path}: table: must hold angles within {math.degrees(MOST):g} degrees over "
+            "rising i_q_A; identify it again"
         )
     return np.asarray(np.interp(i_q, nodes, angle))

@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.markup import escape
-from rich.table import Table
 
 from sensorless.design.words import text_of
 from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
@@ -18,6 +16,7 @@ from sensorless.evaluation.metrics.held import BACK_TIME, BAND_PCT
 from sensorless.evaluation.metrics.hop import HOP
 from sensorless.evaluation.metrics.ripple import HANDOVER
 from sensorless.files import write_atomic
+from sensorless.plain_table import PlainTable
 
 DIGITS = 9
 """Significant digits of a number in the file."""
@@ -123,7 +122,7 @@ class Results:
         ]
         return f"({', '.join(words)})" if words else ""
 
-    def table(self, columns: Columns = COLUMNS) -> Table:
+    def table(self, columns: Columns = COLUMNS) -> PlainTable:
         """Rates over feasible scenarios and means over the survivors, with 95 % intervals."""
         what = f"{self.size} scenarios, motor {self.motor}"
         if self.suite == MACHINES:
@@ -131,13 +130,13 @@ class Results:
         title = f"{self.suite}, seed {self.seed}, {what}"
         beyond = max(p["infeasible_rate"] for p in self.policies.values())
         title += f", {100.0 * beyond:.1f} % not feasible" if beyond > 0.0 else ""
-        table = Table(title=escape(title), caption=CAPTIONS[columns])
+        table = PlainTable(title=title, caption=CAPTIONS[columns])
         table.add_column("policy", overflow="fold")
         for _, heading, _, _ in columns:
             table.add_column(heading, justify="right")
         for name, policy in self.policies.items():
             note = self.note(name)
-            label = escape(name) + (f"\n{note}" if note else "")
+            label = name + (f"\n{note}" if note else "")
             table.add_row(label, *(_cell(policy, *column) for column in columns))
         return table
 

@@ -4,10 +4,8 @@ import math
 from itertools import pairwise
 from typing import Any
 
-from rich.markup import escape
-from rich.table import Table
-
 from sensorless.evaluation.results import COLUMNS, Columns, Results
+from sensorless.plain_table import PlainTable
 
 PLACE_COLUMNS = (
     ("torque_dev_rms", "dev.\n[%]", 100.0, 2),
@@ -17,24 +15,24 @@ PLACE_COLUMNS = (
 """Columns of a table by place: name, heading, factor, decimals."""
 
 
-def worst_table(results: Results, count: int) -> Table:
+def worst_table(results: Results, count: int) -> PlainTable:
     """The ``count`` worst scenarios of each policy, named for ``simulate --scenario``.
 
     Bounds, which know the truth, are left out.
     """
-    table = Table(
+    table = PlainTable(
         title="worst cases", caption="replay one with: sensorless simulate --scenario SCENARIO"
     )
     table.add_column("policy", overflow="fold")
     table.add_column("scenario", no_wrap=True)
     table.add_column("lost by")
     for heading in ("lived\n[s]", "torque\ndev. [%]", "largest angle\nerror [°]"):
-        table.add_column(escape(heading), justify="right")  # [s] is a style to rich
+        table.add_column(heading, justify="right")
     for name, policy in results.policies.items():
         for j, case in enumerate([] if policy["bound"] else policy["worst"][:count]):
             where = f", {case['quadrant']}" if case["quadrant"] else ""
             table.add_row(
-                escape(name) if j == 0 else "",
+                name if j == 0 else "",
                 case["scenario"],
                 f"{case['lost_cause']}{where}" if case["lost_cause"] else kept(case),
                 f"{case['time_s']:.3f}",
@@ -45,15 +43,15 @@ def worst_table(results: Results, count: int) -> Table:
     return table
 
 
-def machines_table(results: Results) -> Table:
+def machines_table(results: Results) -> PlainTable:
     """Losses by machine, and errors beside the first policy's, of the suite ``machines``."""
     first = next(iter(results.policies))
     caption = (
-        f"lost on: machines with any loss. Others: {escape(first)} is 100 %, geometric mean over "
+        f"lost on: machines with any loss. Others: {first} is 100 %, geometric mean over "
         "the machines (95 % interval over machines), and the share of machines on which the policy "
         "is at most 2 % worse."
     )
-    table = Table(title=f"machine by machine, beside {escape(first)}", caption=caption)
+    table = PlainTable(title=f"machine by machine, beside {first}", caption=caption)
     table.add_column("policy", overflow="fold")
     for heading in (
         "lost on",
@@ -62,7 +60,7 @@ def machines_table(results: Results) -> Table:
         "ripple [%]",
         "as good\non [%]",
     ):
-        table.add_column(escape(heading), justify="right")
+        table.add_column(heading, justify="right")
     for name, policy in results.policies.items():
         lost = policy["by_machine"]["lost"]
         cells = [f"{sum(n > 0 for n in lost)} of {len(lost)}"]
@@ -70,11 +68,11 @@ def machines_table(results: Results) -> Table:
         for key in ("torque_dev_rms", "torque_ripple_rms"):
             cells.append(rate(pair[key], pair[f"{key}_ci"]) if pair else "100")
             cells.append(number(100.0 * pair[f"{key}_as_good"], 0) if pair else "")
-        table.add_row(escape(name), *cells)
+        table.add_row(name, *cells)
     return table
 
 
-def lock_table(results: Results) -> Table | None:
+def lock_table(results: Results) -> PlainTable | None:
     """What the drives noticed of lost lock; None where nothing was lost and nothing alarmed."""
     entries = {n: p for n, p in results.policies.items() if not p["bound"]}
     if not any(p["lock_counts"]["lost"] or p["false_alarms_per_hour"] for p in entries.values()):
@@ -85,7 +83,7 @@ def lock_table(results: Results) -> Table | None:
         "angle and twin's speed (2 % of rated) 300 ms after the alarm, of those with time for it. "
         "false alarms: in scenarios that hold."
     )
-    table = Table(title="lost lock, as the drive itself saw it", caption=caption)
+    table = PlainTable(title="lost lock, as the drive itself saw it", caption=caption)
     table.add_column("policy", overflow="fold")
     for heading in (
         "lost",
@@ -94,10 +92,10 @@ def lock_table(results: Results) -> Table | None:
         "recovered\n[%]",
         "false alarms\nan hour",
     ):
-        table.add_column(escape(heading), justify="right")
+        table.add_column(heading, justify="right")
     for name, p in entries.items():
         table.add_row(
-            escape(name),
+            name,
             str(p["lock_counts"]["lost"]),
             number(100.0 * p["detected_rate"], 1),
             number(p["detect_ms"], 0),
@@ -112,7 +110,7 @@ def kept(case: dict[str, Any]) -> str:
     return "not held" if case["not_held"] else "–"
 
 
-def paired_table(results: Results, columns: Columns = COLUMNS) -> Table:
+def paired_table(results: Results, columns: Columns = COLUMNS) -> PlainTable:
     """Differences to the first policy, scenario by scenario, with 95 % intervals."""
     first = next(iter(results.policies))
     caption = (
@@ -120,13 +118,13 @@ def paired_table(results: Results, columns: Columns = COLUMNS) -> Table:
         "policy's mean; negative: less than the first. Rates over the feasible scenarios, others "
         "over those that both survive."
     )
-    table = Table(title=f"difference to {escape(first)}", caption=caption)
+    table = PlainTable(title=f"difference to {first}", caption=caption)
     table.add_column("policy", overflow="fold")
     for _, heading, _, _ in columns:
         table.add_column(heading, justify="right")
     for name, pair in results.paired.items():
         cells = (difference(pair, key, factor, digits) for key, _, factor, digits in columns)
-        table.add_row(escape(name), *cells)
+        table.add_row(name, *cells)
     return table
 
 
@@ -145,14 +143,14 @@ def share(difference: float, base: float) -> str:
     return f"{'' if text.startswith('−') or text == '0' else '+'}{text} %"
 
 
-def place_table(name: str, policy: dict[str, Any]) -> Table:
+def place_table(name: str, policy: dict[str, Any]) -> PlainTable:
     """Lost rate and errors of one policy by quadrant and by speed."""
     caption = (
         "place: where the twin was, the same drive with a position sensor. lost: share of the "
         "scenarios that came there and were lost there (95 % interval). Others: RMS torque "
         "deviation from the twin, torque ripple and angle error while survivors were there."
     )
-    table = Table(title=escape(name), caption=caption)
+    table = PlainTable(title=name, caption=caption)
     table.add_column("place", no_wrap=True)
     for heading in ("time\n[%]", "came", "lost\n[%]", *(c[1] for c in PLACE_COLUMNS)):
         table.add_column(heading, justify="right")

@@ -1,25 +1,24 @@
 """Sums up a traced run: one row of numbers per plateau of the speed plan."""
 
 import numpy as np
-from rich.markup import escape
-from rich.table import Table
 
 from sensorless.core.api import Array
 from sensorless.evaluation.metrics.step import SETTLED
 from sensorless.evaluation.trace import Trace, outcome
+from sensorless.plain_table import PlainTable
 from sensorless.units import RAD_S_TO_RPM
 
 STEADY = 0.2
 """Length of the end of a plateau that counts as steady [s]."""
 
 
-def summary_table(t: Trace, policy: str) -> Table:
+def summary_table(t: Trace, policy: str) -> PlainTable:
     """One row for every stretch of constant speed reference."""
-    title = f"{escape(policy)}: {outcome(t)}"
+    title = f"{policy}: {outcome(t)}"
     seeking = t["t"][t["starting"] > 0.0]
     if len(seeking):
         title += f", rotor found after {1e3 * seeking[-1]:.0f} ms"
-    table = Table(title=title)
+    table = PlainTable(title=title)
     for heading in (
         "from [s]",
         "target\n[r/min]",
@@ -29,7 +28,7 @@ def summary_table(t: Trace, policy: str) -> Table:
         "steady angle\nerror [°]",
         "largest angle\nerror [°]",
     ):
-        table.add_column(escape(heading), justify="right")  # [s] is a style to rich
+        table.add_column(heading, justify="right")
     for row in plateaus(t):
         table.add_row(
             f"{row['from_s']:.2f}",

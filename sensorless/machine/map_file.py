@@ -35,7 +35,7 @@ def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tupl
     Raises
     ------
     UserError
-        The file cannot be read, or a column is missing or holds no numbers.
+        The file cannot be read, or a column is missing or holds what is no finite number.
     """
     try:
         raw = _matlab(path) if path.suffix.lower() == ".mat" else _text(path, columns)
@@ -47,6 +47,12 @@ def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tupl
         raise UserError(f"map: {path}: {reason}") from None
     i, psi = np.stack(found[:2], axis=-1), np.stack(found[2:], axis=-1)
     good = np.all(np.isfinite(i) & np.isfinite(psi), axis=1)
+    if path.suffix.lower() != ".mat" and not good.all():  # a grid of MATLAB may have blank corners
+        k = int(np.argmin(good))
+        row = ", ".join(
+            f"{name} = {x:g}" for name, x in zip(COLUMNS, (*i[k], *psi[k]), strict=True)
+        )
+        raise UserError(f"map: {path}: row {k + 1}: {row}; give finite numbers, or cut this row")
     i, psi = i[good], psi[good]
     if not 20 <= len(i) <= MOST_POINTS:
         raise UserError(

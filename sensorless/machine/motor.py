@@ -16,6 +16,7 @@ else:
     import tomli as tomllib
 
 from sensorless.errors import UserError, shown
+from sensorless.files import is_device
 from sensorless.machine.flux_correction import FluxCorrection, read_correction
 from sensorless.settings import REQUIRED, derived, number, read
 from sensorless.units import rad_per_s
@@ -139,9 +140,11 @@ class Motor:
         if not path.is_file():
             known = ", ".join(sorted(p.stem for p in MOTORS.glob("*.toml")))
             what = "a folder: give a .toml file" if Path(name).is_dir() else "no such file"
+            if is_device(Path(name)):
+                what = "no regular file: give a .toml file"
             raise UserError(f"motor {str(name)!r}: {what}; shipped motors: {known}")
         try:
-            data = tomllib.loads(path.read_text(encoding="utf-8"))
+            data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
         except RecursionError:
             what = "nested too deeply; write [machine], [rating] and [drive]"
             raise UserError(f"{path}: not a motor file: {what}") from None

@@ -91,7 +91,7 @@ def polar(motor: Motor, angles: int = 91) -> Floats:
 def top_speeds(motor: Motor, i: Floats, psi: Floats) -> Floats:
     """Largest electrical speed [rad/s] of each current within the voltage; zero if there is none.
 
-    |R_s i + j w psi| = u: a quadratic equation in w.
+    It is infinite without flux. |R_s i + j w psi| = u: a quadratic equation in w.
     """
     u = USABLE * motor.u_dc / math.sqrt(3.0)
     a = np.sum(psi**2, axis=1)
@@ -99,4 +99,5 @@ def top_speeds(motor: Motor, i: Floats, psi: Floats) -> Floats:
     c = motor.R_s**2 * np.sum(i**2, axis=1) - u**2
     with np.errstate(divide="ignore", invalid="ignore"):
         w = (-b + np.sqrt(b**2 - a * c)) / a
+    w = np.where(a > 0.0, w, np.inf)  # without flux, no voltage
     return np.where(c < 0.0, w, 0.0)

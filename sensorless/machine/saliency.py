@@ -51,4 +51,4 @@ def principal(motor: Motor, i: Floats) -> Floats:
     low, high = np.linalg.eigvalsh(0.5 * (gamma + gamma.swapaxes(1, 2))).T
     with np.errstate(divide="ignore"):
         large = np.where(low > 0.0, 1.0 / low, np.inf)
-    return np.stack([1.0 / high, large], axis=-1)
+        return np.stack([1.0 / high, large], axis=-1)

@@ -4,10 +4,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-from rich.table import Table
-
 from sensorless.design.words import observer_name
 from sensorless.files import write_atomic
+from sensorless.plain_table import PlainTable
 
 NAMES = {
     "period": "period with schedule",
@@ -22,9 +21,9 @@ NAMES = {
 }
 
 
-def table(report: dict[str, Any]) -> Table:
+def table(report: dict[str, Any]) -> PlainTable:
     """Table of comparisons, instructions and memory."""
-    out = Table(title=f"{report['policy']}, {report['motor']}: host against Cortex-M4F (QEMU)")
+    out = PlainTable(title=f"{report['policy']}, {report['motor']}: host against Cortex-M4F (QEMU)")
     out.add_column("")
     for name in ("min", "mean", "max"):
         out.add_column(name, justify="right")
@@ -37,13 +36,13 @@ def table(report: dict[str, Any]) -> Table:
     out.add_row("fused multiply-adds in the image", "", "", f"{report['fused_instructions']:,}")
     out.add_row(f"scenarios, lost: {', '.join(lost) or 'none'}", "", "",
                 f"{len(report['scenarios'])}", end_section=True)  # fmt: skip
-    out.add_row("[bold]instructions")
+    out.add_row("instructions", style="bold")
     for name, spread in report["instructions"].items():
         aside = name == "part_smo" and observer_name(report["estimator"]) != "SMO"
         label = NAMES[name] + (", not in this drive" if aside else "")
         out.add_row(label, *(f"{spread[key]:,.0f}" for key in ("min", "mean", "max")))
     out.add_section()
-    out.add_row("[bold]bytes")
+    out.add_row("bytes", style="bold")
     out.add_row("flash: control core, parameters, table", "", "", f"{report['flash_core']:,}")
     out.add_row("  table and its check", "", "", f"{report['flash_table_and_check']:,}")
     for name, part in report["memory"].items():

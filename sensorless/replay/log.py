@@ -19,6 +19,7 @@ from sensorless.replay.recording import read_recording
 from sensorless.replay.signature import (
     are_percent,
     is_degrees,
+    of_dead,
     of_sum,
     of_voltage,
     time_scale,
@@ -157,8 +158,10 @@ def read_log(
     u = _later(_voltage(columns, i, u_dc, u_dt, inv_i_dt, where), 1 + delay)
     phases = np.stack([i[:, 0], i[:, 1], -i.sum(axis=1)], axis=-1)
     commanded = _later(_voltage(columns, i, u_dc, 0.0, inv_i_dt, where), 1 + delay)
+    measured = {name: columns[name] for name in CURRENTS if name in columns}
     doubts = (  # the voltage without what a dead time adds of the samples' noise
-        *of_sum({name: columns[name] for name in CURRENTS if name in columns}),
+        *of_dead(measured),
+        *of_sum(measured),
         *of_voltage(commanded, clarke(phases), delay),
     )[:1]
     return Log(

@@ -35,7 +35,7 @@ def names_from(words: Sequence[str] | None) -> dict[str, str]:
 
 def _from_file(path: Path) -> dict[str, str]:
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise UserError(f"map: {str(path)!r}: {reason(error)}") from None
     except (ValueError, RecursionError) as error:

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from rich.table import Table
 
 from sensorless.core.api import REPLAY_NAMES, SIGNAL_N, Array, ObserverRun
 from sensorless.decision import decision_periods
@@ -18,6 +17,7 @@ from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 from sensorless.observers.ekf import run_ekf
+from sensorless.plain_table import PlainTable
 from sensorless.policy import Policy, PrivilegedPolicy, design_for, gains_of
 from sensorless.replay.log import Log, clarke, read_log
 from sensorless.replay.signature import of_encoder
@@ -87,10 +87,12 @@ class Replay:
         lines = [form % tuple(row) for row in np.stack(list(columns.values()), axis=-1)]
         write_atomic(path, "\n".join([",".join(columns), *lines]) + "\n")
 
-    def table(self, after: float = 0.0) -> Table:
+    def table(self, after: float = 0.0) -> PlainTable:
         """Errors of every estimator while it had its own signal, from ``after`` [s] on."""
         since = f" from {after:g} s on" if after > 0.0 else ""
-        table = Table(title=f"{len(self.log.t)} samples of {self.motor.name}, k_s: {self.policy}")
+        table = PlainTable(
+            title=f"{len(self.log.t)} samples of {self.motor.name}, k_s: {self.policy}"
+        )
         table.caption = (
             "own signal: share of samples with a signal to find the angle by. RMS, largest, mean: "
             f"angle error there, truth − estimate, electrical{since}. without: RMS in the other "

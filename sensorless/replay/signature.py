@@ -91,6 +91,17 @@ def of_sum(currents: Mapping[str, Floats]) -> Iterator[str]:
             )
 
 
+def of_dead(currents: Mapping[str, Floats]) -> Iterator[str]:
+    """Which current (n,) [A] stays at one value while another one moves."""
+    moves = {name: bool(np.ptp(values) > 0.0) for name, values in currents.items()}
+    for name, moving in moves.items():
+        if not moving and any(moves.values()):
+            yield (
+                f"{name} is {currents[name][0]:g} A in every row: its channel is dead, or it is "
+                "another column: name it with --map"
+            )
+
+
 def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
     """Signs and delay from what steps of the voltage do to the current.
 

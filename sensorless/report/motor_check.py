@@ -6,13 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.table import Table
+from rich.text import Text
 
 from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
+from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
+from sensorless.plain_table import PlainTable
 from sensorless.policies.registry import make_policy
 from sensorless.report.machine_curves import reach, signal
 from sensorless.report.page import UPLOT, render
@@ -52,7 +54,12 @@ class Check:
 
 def check(motor: Motor, design: DriveDesign, size: int = SIZE) -> Check:
     """Examine a machine, and simulate it unless the verdict is no; ``size`` 0: examine only."""
-    e = examine(motor, derive(motor, design).hfi_pll_hz)
+    try:
+        e = examine(motor, derive(motor, design).hfi_pll_hz)
+    except UserError:  # of no drive at all: say why, whatever its loops are
+        e = examine(motor, 1.0)
+        if e.verdict.word != "no":
+            raise
     if e.verdict.word == "no" or size == 0:
         return Check(e, None)
     policies = {"eq25": make_policy("eq25", motor)}
@@ -87,6 +94,7 @@ def rows(c: Check) -> list[tuple[str, str, str]]:
     out = []
     if e.point is not None:
         p = e.point
+        top = f"{p.top_speed:.0f} r/min" if math.isfinite(p.top_speed) else "any"
         least = f"{p.current:.3g} A" if math.isfinite(p.current) else "more than i_max"
         out += [
             (
@@ -100,7 +108,7 @@ def rows(c: Check) -> list[tuple[str, str, str]]:
                 f"field weakening from {p.base_speed:.0f} r/min",
                 "",
             ),
-            ("speed without load", f"{p.top_speed:.0f} r/min without field weakening", ""),
+            ("speed without load", f"{top} without field weakening", ""),
         ]
     if e.seen is not None and e.suggested is not None:
         s, k, hint = e.seen.signal, e.seen.rated, e.suggested
@@ -135,8 +143,9 @@ def rows(c: Check) -> list[tuple[str, str, str]]:
     if c.run is not None:
         found = f"not feasible {c.run.infeasible:.0%} (fails with an encoder too)"
         if c.run.infeasible < 1.0:
-            deviation = f"torque deviation {100 * c.run.torque_dev:.2f} %"
-            found = f"lost {c.run.lost:.0%}, {deviation}, {found}"
+            if math.isfinite(c.run.torque_dev):  # it is of what kept lock
+                found = f"torque deviation {100 * c.run.torque_dev:.2f} %, {found}"
+            found = f"lost {c.run.lost:.0%}, {found}"
         out.append((f"quick run, {c.run.size} of suite {SUITE}", found, ""))
     return out
 
@@ -153,10 +162,10 @@ def facts(c: Check) -> dict[str, Any]:
     }
 
 
-def screen(c: Check) -> Table:
+def screen(c: Check) -> PlainTable:
     """The result as a table for the terminal."""
     m = c.examination.motor
-    table = Table(
+    table = PlainTable(
         title=f"{m.name}: {m.description}", title_justify="left", box=None, padding=(0, 1)
     )
     for heading in ("quantity", "found"):
@@ -164,7 +173,7 @@ def screen(c: Check) -> Table:
     for what, found, hint in rows(c):
         table.add_row(what, found + (f"; suggested: {hint}" if hint else ""))
     for finding in c.examination.findings:
-        table.add_row(f"[bold]{finding.weight}: {finding.field}[/]", finding.text)
+        table.add_row(Text(f"{finding.weight}: {finding.field}", "bold"), finding.text)
     return table
 
 

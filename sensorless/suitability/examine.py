@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import RatedPoint, rated_point
+from sensorless.machine.sane import insane
 from sensorless.suitability.finding import LIMIT, NO, Finding, Verdict, verdict
 from sensorless.suitability.plausible import plausible
 from sensorless.suitability.seen import Seen, look, objections, suggestions
@@ -12,7 +13,7 @@ from sensorless.suitability.seen import Seen, look, objections, suggestions
 
 @dataclass(frozen=True)
 class Examination:
-    """Result of an examination; the parts are None where the flux map has no inverse."""
+    """Result of an examination; the parts are None where the numbers allow none."""
 
     motor: Motor
     findings: tuple[Finding, ...]
@@ -34,12 +35,16 @@ def examine(motor: Motor, pll_hz: float) -> Examination:
     pll_hz : float
         Natural frequency of the injection loop [Hz].
     """
+    found: list[Finding] = []
     try:
-        found = list(plausible(motor))
+        for finding in plausible(motor):
+            found.append(finding)
+        if any(insane(motor)):
+            return Examination(motor, tuple(found))
         point = rated_point(motor)
         seen = look(motor, pll_hz)
     except UserError as error:
-        return Examination(motor, (Finding(NO, "saturation", str(error)),))
+        return Examination(motor, (*found, Finding(NO, "saturation", str(error))))
     objection = point.objection(motor)
     if objection is not None:
         found.append(Finding(LIMIT if point.torque_at_speed > 0.0 else NO, "rating", objection))

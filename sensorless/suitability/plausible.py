@@ -10,6 +10,7 @@ from sensorless.machine.magnetics import currents, flux, plant_currents
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import polar
 from sensorless.machine.saliency import LEAST, principal
+from sensorless.machine.sane import insane
 from sensorless.observers.drift_design import MOST_DEAD_TIME
 from sensorless.observers.injection_signal import LINK_SHARE, dead_time_voltage
 from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
@@ -24,12 +25,20 @@ TURN = (20.0, 8.0)
 """PWM periods per electrical turn at rated speed below which a drive is limited, or unable."""
 SAME = 0.05
 """Largest relative difference of [saturation] at zero current from L_d, L_q and psi_f."""
+OTHER = 2.5
+"""Factor between the same from which on they describe two machines."""
+LEAST_LIMIT, MOST_TRIP = 0.1, 10.0
+"""Least i_max over rated current that turns the shaft; largest i_trip over i_max that protects."""
 
 
 def plausible(motor: Motor) -> Iterator[Finding]:
     """Implausible numbers, each alone and in relation to the others."""
-    yield from _per_unit(motor)
-    yield from _axes(motor)
+    found = [*_per_unit(motor), *_axes(motor)]
+    yield from found
+    if beyond := list(insane(motor)):  # nothing to compute with
+        said = {f.field for f in found}
+        yield from (Finding(NO, field, text) for field, text in beyond if field not in said)
+        return
     yield from _saturation(motor)
     yield from _correction(motor)
     yield from _inverter(motor)
@@ -111,10 +120,16 @@ def _saturation(m: Motor) -> Iterator[Finding]:
     found = {"L_d": L_d, "L_q": L_q, "psi_f": flux(m.saturation, zero)[0, 0]}
     for field, value in found.items():
         said = getattr(m, field)
-        if abs(value / said - 1.0) > SAME:
-            gives = f"[saturation] gives {field} = {value:.4g} at zero current"
-            text = f"{gives}, but the file says {said:g}"
-            yield Finding(LIMIT, field, text)
+        if abs(value / said - 1.0) <= SAME:
+            continue
+        text = f"[saturation] gives {field} = {value:.4g} at zero current, but the file says "
+        if 1.0 / OTHER <= value / said <= OTHER:
+            yield Finding(LIMIT, field, f"{text}{said:g}")
+        elif field == "psi_f" and m.saturation.i_f == 0.0:
+            text = f"[saturation] has no magnet, i_f = 0, but the file says psi_f = {said:g}: "
+            yield Finding(NO, field, text + "give i_f, the magnet current")
+        else:
+            yield Finding(NO, field, f"{text}{said:g}: another machine, or a wrong unit?")
 
 
 def _correction(m: Motor) -> Iterator[Finding]:
@@ -137,12 +152,18 @@ def _inverter(m: Motor) -> Iterator[Finding]:
         weight = NO if turn < TURN[1] else LIMIT
         text = f"rated speed has {turn:.1f} PWM periods per electrical turn; needed: {TURN[0]:g}"
         yield Finding(weight, "T_s", text)
-    if m.i_max < m.i_rated:
+    if m.i_max < LEAST_LIMIT * m.i_rated:
+        text = f"i_max = {m.i_max:g} A is {m.i_max / m.i_rated:.2g} of i_rated = {m.i_rated:g} A"
+        yield Finding(NO, "i_max", f"{text}, too little to turn the shaft: wrong unit?")
+    elif m.i_max < m.i_rated:
         text = f"i_max = {m.i_max:g} A is below i_rated = {m.i_rated:g} A"
         yield Finding(LIMIT, "i_max", text)
     if m.i_max > m.adc_range:
         text = f"i_max = {m.i_max:g} A is above what the converter measures, {m.adc_range:g} A"
         yield Finding(NO, "adc_range", text)
+    elif m.i_trip > MOST_TRIP * m.i_max:
+        text = f"i_trip = {m.i_trip:g} A is above {MOST_TRIP:g} times i_max = {m.i_max:g} A"
+        yield Finding(LIMIT, "i_trip", f"{text} and protects nothing: wrong unit?")
     elif m.i_trip > m.adc_range:
         text = f"i_trip = {m.i_trip:g} A is above adc_range = {m.adc_range:g} A: trip in hardware"
         yield Finding(NOTE, "i_trip", text)

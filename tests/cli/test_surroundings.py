@@ -40,6 +40,16 @@ def test_a_console_with_unicode_keeps_its_signs() -> None:
     assert file.getvalue() == "1 °\n"
 
 
+def test_text_is_printed_as_it_is() -> None:
+    file, odd = io.StringIO(), "b[red][/x]/:x: [s]"
+    table = Table(odd, title=odd)
+    table.add_row(odd)
+    console = AnyConsole(file=file, width=60)
+    console.print(odd, highlight=False)
+    console.print(table)
+    assert file.getvalue().count(odd) == 4
+
+
 def test_what_is_printed_otherwise_is_spelled_too(monkeypatch: pytest.MonkeyPatch) -> None:
     file = ascii_file()
     monkeypatch.setattr(sys, "stdout", file)

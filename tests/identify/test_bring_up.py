@@ -1,5 +1,6 @@
 """The check of the installation on simulated drives, and the command that reads its result."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -46,6 +47,10 @@ def test_a_log_gives_the_same_answer(motor: Motor, tmp_path: Path) -> None:
     (tmp_path / "other.csv").write_text("t,x\n1,2\n")
     with pytest.raises(UserError, match="columns i_a and i_b"):
         check_log(motor, tmp_path / "other.csv")
+    (tmp_path / "empty.csv").write_text("")
+    with warnings.catch_warnings(), pytest.raises(UserError, match="columns i_a and i_b"):
+        warnings.simplefilter("error")
+        check_log(motor, tmp_path / "empty.csv")
 
 
 def test_there_are_words_for_everything() -> None:

@@ -44,12 +44,32 @@ def test_columns_may_stand_in_any_order(tmp_path: Path) -> None:
         ("", "no column part"),
         (",".join(COLUMNS) + "\n1,hold,0,x,0,0,0,0,0,0\n", "line 2"),
         (",".join(COLUMNS) + "\n1,hold,0,nan,0,0,0,0,0,0\n", "finite"),
+        (",".join(COLUMNS) + "\n1,hold,0,0,0,0,1e300,0,0,0\n", r"i_a = 1e\+300 in row 0"),
+        (",".join(COLUMNS) + "\n1,hold,0,0,0,0,0,0,0,0\n\n1,hold,0,0,0,0,0,0,0,0\n", "line 3"),
     ],
 )
 def test_a_wrong_file_is_refused(tmp_path: Path, text: str, word: str) -> None:
     (tmp_path / "log.csv").write_text(text)
     with pytest.raises(UserError, match=word):
         read_log(tmp_path / "log.csv")
+
+
+def test_blank_lines_at_the_end_are_none(tmp_path: Path) -> None:
+    write_log(parts(), tmp_path / "log.csv")
+    with (tmp_path / "log.csv").open("a") as file:
+        file.write("\n \n")
+    assert len(read_log(tmp_path / "log.csv")) == 3
+
+
+def test_an_outlier_is_named_where_the_log_leads_elsewhere() -> None:
+    rows = np.random.default_rng(0).normal(size=(200, 8))
+    right, wrong = Part("offset", rows), Part("probe", rows.copy())
+    wrong.rows[50, 4] = 30.0
+    source = Recorded([right, wrong, right])
+    source.run("offset", [])
+    source.run("probe", [])
+    with pytest.raises(UserError, match="i_a = 30 in row 50 of part 1, stage probe"):
+        source.run("axis", [])
 
 
 def test_a_log_of_another_procedure_is_refused() -> None:

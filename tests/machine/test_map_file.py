@@ -90,6 +90,7 @@ def test_the_irons_axis_is_turned(tmp_path: Path) -> None:
         ("i_d,id,i_q,psi_d,psi_q\n1,2,3,4,5\n", "i_d twice"),
         ("1,2,3,4\n", "no heading"),
         ("", "no numbers"),
+        ("i_d,i_q,psi_d,psi_q\n1,2,3,4\n1,2,nan,4\n", "row 2: i_d = 1, i_q = 2, psi_d = nan"),
     ],
 )
 def test_what_is_no_map_is_one_line(text: str, said: str, tmp_path: Path) -> None:

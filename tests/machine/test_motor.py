@@ -1,5 +1,6 @@
 """Machine files: what is read, what is refused and how, and that every number has its source."""
 
+import os
 import re
 import sys
 from dataclasses import fields, replace
@@ -178,6 +179,19 @@ def test_unknown_name_lists_the_known() -> None:
         Motor.load("papre")
     with pytest.raises(UserError, match=r"motor '\.': a folder: give a \.toml file; shipped"):
         Motor.load(".")
+
+
+def test_a_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
+    """Editors on Windows begin a file with it."""
+    path = tmp_path / "mine.toml"
+    path.write_text(PAPER, encoding="utf-8-sig")
+    assert Motor.load(path) == Motor.load("paper")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes on this system")
+def test_a_pipe_is_no_regular_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "mine.toml")
+    assert "no regular file: give a .toml file" in refusal(tmp_path / "mine.toml")
 
 
 def test_without_saturation_the_machine_is_linear(tmp_path: Path) -> None:

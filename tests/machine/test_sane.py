@@ -9,7 +9,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
 from sensorless.envs.scenarios.machine_family import family
 from sensorless.errors import UserError
-from sensorless.machine.motor import MOTORS, Motor
+from sensorless.machine.motor import MOTORS, Motor, Saturation
 from sensorless.machine.sane import require_sane
 
 MOTOR = Motor.load("pmsyrm_5600w")
@@ -25,6 +25,15 @@ def test_a_number_no_machine_has_is_named(field: str, value: float, said: str) -
     with pytest.raises(UserError, match=f"{field} = {value:g}".replace("+", r"\+")) as error:
         control_record(broken, DriveDesign())
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize(("field", "value"), [("L_d", 3.6e-11), ("psi_f", 5.45e8)])
+def test_a_magnet_that_no_current_cancels_is_named(field: str, value: float) -> None:
+    change: dict[str, Any] = {field: value}
+    broken = dataclasses.replace(Motor.load("ipmsm_2200w"), **change)
+    s = Saturation.linear(broken.L_d, broken.L_q, broken.psi_f)
+    with pytest.raises(UserError, match=f"{field} = {value:g}".replace("+", r"\+")):
+        control_record(dataclasses.replace(broken, saturation=s), DriveDesign())
 
 
 @pytest.mark.parametrize(

@@ -165,6 +165,11 @@ def test_a_bad_log_is_named(values: Columns, message: str, read: Read) -> None:
     assert message in str(error.value)
 
 
+def test_a_dead_channel_is_named(read: Read) -> None:
+    log = read(columns() | {"i_a": 0.0 * K})
+    assert log.doubtful and log.notes[-1].startswith("i_a is 0 A in every row")
+
+
 def test_a_dropped_row_is_found(read: Read) -> None:
     values = {name: np.delete(x, 20) for name, x in columns().items()}
     with pytest.raises(UserError, match=r"line 22: t: 0\.0004 s after the row before"):

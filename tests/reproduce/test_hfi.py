@@ -1,5 +1,6 @@
 """Cross-coupling of the injection estimator in the loop. Angles: estimate minus truth."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -81,6 +82,9 @@ def test_an_identified_file_runs_the_drive(
     assert np.all(np.abs(np.rad2deg(steady(motor, design, RPM, TAU, 1.0).err)) < 0.5)
     with pytest.raises(UserError, match="measured on machine 'paper', not on"):
         control_record(replace(motor, R_s=2.0), design)
+    path.write_text(re.sub(r'("angle_deg": \[\s*)[^,]*', r"\g<1>1e9", path.read_text()))
+    with pytest.raises(UserError, match="within 90 degrees"):
+        control_record(motor, design)
     path.write_text('{"format": "sensorless-cross-coupling/1"}')
     with pytest.raises(UserError, match="measured on machine None, not on"):
         control_record(motor, design)

@@ -67,6 +67,11 @@ def test_random_machines_are_suitable() -> None:
             "70 V is below 76.9 V, which 1.5 times",
         ),
         ({"i_max": 5.0}, "with limits", "i_max = 5 A is below i_rated"),
+        ({"i_max": 9e-6}, "no", "i_max = 9e-06 A is 1.5e-06 of i_rated"),
+        ({"i_trip": 1.8e10}, "with limits", "i_trip = 1.8e+10 A is above 10 times i_max"),
+        ({"B": 1e9}, "no", "B = 1e+09 N m s/rad: friction"),
+        ({"L_d": 3.6e-11}, "no", "L_d = 3.6e-11"),
+        ({"psi_f": 5.45e8}, "no", "psi_f = 5.45e+08"),
     ],
 )
 def test_slips_are_found(changes: dict[str, Any], word: str, said: str) -> None:
@@ -90,6 +95,20 @@ def test_inductances_that_contradict_the_flux_map() -> None:
     e = changed(PAPER, L_q=0.35)
     said = "[saturation] gives L_q = 0.286 at zero current, but the file says 0.35"
     assert said in str(e.verdict)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"i_f": 0.0}, "[saturation] has no magnet, i_f = 0, but the file says psi_f = 0.545"),
+        ({"a_d0": 1e11}, "a_d0 = 1e+11 gives"),
+        ({"a_d0": 150.0, "i_f": 81.75}, "[saturation] gives L_d = 0.006667 at zero current"),
+    ],
+)
+def test_a_flux_map_of_another_machine(changes: dict[str, Any], said: str) -> None:
+    e = examine(replace(LINEAR, saturation=replace(LINEAR.saturation, **changes)), 15.0)
+    assert e.verdict.word == "no" and said in str(e.verdict)
+    assert e.point is None or not np.isnan(e.point.top_speed)
 
 
 def test_cross_coupling_beyond_a_current_asks_for_a_lower_limit() -> None:

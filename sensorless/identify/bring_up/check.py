@@ -1,5 +1,6 @@
 """Runs the check and reads its result."""
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -92,7 +93,11 @@ def check_log(motor: Motor, path: Path) -> Found:
         The file cannot be read, has no such columns, or ends before the check does.
     """
     try:
-        data: Array = np.genfromtxt(path, delimiter=",", names=True, dtype=np.float64)
+        with warnings.catch_warnings():  # of an empty file
+            warnings.simplefilter("ignore")
+            data: Array = np.genfromtxt(
+                path, delimiter=",", names=True, dtype=np.float64, encoding="utf-8-sig"
+            )
         i_a, i_b = (np.atleast_1d(data[name]) for name in COLUMNS)
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"log {str(path)!r}: {reason(error)}; give a file to read") from None

@@ -60,10 +60,10 @@ def read_log(path: Path) -> list[Part]:
         The file cannot be read, a column is missing, or a cell is no number.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"log {str(path)!r}: {error}; give a CSV file that can be read") from None
-    lines = text.splitlines()
+    lines = text.rstrip().splitlines()
     heading = [name.strip() for name in lines[0].split(",")] if lines else []
     missing = [name for name in COLUMNS if name not in heading]
     if missing:
@@ -106,7 +106,13 @@ def _parts(lines: Sequence[str], order: Sequence[int], where: str) -> Iterator[P
             ) from None
         groups.setdefault(key, []).append(row)
     for (_, stage), rows in groups.items():
-        table = np.array(rows, dtype=np.float32).astype(np.float64)  # as measured
-        if not np.isfinite(table).all():
-            raise UserError(f"log {where!r}, stage {stage}: not a number; give finite numbers")
+        with np.errstate(over="ignore"):
+            table = np.array(rows).astype(np.float32).astype(np.float64)  # as measured
+        wrong = np.argwhere(~np.isfinite(table))
+        if len(wrong):
+            row, column = wrong[0]
+            raise UserError(
+                f"log {where!r}, stage {stage}: {NUMBERS[column]} = {rows[row][column]:g} in row "
+                f"{row} of the stage; give finite numbers that a drive can measure"
+            )
         yield Part(stage, table)

@@ -4,10 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
 from sensorless.errors import UserError
 from sensorless.identify.machine.log import Part
 
 VOLTAGE, CURRENT = 0, 1
+ALONE = 5.0
+"""Distance of an outlier from the mean of its neighbours over the next largest of its part; that of
+a right reading is at most 1.5."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +88,29 @@ class Recorded:
         del commands, gains
         if not self._left or self._left[0].stage != stage:
             found = f"stage {self._left[0].stage}" if self._left else "its end"
-            raise UserError(f"log: stage {stage} expected, {found} found; record it once more")
+            raise UserError(
+                f"log: stage {stage} expected, {found} found; record it once more"
+                + outlier(self.parts)
+            )
         self.parts.append(self._left.pop(0))
         return self.parts[-1]
+
+
+def outlier(parts: Sequence[Part]) -> str:
+    """Name the reading that stands out most from its neighbours, ``ALONE``; empty for none."""
+    worst, said = ALONE, ""
+    for number, part in enumerate(parts):
+        for name in ("i_a", "i_b"):
+            i = part[name]
+            bend = np.abs(i[1:-1] - 0.5 * (i[2:] + i[:-2]))
+            if len(bend) < 8:
+                continue
+            k = int(bend.argmax())
+            rest = float(np.delete(bend, range(max(k - 1, 0), min(k + 2, len(bend)))).max())
+            if bend[k] > worst * rest:
+                worst = float(bend[k]) / max(rest, 1e-12)
+                said = (
+                    f", or mend an outlier: {name} = {i[k + 1]:g} in row {k + 1} of part {number}, "
+                    f"stage {part.stage}"
+                )
+    return said
