@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from sensorless.core.api import PROFILE_N
-from sensorless.envs.counter_random import combine
+from sensorless.envs.counter_random import check_seed, combine
 from sensorless.envs.scenarios.finds import Find, load, scenarios_of, without
 from sensorless.envs.scenarios.machines_suite import is_on_machines, machine, on_machine
 from sensorless.envs.scenarios.scenario import Scenarios
@@ -117,6 +117,7 @@ def plan_from(
         raise UserError(f"duration: {duration:g} s; give more than 0 and at most 1000 s")
     if ramp is not None and not 0.0 < ramp < 1e9:
         raise UserError(f"ramp: {ramp:g} r/min/s; give more than 0, or leave it out for steps")
+    check_seed(seed)
     speeds, loads = _plan("speed", speed), _plan("load", load)
     times = sorted({0.0} | {t for t, _ in speeds} | {t for t, _ in loads})
     if len(times) > PROFILE_N:

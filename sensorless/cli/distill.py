@@ -89,11 +89,13 @@ def distill_command(
     from sensorless.agents.train.run_folder import LIBRARIES, design_and_motor, fresh
     from sensorless.cli.train import RUNS
     from sensorless.design.carried import record
+    from sensorless.envs.counter_random import check_seed
     from sensorless.envs.scenarios.scenario import SimFactory
     from sensorless.evaluation.objective import Cost
     from sensorless.files import write_atomic
     from sensorless.versions import versions
 
+    check_seed(seed)
     design, motor = design_and_motor(run)
     teacher = load_run(run, motor)
     if not isinstance(teacher, MlpSchedule):

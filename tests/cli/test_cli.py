@@ -8,6 +8,8 @@ import pytest
 from tests.helpers.command import process, run
 
 GOLDEN = Path(__file__).parents[1] / "data" / "golden"
+BEYOND = str(2**80)
+"""Larger than any seed or index."""
 
 
 @pytest.mark.parametrize(
@@ -32,6 +34,12 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["evaluate", "--policy", "eq25", "--out", "missing/results.json"], "missing"),
         (["simulate", "--speed", "0:200,x"], "speed"),
         (["simulate", "--scenario", "stress-1"], "SUITE:SEED:INDEX"),
+        (["simulate", "--seed", BEYOND], "seed"),
+        (["simulate", "--scenario", f"machines:{BEYOND}:0"], "seed"),
+        (["simulate", "--scenario", f"machines:7:{BEYOND}"], "INDEX"),
+        (["tune", "linear", "--out", "t.json", "--seed", BEYOND], "seed"),
+        (["identify", "machine", "--seed", BEYOND], "seed"),
+        (["identify", "bring-up", "--seed", BEYOND], "seed"),
         (["simulate", "--start", "--theta-err", "200"], "theta_err"),
         (["simulate", "--spin", "4000"], "spin"),
         (["simulate", "--start", "--motor", "ipmsm_2200w"], "does not saturate"),
