@@ -122,7 +122,7 @@ def sweep(folder: Path, name: str | None = None) -> None:
         for path in list(folder.iterdir()):
             found = PART.fullmatch(path.name)
             if found and name in (None, found[1]) and _abandoned(path, int(found[2])):
-                _remove(path)
+                remove(path)
 
 
 def is_part(name: str) -> bool:
@@ -147,7 +147,8 @@ def _alive(process: int) -> bool:
     return True
 
 
-def _remove(path: Path) -> None:
+def remove(path: Path) -> None:
+    """Remove a file, or a folder with all that it holds."""
     if path.is_dir():
         shutil.rmtree(path, ignore_errors=True)
     else:

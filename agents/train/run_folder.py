@@ -3,21 +3,22 @@
 import csv
 import dataclasses
 import json
-import shutil
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from sensorless.agents.loading import CONFIG, MLP, TABLE
 from sensorless.agents.mlp.schedule import MlpSchedule
+from sensorless.agents.train.alone import alone
 from sensorless.agents.train.config import TrainConfig
 from sensorless.design.carried import Carried, carried, record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
 from sensorless.errors import UserError
-from sensorless.files import ensure_writable, is_part, reason, write_atomic
+from sensorless.files import ensure_writable, is_part, reason, remove, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import KsTable
@@ -52,28 +53,40 @@ def describe(
 def create(
     folder: Path, config: TrainConfig, machines: Machines, design: DriveDesign, start: KsTable
 ) -> None:
-    """Make a new run folder with its configuration and its start.
+    """Write the configuration and the start of a run into its empty folder.
 
     Raises
     ------
     UserError
-        The folder is not empty, or cannot be written to.
+        The folder cannot be written to.
     """
-    fresh(folder)
     ensure_writable(folder / "checkpoints")
     text = json.dumps(describe(config, machines, design, start), indent=1)
     write_atomic(folder / CONFIG, text + "\n")
     start.save(folder / START)
 
 
-def fresh(folder: Path) -> None:
+@contextmanager
+def fresh(folder: Path) -> Iterator[None]:
     """Make a new run folder, or empty that of a run that ended before its first checkpoint.
+
+    Nobody else can do so with the same folder meanwhile.
 
     Raises
     ------
     UserError
-        The folder holds anything else, or cannot be written to.
+        The folder holds anything else, is in use, or cannot be written to.
     """
+    _refuse_run(folder)
+    ensure_writable(folder)
+    with alone(folder):
+        _refuse_run(folder)  # another one may just have been here
+        for path in list(folder.iterdir()):
+            remove(path)
+        yield
+
+
+def _refuse_run(folder: Path) -> None:
     try:
         if folder.exists() and not _barely_begun(folder):
             raise UserError(
@@ -81,9 +94,6 @@ def fresh(folder: Path) -> None:
             )
     except OSError as error:
         raise UserError(f"name: {str(folder)!r}: {reason(error)}; choose another name") from None
-    if folder.is_dir():
-        shutil.rmtree(folder)
-    ensure_writable(folder)
 
 
 def _barely_begun(folder: Path) -> bool:
