@@ -7,7 +7,8 @@ import os
 import re
 import shutil
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from sensorless.errors import UserError
@@ -176,6 +177,23 @@ def ensure_writable(folder: str | Path) -> Path:
             f"output folder {str(folder)!r}: {reason(error)}; give a folder that can be written to"
         ) from None
     return folder
+
+
+@contextmanager
+def folder_for(path: Path) -> Iterator[None]:
+    """Make a folder to write to; if nothing gets written, take what was made away again.
+
+    Errors as in ``ensure_writable``.
+    """
+    new = [folder for folder in (path, *path.parents) if not folder.exists()]
+    try:
+        ensure_writable(path)
+        yield
+    except BaseException:
+        for folder in new:
+            with suppress(OSError):
+                folder.rmdir()
+        raise
 
 
 def check_writable(path: str | Path | None, name: str = "out") -> None:
