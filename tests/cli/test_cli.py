@@ -53,6 +53,8 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["simulate", "--scenario", "envelope:1:3"], "SIZE"),
         (["evaluate", "--policy", "linear:1,2", "--plot", "x.png"], "envelope"),
         (["evaluate", "--policy", "ramp-tune"], "ramp-tune"),
+        (["demo", "--out", "d", "--size", "99999999999"], "size"),
+        (["demo", "--out", "d", "--seed", BEYOND], "seed"),
         (["report", "eq25"], "--out"),
         (["simulate", "--plant", "none.json"], "plant"),
         (["export", "hysteresis", "--out", "folder"], "hysteresis"),
