@@ -6,7 +6,8 @@ from typing import Any
 
 from sensorless.agents.mlp.schedule import MlpSchedule
 from sensorless.design.carried import Carried, carried, refuse_other
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
+from sensorless.files import reason
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import KsTable
@@ -70,11 +71,41 @@ def _schedule(path: Path) -> TablePolicy | MlpSchedule:
 def _config(folder: Path) -> dict[str, Any]:
     """Settings of a run; empty if it has no such file."""
     path = folder / CONFIG
+    return document(path) if path.is_file() else {}
+
+
+def document(path: Path) -> dict[str, Any]:
+    """Content of a JSON file of a run.
+
+    Raises
+    ------
+    UserError
+        It cannot be read, or has no fields.
+    """
     try:
-        data = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-    except (OSError, ValueError) as error:
-        raise UserError(f"{path}: {error}; restore the file, or train anew") from None
-    return data if isinstance(data, dict) else {}
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise UserError(f"{path}: {reason(error)}; restore the file, or train anew") from None
+    if not isinstance(data, dict):
+        raise UserError(f"{path}: {shown(data)} has no fields; restore the file, or train anew")
+    return data
+
+
+def verdict_of(folder: Path) -> str | None:
+    """Return the sentence that a run ended with; None: it has none, or the folder is no run.
+
+    Raises
+    ------
+    UserError
+        The file is damaged.
+    """
+    path = folder / VERDICT
+    if not path.is_file():
+        return None
+    said = document(path).get("verdict")
+    if not isinstance(said, str):
+        raise UserError(f"{path}: verdict: {shown(said)} is no text; restore or remove the file")
+    return said
 
 
 def provenance(policy: TablePolicy | MlpSchedule) -> dict[str, Any]:

@@ -200,7 +200,8 @@ class BlendBatch:
         n, m = len(self), self.n_actions
         action = np.asarray(actions, dtype=np.float32)
         if action.shape != (n, m) and not (1 in (n, m) and action.shape == (n * m,)):
-            raise UserError(f"action: shape {action.shape}; give shape {(n, m)}")
+            wanted = (n, m) if n > 1 else (m,)
+            raise UserError(f"action: shape {action.shape}; give shape {wanted}")
         action = action.reshape(n, m)
         good = np.abs(action) <= ROUNDING
         if np.count_nonzero(good) < n * m:

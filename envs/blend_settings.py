@@ -16,11 +16,18 @@ from sensorless.envs.reward import RewardWeights
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.envs.window_reward import WindowWeights
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.machine.motor import Motor
 from sensorless.settings import check, number
 
 Sampler = Callable[[Motor, Seeds], Scenarios]
+KINDS: dict[str, tuple[Any, str]] = {
+    "motor": (Motor | str | Path, "the name of a shipped machine, a TOML file, or a Motor"),
+    "design": (DriveDesign, "a DriveDesign"),
+    "scenarios": (Callable, "a function of (motor, seeds) that draws Scenarios"),
+    "weights": (RewardWeights | WindowWeights, "RewardWeights or WindowWeights"),
+}
+"""Types of fields that are no numbers, and those types in words."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +58,7 @@ class BlendSettings:
         return {name: self.gain_ranges.get(name, DEFAULT[name]) for name in self.gains}
 
     def __post_init__(self) -> None:
-        """Check the numbers.
+        """Check every field.
 
         Raises
         ------
@@ -59,6 +66,10 @@ class BlendSettings:
             Names the field, its value and what it must be.
         """
         check(self)
+        for name, (kinds, words) in KINDS.items():
+            value = getattr(self, name)
+            if not isinstance(value, kinds):
+                raise UserError(f"{name}: {shown(value)}; give {words}")
         steps = self.max_episode_steps
         if steps is not None and (_index(steps) or 0) < 1:
             raise UserError(f"max_episode_steps: {steps!r}: must be None or a whole number above 0")

@@ -7,12 +7,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sensorless.errors import UserError, shown
+
 Seeds = NDArray[np.uint64]
 Floats = NDArray[np.float64]
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _FACTORS = np.array([0xBF58476D1CE4E5B9, 0x94D049BB133111EB], dtype=np.uint64)
 _SHIFTS = np.array([30, 27, 31], dtype=np.uint64)
+
+
+def check_seed(seed: int) -> None:
+    """Check the seed of a command.
+
+    Raises
+    ------
+    UserError
+        It is out of range.
+    """
+    if not 0 <= seed < 2**63:
+        raise UserError(f"seed: {shown(seed)}; give 0 to 2^63 - 1")
 
 
 def mix(x: Seeds) -> Seeds:

@@ -7,7 +7,8 @@ import os
 import re
 import shutil
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from sensorless.errors import UserError
@@ -122,7 +123,7 @@ def sweep(folder: Path, name: str | None = None) -> None:
         for path in list(folder.iterdir()):
             found = PART.fullmatch(path.name)
             if found and name in (None, found[1]) and _abandoned(path, int(found[2])):
-                _remove(path)
+                remove(path)
 
 
 def is_part(name: str) -> bool:
@@ -147,7 +148,8 @@ def _alive(process: int) -> bool:
     return True
 
 
-def _remove(path: Path) -> None:
+def remove(path: Path) -> None:
+    """Remove a file, or a folder with all that it holds."""
     if path.is_dir():
         shutil.rmtree(path, ignore_errors=True)
     else:
@@ -175,6 +177,23 @@ def ensure_writable(folder: str | Path) -> Path:
             f"output folder {str(folder)!r}: {reason(error)}; give a folder that can be written to"
         ) from None
     return folder
+
+
+@contextmanager
+def folder_for(path: Path) -> Iterator[None]:
+    """Make a folder to write to; if nothing gets written, take what was made away again.
+
+    Errors as in ``ensure_writable``.
+    """
+    new = [folder for folder in (path, *path.parents) if not folder.exists()]
+    try:
+        ensure_writable(path)
+        yield
+    except BaseException:
+        for folder in new:
+            with suppress(OSError):
+                folder.rmdir()
+        raise
 
 
 def check_writable(path: str | Path | None, name: str = "out") -> None:

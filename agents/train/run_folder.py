@@ -3,23 +3,25 @@
 import csv
 import dataclasses
 import json
-import shutil
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from sensorless.agents.loading import CONFIG, MLP, TABLE
+from sensorless.agents.loading import CONFIG, MLP, TABLE, document
 from sensorless.agents.mlp.schedule import MlpSchedule
+from sensorless.agents.train.alone import alone
 from sensorless.agents.train.config import TrainConfig
 from sensorless.design.carried import Carried, carried, record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
 from sensorless.errors import UserError
-from sensorless.files import ensure_writable, is_part, reason, write_atomic
+from sensorless.files import ensure_writable, is_part, reason, remove, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
+from sensorless.settings import settings_of
 from sensorless.table.ks_table import KsTable
 from sensorless.versions import versions
 
@@ -52,28 +54,40 @@ def describe(
 def create(
     folder: Path, config: TrainConfig, machines: Machines, design: DriveDesign, start: KsTable
 ) -> None:
-    """Make a new run folder with its configuration and its start.
+    """Write the configuration and the start of a run into its empty folder.
 
     Raises
     ------
     UserError
-        The folder is not empty, or cannot be written to.
+        The folder cannot be written to.
     """
-    fresh(folder)
     ensure_writable(folder / "checkpoints")
     text = json.dumps(describe(config, machines, design, start), indent=1)
     write_atomic(folder / CONFIG, text + "\n")
     start.save(folder / START)
 
 
-def fresh(folder: Path) -> None:
+@contextmanager
+def fresh(folder: Path) -> Iterator[None]:
     """Make a new run folder, or empty that of a run that ended before its first checkpoint.
+
+    Nobody else can do so with the same folder meanwhile.
 
     Raises
     ------
     UserError
-        The folder holds anything else, or cannot be written to.
+        The folder holds anything else, is in use, or cannot be written to.
     """
+    _refuse_run(folder)
+    ensure_writable(folder)
+    with alone(folder):
+        _refuse_run(folder)  # another one may just have been here
+        for path in list(folder.iterdir()):
+            remove(path)
+        yield
+
+
+def _refuse_run(folder: Path) -> None:
     try:
         if folder.exists() and not _barely_begun(folder):
             raise UserError(
@@ -81,9 +95,6 @@ def fresh(folder: Path) -> None:
             )
     except OSError as error:
         raise UserError(f"name: {str(folder)!r}: {reason(error)}; choose another name") from None
-    if folder.is_dir():
-        shutil.rmtree(folder)
-    ensure_writable(folder)
 
 
 def _barely_begun(folder: Path) -> bool:
@@ -103,17 +114,38 @@ def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
     UserError
         No run folder, one whose configuration cannot be read, or a run over several machines.
     """
-    try:
-        data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
-        if "machines" in data:
-            raise UserError(f"run: {folder}: trained on {data['motor']}; use a run on one motor")
-        known = carried(data, str(folder / CONFIG))
-        motor = known.motor or Motor.load(data["train"]["motor"])
-        return DriveDesign(**known.settings), motor
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        if isinstance(error, UserError):
-            raise
-        raise UserError(f"run: {folder / CONFIG}: {error}; give a training run's folder") from None
+    path = folder / CONFIG
+    if not path.is_file():
+        raise UserError(f"run: {str(folder)!r} has no {CONFIG}; give a training run's folder")
+    data = document(path)
+    if "machines" in data:
+        raise UserError(f"run: {folder}: trained on {data.get('motor')}; use a run on one motor")
+    known = carried(data, str(path))
+    motor = known.motor or Motor.load(setting_of(folder, "motor"))
+    return DriveDesign(**known.settings), motor
+
+
+def setting_of(folder: Path, name: str) -> Any:
+    """Return a setting of ``TrainConfig`` that a run was trained with.
+
+    Raises
+    ------
+    UserError
+        Its configuration cannot be read or lacks it, or it is out of range.
+    """
+    path = folder / CONFIG
+    values = _trained(document(path), path)
+    if name not in values:
+        raise UserError(f"{path}: train: {name}: missing; restore the file, or train anew")
+    return settings_of(TrainConfig)[name].checked(values[name], f"{path}: train: ")
+
+
+def _trained(data: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    """Return all settings of a run."""
+    found = data.get("train")
+    if not isinstance(found, dict):
+        raise UserError(f"{path}: train: missing; restore the file, or train anew")
+    return found
 
 
 def reopen(folder: Path) -> tuple[TrainConfig, Carried, KsTable]:
@@ -133,8 +165,9 @@ def reopen(folder: Path) -> tuple[TrainConfig, Carried, KsTable]:
             "anew"
         )
     try:
-        data = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
-        config, known = TrainConfig(**data["train"]), carried(data, str(folder / CONFIG))
+        data = document(folder / CONFIG)
+        config = TrainConfig(**_trained(data, folder / CONFIG))
+        known = carried(data, str(folder / CONFIG))
         if config.machines:
             known = dataclasses.replace(known, made_for=(data["motor"], data["machines"]["digest"]))
         return config, known, KsTable.load(folder / START)

@@ -14,9 +14,10 @@ from torch.optim import Optimizer
 from sensorless.agents.mlp.policy import MlpActorCritic
 from sensorless.agents.pairs import PairedRolloutBuffer
 from sensorless.agents.table.policy import TableActorCritic
+from sensorless.agents.train.alone import alone
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import training_env
-from sensorless.agents.train.run_folder import LATEST, create, cut_back, reopen
+from sensorless.agents.train.run_folder import LATEST, create, cut_back, fresh, reopen
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.agents.train.watch import Progress, Watch
 from sensorless.design.carried import refuse_settings
@@ -72,8 +73,9 @@ def train(
     machines = Machines.of(reference, config.machines, config.seed)
     table = config.start_table(source, reference, design.k_s_slew)
     model = new_model(config, table, training_env(config, design, machines.motors))
-    create(folder, config, machines, design, table)
-    return _learn(model, folder, config, design, machines, report)
+    with fresh(folder):
+        create(folder, config, machines, design, table)
+        return _learn(model, folder, config, design, machines, report)
 
 
 def resume(
@@ -91,8 +93,8 @@ def resume(
     Raises
     ------
     UserError
-        The folder has no run, its checkpoint is damaged or belongs to another motor, or the run
-        has other settings than those ``asked`` for.
+        The folder has no run or is in use, its checkpoint is damaged or belongs to another motor,
+        or the run has other settings than those ``asked`` for.
     """
     old, known, table = reopen(folder)
     refuse_settings(known, asked, str(folder), "train anew")
@@ -110,13 +112,14 @@ def resume(
             "--motor out, or give that machine"
         )
     config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)
-    model = new_model(config, table, training_env(config, design, machines.motors))
-    sweep(folder)
-    sweep(folder / "checkpoints")
-    if (folder / LATEST).is_file():  # else the run ended before its first checkpoint
-        _restore(model, folder / LATEST)
-    cut_back(folder, model.num_timesteps)
-    return _learn(model, folder, config, design, machines, report)
+    with alone(folder):
+        model = new_model(config, table, training_env(config, design, machines.motors))
+        sweep(folder)
+        sweep(folder / "checkpoints")
+        if (folder / LATEST).is_file():  # else the run ended before its first checkpoint
+            _restore(model, folder / LATEST)
+        cut_back(folder, model.num_timesteps)
+        return _learn(model, folder, config, design, machines, report)
 
 
 def _learn(

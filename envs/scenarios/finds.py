@@ -127,11 +127,14 @@ def load(path: Path) -> list[Find]:
         ) from None
 
 
-def _plausible(units: list[float], machine: list[int] | None = None, **other: object) -> bool:
+def _plausible(
+    units: list[float], seed: int, machine: list[int] | None = None, **other: object
+) -> bool:
     """Return True where numbers are numbers, and a machine is a seed and an index; else raise."""
     del other
-    whole = machine is None or (len(machine) == 2 and all(0 <= int(x) == x for x in machine))
-    if not (whole and all(math.isfinite(u) for u in units)):
+    pair = machine is None or len(machine) == 2
+    whole = all(isinstance(x, int) and 0 <= x < 2**64 for x in (seed, *(machine or ())))
+    if not (pair and whole and all(math.isfinite(u) for u in units)):
         raise ValueError
     return True
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from sensorless.design.control import operating_line, torque_constant
 from sensorless.design.cross_coupling import working_current
-from sensorless.envs.counter_random import Draws, combine
+from sensorless.envs.counter_random import Draws, check_seed, combine
 from sensorless.errors import UserError
 from sensorless.machine.magnetics import Floats, cross_angle, flux, inverse_inductance, torque
 from sensorless.machine.motor import Motor
@@ -75,8 +75,7 @@ def family(seed: int, n: int) -> tuple[Motor, ...]:
     UserError
         A seed below 0 or beyond 2^63, no machine, or more than ``MOST_MACHINES``.
     """
-    if not 0 <= seed < 2**63:
-        raise UserError(f"seed: {seed}: must be between 0 and 2^63 - 1")
+    check_seed(seed)
     if not 1 <= n <= MOST_MACHINES:
         raise UserError(f"machines: {n}: must be between 1 and {MOST_MACHINES}")
     return tuple(member(seed, i) for i in range(n))

@@ -5,9 +5,10 @@ Machine i has the rows from ``SCENARIOS`` times i on.
 
 import re
 
+from sensorless.envs.counter_random import check_seed
 from sensorless.envs.scenarios.machine_family import family, member
 from sensorless.envs.scenarios.machines import Machines
-from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
+from sensorless.envs.scenarios.suites import MOST_SCENARIOS, SuiteRows, scenario_word
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 
@@ -21,11 +22,13 @@ JUDGED = 1_000_000
 
 def judged(seed: int, n: int) -> Machines:
     """Return the n machines of a seed; errors as in ``family``."""
+    check_seed(seed)
     return Machines(family(JUDGED + seed, n), JUDGED + seed)
 
 
 def machine(seed: int, i: int) -> Motor:
-    """Return machine i of a seed."""
+    """Return machine i of a seed; errors as in ``check_seed``."""
+    check_seed(seed)
     return member(JUDGED + seed, i)
 
 
@@ -52,10 +55,12 @@ def on_machine(word: str) -> tuple[Motor, str]:
     Raises
     ------
     UserError
-        The word has another form.
+        The word has another form, or its seed or index is too large.
     """
     found = re.fullmatch(rf"{NAME}:(\d+):(\d+)", word)
     if found is None:
         raise UserError(f"scenario: {word!r} cannot be read; write {NAME}:SEED:INDEX")
     seed, index = int(found[1]), int(found[2])
+    if index >= MOST_SCENARIOS:
+        raise UserError(f"scenario: {word!r}; give an INDEX below {MOST_SCENARIOS}")
     return machine(seed, index // SCENARIOS), scenario_word(EACH, seed, index, index + 1)

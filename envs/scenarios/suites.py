@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.envs.counter_random import Seeds, combine
+from sensorless.envs.counter_random import Seeds, check_seed, combine
 from sensorless.envs.scenarios.envelope import envelope_scenarios
 from sensorless.envs.scenarios.finds import hard_scenarios
 from sensorless.envs.scenarios.handoff import handoff_scenarios
@@ -34,7 +34,8 @@ from sensorless.machine.motor import Motor
 
 ROLES = {"train": 1, "tune": 2, "test": 3}
 """Keeps the seeds of training, tuning and judging apart."""
-
+MOST_SCENARIOS = 10_000_000
+"""Of a suite."""
 
 Indices = NDArray[np.int64]
 
@@ -79,10 +80,9 @@ class SuiteRows:
             )
         if self.role not in ROLES:
             raise UserError(f"role: {self.role!r} does not exist; choose from {', '.join(ROLES)}")
-        if not 0 <= seed < 2**63:
-            raise UserError(f"seed: {seed}; give 0 to 2^63 - 1")
-        if not 1 <= size <= 10_000_000:
-            raise UserError(f"size: {size}; give 1 to 10000000 scenarios")
+        check_seed(seed)
+        if not 1 <= size <= MOST_SCENARIOS:
+            raise UserError(f"size: {size}; give 1 to {MOST_SCENARIOS} scenarios")
         if name == "envelope" and (size < 4 or int(np.sqrt(size)) ** 2 != size):
             raise UserError(f"size: {size}; envelope is a grid: give a square number, at least 4")
 

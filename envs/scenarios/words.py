@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from sensorless.core.api import PROFILE_N
-from sensorless.envs.counter_random import combine
+from sensorless.envs.counter_random import check_seed, combine
 from sensorless.envs.scenarios.finds import Find, load, scenarios_of, without
 from sensorless.envs.scenarios.machines_suite import is_on_machines, machine, on_machine
-from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.envs.scenarios.scenario import RUNAWAY, Scenarios
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -17,6 +17,12 @@ from sensorless.units import RPM_TO_RAD_S
 
 FOUND = re.compile(r"(.+\.json):(\d+)(:min)?")
 """Word of a scenario that a search found."""
+LONGEST = 1000.0
+"""Longest plan [s]."""
+RUNAWAY_WORDS = f"{RUNAWAY:g} times rated speed, beyond which a drive counts as run away"
+OVERLOAD = 2.0
+"""Largest load of a plan over the torque at the current limit: no drive holds more than that."""
+OVERLOAD_WORDS = f"{OVERLOAD:g} times the torque at the current limit, which no drive exceeds"
 
 
 def scenario_from(word: str, motor: Motor) -> Scenarios:
@@ -113,11 +119,17 @@ def plan_from(
         raise UserError(f"theta_err: {theta_err:g}; give -180 to 180 degrees")
     if not abs(spin) <= 2.0 * motor.n_rated_rpm:
         raise UserError(f"spin: {spin:g} r/min; give at most twice {motor.n_rated_rpm:g} r/min")
-    if not 0.0 < duration <= 1000.0:
-        raise UserError(f"duration: {duration:g} s; give more than 0 and at most 1000 s")
+    if not motor.T_s <= duration <= LONGEST:
+        raise UserError(
+            f"duration: {duration:g} s; give {motor.T_s:g} s, one PWM period, to {LONGEST:g} s"
+        )
     if ramp is not None and not 0.0 < ramp < 1e9:
         raise UserError(f"ramp: {ramp:g} r/min/s; give more than 0, or leave it out for steps")
+    check_seed(seed)
     speeds, loads = _plan("speed", speed), _plan("load", load)
+    _check_most("speed", "r/min", speeds, RUNAWAY * motor.n_rated_rpm, RUNAWAY_WORDS)
+    held = motor.tau_rated * motor.i_max / motor.i_rated
+    _check_most("load", "N m", loads, OVERLOAD * held, OVERLOAD_WORDS)
     times = sorted({0.0} | {t for t, _ in speeds} | {t for t, _ in loads})
     if len(times) > PROFILE_N:
         raise UserError(f"speed, load: {len(times)} different times; give at most {PROFILE_N}")
@@ -142,6 +154,15 @@ def _plan(name: str, text: str) -> list[tuple[float, float]]:
             f"{name}: {text!r} cannot be read; write TIME:VALUE,TIME:VALUE,... with rising times"
         )
     return points
+
+
+def _check_most(
+    name: str, unit: str, points: list[tuple[float, float]], most: float, why: str
+) -> None:
+    """Raise UserError where a value of a plan is beyond the most, of either sign."""
+    value = max((v for _, v in points), key=abs)
+    if abs(value) > most:
+        raise UserError(f"{name}: {value:g} {unit}; give at most {most:g} {unit}, {why}")
 
 
 def _at(points: list[tuple[float, float]], t: float) -> float:

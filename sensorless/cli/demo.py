@@ -53,10 +53,14 @@ def demo_command(
     from sensorless.cli.demo_steps import SUITE, draw, fresh_folder, hand_over, judge
     from sensorless.cli.train import run_training
     from sensorless.design.drive import DriveDesign
+    from sensorless.envs.scenarios.suites import SuiteRows
     from sensorless.machine.motor import Motor
+    from sensorless.plots.figure import require_matplotlib
 
     machine, config = Motor.load(motor), TrainConfig(motor=motor, minutes=minutes)
     require_machine(machine, DriveDesign())
+    SuiteRows(SUITE, machine, seed, size)  # raises where these are no rows of the suite
+    require_matplotlib()
     fresh_folder(out)
     run = out / "ppo-table"
     _step("1/4", f"training a schedule for {minutes:g} min, starting from Eq. 25")

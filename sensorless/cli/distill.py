@@ -89,11 +89,13 @@ def distill_command(
     from sensorless.agents.train.run_folder import LIBRARIES, design_and_motor, fresh
     from sensorless.cli.train import RUNS
     from sensorless.design.carried import record
+    from sensorless.envs.counter_random import check_seed
     from sensorless.envs.scenarios.scenario import SimFactory
     from sensorless.evaluation.objective import Cost
     from sensorless.files import write_atomic
     from sensorless.versions import versions
 
+    check_seed(seed)
     design, motor = design_and_motor(run)
     teacher = load_run(run, motor)
     if not isinstance(teacher, MlpSchedule):
@@ -101,7 +103,6 @@ def distill_command(
             f"run: {str(run)!r} already is a table; distill a run made with --policy-kind mlp"
         )
     folder, shape = RUNS / name, teacher.start.axes if axes == "start" else grid(axes)
-    fresh(folder)
 
     def report(number: int, rms: float, cost: Cost) -> None:
         errors.print(
@@ -110,30 +111,31 @@ def distill_command(
         )
 
     settings = {"rounds": rounds, "size": size, "seed": seed, "smoothness": smoothness}
-    found = distill(
-        teacher,
-        shape,
-        SimFactory(motor, design),
-        rounds=rounds,
-        size=size,
-        seed=seed,
-        smoothness=smoothness,
-        validate_size=validate_size,
-        report=report,
-    )
-    facts = {
-        "command": shlex.join(["sensorless", *sys.argv[1:]]),
-        "motor": motor.name,
-        "motor_digest": motor.digest,
-        **record(design, motor),
-        "versions": versions(LIBRARIES),
-        "distilled_from": {
-            key: teacher.provenance.get(key) for key in ("command", "seed", "steps")
-        },
-        "settings": {**settings, "axes": axes, "validate_size": validate_size},
-    }
-    write_atomic(folder / CONFIG, json.dumps(facts, indent=1) + "\n")
-    found.table.save(folder / TABLE, {**facts, **found.facts()})
+    with fresh(folder):
+        found = distill(
+            teacher,
+            shape,
+            SimFactory(motor, design),
+            rounds=rounds,
+            size=size,
+            seed=seed,
+            smoothness=smoothness,
+            validate_size=validate_size,
+            report=report,
+        )
+        facts = {
+            "command": shlex.join(["sensorless", *sys.argv[1:]]),
+            "motor": motor.name,
+            "motor_digest": motor.digest,
+            **record(design, motor),
+            "versions": versions(LIBRARIES),
+            "distilled_from": {
+                key: teacher.provenance.get(key) for key in ("command", "seed", "steps")
+            },
+            "settings": {**settings, "axes": axes, "validate_size": validate_size},
+        }
+        write_atomic(folder / CONFIG, json.dumps(facts, indent=1) + "\n")
+        found.table.save(folder / TABLE, {**facts, **found.facts()})
     console.print(
         f"network: {describe(vars(found.network))}\ntable:   {describe(vars(found.cost))}",
         highlight=False,

@@ -154,9 +154,9 @@ def evaluate_command(
         place_table,
         worst_table,
     )
-    from sensorless.files import check_writable
+    from sensorless.plots.figure import check_picture
 
-    check_writable(plot, "plot")
+    check_picture(plot)
     if plot is not None and suite != "envelope":
         raise UserError(
             f"plot: suite {suite!r} has no picture; use --suite envelope, or leave out --plot"

@@ -79,9 +79,10 @@ def cross_coupling(
     from sensorless.files import check_writable
     from sensorless.identify.cross_coupling import identify_cross_coupling
     from sensorless.machine.motor import Motor
+    from sensorless.plots.figure import check_picture
 
     check_writable(out)
-    check_writable(plot, "plot")
+    check_picture(plot)
     machine, design = Motor.load(motor), design_from(settings)
     say_if_unsuited(machine, design)
     found = identify_cross_coupling(machine, design)

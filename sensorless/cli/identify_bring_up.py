@@ -60,6 +60,7 @@ def bring_up_command(
     """
     import numpy as np
 
+    from sensorless.envs.counter_random import check_seed
     from sensorless.errors import UserError
     from sensorless.files import check_writable
     from sensorless.identify.bring_up.check import check, check_log, drives_at_rest, write_log
@@ -69,6 +70,7 @@ def bring_up_command(
     from sensorless.machine.motor import Motor
 
     check_writable(save_log, "save-log")
+    check_seed(seed)
     machine = Motor.load(motor)
     if mistake is not None and mistake != "right" and mistake not in MISTAKES:
         raise UserError(f"mistake: {mistake!r}; choose right, {', '.join(MISTAKES)}")

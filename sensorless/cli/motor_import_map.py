@@ -78,9 +78,10 @@ def import_map_command(
     from sensorless.machine.mapped import mapped, saturation_table, tables_of
     from sensorless.machine.motor import Motor
     from sensorless.machine.motor_file import table_lines, written
+    from sensorless.plots.figure import check_picture
 
     check_writable(out)
-    check_writable(plot, "plot")
+    check_picture(plot)
     machine = Motor.load(motor)
     i, psi = load_map(file, columns, turn)
     fit = fit_map(i, psi, machine.i_rated, machine.i_max)

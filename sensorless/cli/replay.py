@@ -97,7 +97,6 @@ def replay_command(
     from sensorless.report.picture import check_drawable, write_waves
 
     check_writable(out)
-    check_writable(plot, "plot")
     check_drawable(plot)
     made = bench_of([policy], motor, settings, override)
     rule = made.policy(policy)

@@ -152,7 +152,6 @@ def simulate_command(
     from sensorless.plots.wave import FOLDED, wave
     from sensorless.report.picture import check_drawable, write_waves
 
-    check_writable(plot, "plot")
     check_drawable(plot)
     unknown = [pane for pane in show or () if pane not in FOLDED]
     if unknown:

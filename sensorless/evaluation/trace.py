@@ -60,7 +60,7 @@ def trace(
         change(sim)
     if not 1 <= sim["k_end"][0] <= MOST_PERIODS:
         raise UserError(
-            f"duration: {scenario.duration[0]:g} s; give more than 0 and at most "
+            f"duration: {scenario.duration[0]:g} s; give {motor.T_s:g} s, one PWM period, to "
             f"{MOST_PERIODS * motor.T_s:g} s"
         )
     sim["go_on"] = go_on

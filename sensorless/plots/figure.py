@@ -1,11 +1,12 @@
 """Makes empty figures and writes figures as PNG. Needs matplotlib."""
 
 import io
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from sensorless.errors import UserError
-from sensorless.files import write_atomic
+from sensorless.files import check_writable, is_device, write_atomic
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,6 +33,7 @@ PALETTE = {
     "bad": "#b3151f",
 }
 """Of waveforms, as in the style of a page."""
+PNG = ".png"
 DPI = 120
 LAYOUT: Literal["constrained"] | None = "constrained"
 """No text lies over another; takes as long as drawing."""
@@ -51,6 +53,25 @@ def require_matplotlib() -> None:
         import matplotlib  # noqa: F401
     except ImportError:
         raise UserError("plots need matplotlib; run: pip install 'sensorless[plot]'") from None
+
+
+def check_picture(path: Path | None, others: Sequence[str] = ()) -> None:
+    """Check before any work that a picture can be drawn to a file; None means no file.
+
+    ``others`` are suffixes that are no pictures and need no matplotlib.
+
+    Raises
+    ------
+    UserError
+        The file cannot be written, its name asks for another format, or matplotlib is missing.
+    """
+    check_writable(path, "plot")
+    if path is None or path.suffix.lower() in others:
+        return
+    if path.suffix.lower() != PNG and not is_device(path):
+        known = " or ".join((PNG, *others))
+        raise UserError(f"plot: {str(path)!r}: give a file whose name ends in {known}")
+    require_matplotlib()
 
 
 def new_figure(

@@ -1,7 +1,6 @@
 """Learning curves of training runs, and what other schedules reach on the same scenarios."""
 
 import csv
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -9,10 +8,12 @@ from typing import Any
 import numpy as np
 
 from sensorless.agents.loading import CONFIG
-from sensorless.agents.train.run_folder import PROGRESS, design_and_motor
+from sensorless.agents.train.run_folder import PROGRESS, design_and_motor, setting_of
 from sensorless.agents.validation import validate
 from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.errors import UserError
 from sensorless.evaluation.objective import LOST_WEIGHT, Cost
+from sensorless.files import reason
 from sensorless.policies import shipped
 from sensorless.policies.registry import make_policy
 
@@ -29,6 +30,7 @@ CURVES = (
     ("torque_ripple", "torque ripple [% of rated]"),
 )
 """Columns of ``progress.csv``, which are fields of ``Cost``, with their labels."""
+NEEDED = ("seconds", *(name for name, _ in CURVES))
 COLOURS = ("observer", "hfi", "ekf", "ref", "own")
 
 Curve = dict[str, Any]
@@ -40,18 +42,30 @@ def curves_of(folder: Path, *, alone: bool = False) -> dict[str, Curve]:
 
     Columns are by name. A run that contains other runs is a copy of one of them and is left out,
     unless it is wanted ``alone``.
+
+    Raises
+    ------
+    UserError
+        A file is damaged.
     """
     out = {}
     inside = [] if alone else sorted(folder.glob(f"*/{PROGRESS}"))
     for path in inside or [folder / PROGRESS]:
         if path.is_file() and (path.parent == folder or not any(path.parent.glob(f"*/{PROGRESS}"))):
-            with path.open(encoding="utf-8", newline="") as file:
-                rows = list(csv.DictReader(file))
-            if rows:
-                out[path.parent.resolve().name] = {
-                    key: np.array([float(row[key]) for row in rows]) for key in rows[0]
-                }
+            curve = _read(path)
+            if curve:
+                out[path.parent.resolve().name] = curve
     return out
+
+
+def _read(path: Path) -> Curve:
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        curve = {key: np.array([float(row[key]) for row in rows]) for key in (rows or [{}])[0]}
+    except (OSError, ValueError, TypeError, csv.Error) as error:
+        raise UserError(f"{path}: {reason(error)}; restore the file, or train anew") from None
+    return curve
 
 
 def levels_of(folder: Path, words: Sequence[str]) -> dict[str, Cost]:
@@ -70,7 +84,7 @@ def levels_of(folder: Path, words: Sequence[str]) -> dict[str, Cost]:
         The folder has no training run, or its motor has no such policy.
     """
     design, motor = design_and_motor(folder)
-    size = int(json.loads((folder / CONFIG).read_text(encoding="utf-8"))["train"]["validate_size"])
+    size = setting_of(folder, "validate_size")
     factory = SimFactory(motor, design)
     return {word: validate(make_policy(word, motor), factory, size) for word in words}
 
@@ -100,12 +114,24 @@ def _motor_of(folder: Path) -> str:
 
 
 def learning(run: str) -> tuple[list[dict[str, Any]], str]:
-    """Panels with the curves of a run's folder, and what they show; empty if it has none."""
+    """Panels with the curves of a run's folder, and what they show; empty if it has none.
+
+    Raises
+    ------
+    UserError
+        A file of the run is damaged.
+    """
     made = shipped.reference_run(run)
     folder = made or Path(run)
     found = curves_of(folder, alone=made is not None) if folder.is_dir() else {}
     if not found:
         return [], ""
+    missing = [(run, key) for run, curve in found.items() for key in NEEDED if key not in curve]
+    if missing:
+        raise UserError(
+            f"{PROGRESS} of {missing[0][0]}: {missing[0][1]}: no such column; restore the file, or "
+            "train anew"
+        )
     levels = {name: cost for name, cost in shipped_levels(folder).items() if name != run}
     times = np.unique(np.concatenate([c["seconds"] for c in found.values()]))
     panels = []

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sensorless.files import write_atomic
-from sensorless.plots.figure import require_matplotlib, save
+from sensorless.plots.figure import check_picture, save
 from sensorless.plots.wave import FOLDED, Wave
 from sensorless.plots.waveforms import waveforms
 from sensorless.report.waves import packed
@@ -13,15 +13,8 @@ PAGES = (".html", ".htm")
 
 
 def check_drawable(path: Path | None) -> None:
-    """Check before any work that ``write_waves`` can draw.
-
-    Raises
-    ------
-    UserError
-        A picture needs matplotlib, which is missing.
-    """
-    if path is not None and path.suffix.lower() not in PAGES:
-        require_matplotlib()
+    """Check before any work that ``write_waves`` can draw; errors as in ``check_picture``."""
+    check_picture(path, PAGES)
 
 
 def write_waves(

@@ -1,6 +1,5 @@
 """Judges a policy and writes one HTML page about it."""
 
-import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -8,12 +7,12 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from sensorless.agents.loading import VERDICT
+from sensorless.agents.loading import verdict_of
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.evaluation.evaluate import PolicyProgress
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
-from sensorless.files import ensure_writable, write_atomic
+from sensorless.files import folder_for, write_atomic
 from sensorless.plots.envelope import SHOWN
 from sensorless.plots.schedule import sheets
 from sensorless.plots.wave import wave
@@ -102,8 +101,21 @@ class Report:
             Points of the envelope maps along each axis.
         command : str
             Command that the user typed, for the page.
+
+        Raises
+        ------
+        UserError
+            A file of the run is damaged, found before anything is judged, or the folder cannot be
+            written to.
         """
-        ensure_writable(folder)
+        with folder_for(folder):
+            return self._write(folder, suites, seed, size, grid, command)
+
+    def _write(
+        self, folder: Path, suites: Sequence[str], seed: int, size: int, grid: int, command: str
+    ) -> tuple[Path, Verdict]:
+        about = self._about()
+        panels, about_panels = learning(self.run)
         words = [self.run, *self.others]
         results = [self._evaluate(name, seed, size, words) for name in suites]
         rivals = self._rivals(results[0])
@@ -117,7 +129,6 @@ class Report:
         over = self._evaluate("envelope", seed, grid * grid, mapped)
         drawn = {f"envelope {m.title}": m for m in maps.envelope(over, self.motor, SHOWN)}
         table = {f"table {m.title} {m.note}": m for m in self._table()}
-        panels, about_panels = learning(self.run)
         page = render(
             "report.html.j2",
             {
@@ -144,7 +155,7 @@ class Report:
             sheets=list(table),
             curves=[panel["label"] for panel in panels],
             learning=about_panels,
-            about=self._about(),
+            about=about,
             commands=self._commands(command, results, mapped, grid * grid),
             versions=self._versions(results[0]),
             design=asdict(design_for(self.policy, self.design)),
@@ -228,10 +239,9 @@ class Report:
                 facts["training"] = f"{known['steps']} decisions, seed {known['seed']}"
         if not self.policy.sensored:
             facts["estimator"] = design_for(self.policy, self.design).estimator
-        sentence = Path(self.run) / VERDICT
-        if sentence.is_file():
-            known = json.loads(sentence.read_text(encoding="utf-8"))
-            facts["after training"] = known["verdict"]
+        said = verdict_of(Path(self.run))
+        if said is not None:
+            facts["after training"] = said
         return facts
 
     def _versions(self, results: Results) -> dict[str, str]:

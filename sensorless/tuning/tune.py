@@ -17,7 +17,7 @@ import numpy as np
 from sensorless.baselines.rule import Rule
 from sensorless.design.carried import record
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.counter_random import combine
+from sensorless.envs.counter_random import check_seed, combine
 from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import suite
@@ -104,8 +104,8 @@ def tune(
     Raises
     ------
     UserError
-        The rule does not exist or has no parameters, its numbers or the budget are out of range,
-        or the library cma is missing.
+        The rule does not exist or has no parameters, its numbers, the seed or the budget are out of
+        range, or the library cma is missing.
     KeyboardInterrupt
         Before the start has been judged; later, an interrupt ends the search with its best.
     """
@@ -114,6 +114,7 @@ def tune(
     if not rule.parameters:
         tunable = ", ".join(r.name for r in RULES.values() if r.parameters)
         raise UserError(f"rule: {name!r} has no parameters to tune; choose from {tunable}")
+    check_seed(seed)
     start = rule.parse(name, numbers or None, motor)
     drawn = Machines.of(motor, machines, seed)
     es = _cma(rule, start, seed)

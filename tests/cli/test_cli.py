@@ -8,6 +8,8 @@ import pytest
 from tests.helpers.command import process, run
 
 GOLDEN = Path(__file__).parents[1] / "data" / "golden"
+BEYOND = str(2**80)
+"""Larger than any seed or index."""
 
 
 @pytest.mark.parametrize(
@@ -31,13 +33,28 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["evaluate", "--policy", "eq25", "--set", "smo_gain=3"], "smo_gain"),
         (["evaluate", "--policy", "eq25", "--out", "missing/results.json"], "missing"),
         (["simulate", "--speed", "0:200,x"], "speed"),
+        (["simulate", "--speed", "0:1e300"], "at most 3750 r/min"),
+        (["simulate", "--load", "0:1e38"], "load: 1e+38 N m; give at most"),
+        (["simulate", "--load", "0:0,1:-60"], "load: -60 N m; give at most"),
+        (["simulate", "--duration", "1e-9"], "give 0.0002 s, one PWM period"),
+        (["simulate", "--plot", "x.jpg"], "ends in .png or .html"),
+        (["identify", "cross-coupling", "--plot", "x.svg"], "ends in .png"),
+        (["evaluate", "--policy", "eq25", "--suite", "envelope", "--plot", "x"], "ends in .png"),
         (["simulate", "--scenario", "stress-1"], "SUITE:SEED:INDEX"),
+        (["simulate", "--seed", BEYOND], "seed"),
+        (["simulate", "--scenario", f"machines:{BEYOND}:0"], "seed"),
+        (["simulate", "--scenario", f"machines:7:{BEYOND}"], "INDEX"),
+        (["tune", "linear", "--out", "t.json", "--seed", BEYOND], "seed"),
+        (["identify", "machine", "--seed", BEYOND], "seed"),
+        (["identify", "bring-up", "--seed", BEYOND], "seed"),
         (["simulate", "--start", "--theta-err", "200"], "theta_err"),
         (["simulate", "--spin", "4000"], "spin"),
         (["simulate", "--start", "--motor", "ipmsm_2200w"], "does not saturate"),
         (["simulate", "--scenario", "envelope:1:3"], "SIZE"),
         (["evaluate", "--policy", "linear:1,2", "--plot", "x.png"], "envelope"),
         (["evaluate", "--policy", "ramp-tune"], "ramp-tune"),
+        (["demo", "--out", "d", "--size", "99999999999"], "size"),
+        (["demo", "--out", "d", "--seed", BEYOND], "seed"),
         (["report", "eq25"], "--out"),
         (["simulate", "--plant", "none.json"], "plant"),
         (["export", "hysteresis", "--out", "folder"], "hysteresis"),

@@ -158,7 +158,7 @@ def test_restore_goes_back() -> None:
         ([-1.0001], r"action\[0\]: -1.0001; give -1 to 1"),
         ([np.nan], r"action\[0\]: nan; give -1 to 1"),
         ([np.inf], r"action\[0\]: inf; give -1 to 1"),
-        ([0.0, 0.0], r"action: shape \(2,\); give shape \(1, 1\)"),
+        ([0.0, 0.0], r"action: shape \(2,\); give shape \(1,\)"),
     ],
 )
 def test_bad_action_is_refused(action: list[float], message: str) -> None:
@@ -186,6 +186,8 @@ def test_step_before_reset_is_refused() -> None:
         ({"max_episode_steps": 0}, "max_episode_steps: 0: must be"),
         ({"max_episode_steps": 1.5}, "max_episode_steps: 1.5: must be"),
         ({"motor": "no_such_motor"}, "no_such_motor"),
+        ({"motor": 3}, "motor: 3; give the name of a shipped machine, a TOML file, or a Motor"),
+        ({"scenarios": "stress-1"}, "scenarios: 'stress-1'; give a function"),
     ],
 )
 def test_bad_settings_are_named(settings: dict[str, Any], message: str) -> None:

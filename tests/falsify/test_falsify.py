@@ -80,9 +80,10 @@ MACHINE = (
     '{"finds": [{"suite": "stress-1", "seed": 1, "units": [0.5], "severity": 9, "lost_at": null, '
     '"nominal": [], "machine": ["a"]}]}'
 )
+SEEDS = [MACHINE.replace('"seed": 1', f'"seed": {n}').replace('["a"]', "null") for n in (-1, 2**80)]
 
 
-@pytest.mark.parametrize("text", ["", "{}", '{"finds": [{"suite": "stress"}]}', MACHINE])
+@pytest.mark.parametrize("text", ["", "{}", '{"finds": [{"suite": "stress"}]}', MACHINE, *SEEDS])
 def test_another_file_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "x.json"
     path.write_text(text, encoding="utf-8")

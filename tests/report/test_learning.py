@@ -62,6 +62,28 @@ def test_the_panels_have_the_run_the_levels_and_what_was_kept(run: Path) -> None
     assert learning(str(run / "none")) == ([], "")
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("config.json", "[]", r"config\.json: \[\] has no fields"),
+        ("config.json", "{", r"config\.json: .*restore"),
+        ("config.json", "{}", r"config\.json: train: missing"),
+        ("config.json", '{"train": {}}', r"config\.json: train: motor: missing"),
+        ("config.json", '{"train": {"motor": 3}}', r"config\.json: train: motor: 3"),
+        ("config.json", '{"train": {"motor": "paper"}}', "train: validate_size: missing"),
+        ("progress.csv", "seconds\nmany\n", r"progress\.csv: .*many"),
+        ("progress.csv", "seconds\n0\n", r"progress\.csv .*objective: no such column"),
+    ],
+)
+def test_a_damaged_file_is_named(name: str, text: str, said: str, run: Path) -> None:
+    (run / "progress.csv").write_text(
+        "seconds,objective,lost_rate,torque_dev,torque_ripple\n0,1,1,1,1\n"
+    )
+    (run / name).write_text(text)
+    with pytest.raises(UserError, match=said):
+        learning(str(run))
+
+
 def test_curves_of_a_folder_of_runs_and_of_one(tmp_path: Path) -> None:
     for name in ("a", "b"):
         (tmp_path / name).mkdir()

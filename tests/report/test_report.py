@@ -2,6 +2,7 @@
 
 import base64
 import json
+import shutil
 import zlib
 from html.parser import HTMLParser
 from pathlib import Path
@@ -250,7 +251,31 @@ def test_mistakes(words: list[str], said: str, tmp_path: Path, monkeypatch: Any)
     done = CliRunner().invoke(app, words)
     assert isinstance(done.exception, UserError)
     assert said in str(done.exception)
-    assert not list(tmp_path.rglob("*.*"))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("verdict.json", "[1", "verdict.json"),
+        ("verdict.json", "{}", "verdict: None"),
+        ("config.json", "[]", "config.json: [] has no fields"),
+        ("config.json", "{}", "config.json: train: missing"),
+    ],
+)
+def test_a_damaged_run_is_found_before_anything_is_judged(
+    name: str, text: str, said: str, run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def judge(*words: object) -> None:
+        raise AssertionError("judged")
+
+    monkeypatch.setattr("sensorless.report.report.judged", judge)
+    damaged = shutil.copytree(run, tmp_path / "run")
+    (damaged / name).write_text(text)
+    done = CliRunner().invoke(app, ["report", str(damaged), "--out", str(tmp_path / "a" / "b")])
+    assert isinstance(done.exception, UserError), done.exception
+    assert said in str(done.exception)
+    assert [path.name for path in tmp_path.iterdir()] == ["run"], "no empty folder stays"
 
 
 def test_random_machines_have_a_report_too(tmp_path: Path) -> None:

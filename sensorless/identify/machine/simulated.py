@@ -8,6 +8,7 @@ from sensorless.core.api import Array
 from sensorless.core.machine import COMMAND, commission_run
 from sensorless.design.drive import DriveDesign
 from sensorless.design.new_motor import LOW_VOLTAGE
+from sensorless.envs.counter_random import check_seed
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.errors import UserError
@@ -28,7 +29,13 @@ def real_drive(motor: Motor, seed: int, details: bool = False) -> Scenarios:
 
     A drive below ``LOW_VOLTAGE`` has MOSFETs, which have no threshold. ``details`` adds harmonics,
     iron loss and the ripple of the DC link.
+
+    Raises
+    ------
+    UserError
+        The seed is out of range.
     """
+    check_seed(seed)
     drawn = stress_scenarios(motor, np.array([seed], dtype=np.uint64))
     s = Scenarios.nominal(motor, drawn.seed, 1.0)
     for name in ERRORS + (DETAILS if details else ()):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.counter_random import combine
+from sensorless.envs.counter_random import check_seed, combine
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -100,8 +100,7 @@ def search(
         raise UserError(f"evaluations: {evaluations}; give {es.popsize} to 1000000")
     if not 8 <= size <= 100_000:
         raise UserError(f"size: {size}; give 8 to 100000 scenarios")
-    if not 0 <= seed < 2**63:
-        raise UserError(f"seed: {seed}; give 0 to 2^63 - 1")
+    check_seed(seed)
 
     def run(values: Gains, generation: int, n: int) -> Measured:
         draw = int(combine(seed, generation)[0]) >> 1

@@ -5,6 +5,7 @@ import json
 import os
 import pickle
 import shutil
+import sys
 import zipfile
 from dataclasses import replace
 from itertools import pairwise
@@ -14,6 +15,7 @@ from typing import Any
 import pytest
 
 from sensorless.agents.loading import TABLE
+from sensorless.agents.train.alone import alone
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import stream
 from sensorless.agents.train.run_folder import LATEST, PROGRESS, fresh
@@ -127,8 +129,8 @@ def test_a_run_killed_before_its_first_checkpoint_begins_anew(
         resume(SMALL, run)
     for name in (TABLE, PROGRESS):
         (run / name).unlink()
-    fresh(shutil.copytree(run, tmp_path / "again"))
-    assert not list((tmp_path / "again").iterdir()), "train --name starts over"
+    with fresh(shutil.copytree(run, tmp_path / "again")):
+        assert not list((tmp_path / "again").iterdir()), "train --name starts over"
     resume(SMALL, run)
     assert int(rows(run)[0]["steps"]) == 0 and (run / LATEST).is_file()
 
@@ -138,6 +140,20 @@ def test_a_damaged_checkpoint_is_refused_in_one_line(finished: Path) -> None:
     with pytest.raises(UserError, match="restore this run's checkpoint") as caught:
         resume(SMALL, finished)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no locks there")
+def test_a_run_that_is_being_trained_is_refused(tmp_path: Path, finished: Path) -> None:
+    new, run = tmp_path / "new", shutil.copytree(finished, tmp_path / "run")
+    before = rows(run)
+    with fresh(new), alone(run):
+        with pytest.raises(UserError, match="in use by another training"):
+            train(SMALL, DriveDesign(), new, START)
+        with pytest.raises(UserError, match="in use by another training"):
+            resume(SMALL, run)
+        assert not list(new.iterdir()) and rows(run) == before
+    with alone(run):
+        pass
 
 
 def test_a_mistake_leaves_no_folder(tmp_path: Path) -> None:
