@@ -24,13 +24,14 @@ def simulate_command(
     motor: CarriedMotorOption = None,
     policy: PolicyOption = "eq25",
     speed: Annotated[
-        str,
+        str | None,
         typer.Option(
             metavar="PLAN",
             help="Follow this plan of speeds, TIME:SPEED,...: from each time [s] on, the reference "
-            "is this speed [r/min].",
+            "is this speed [r/min]. Default: 0:200,1:350,2:600, or such shares of the rated speed "
+            "of a motor that is slower.",
         ),
-    ] = "0:200,1:350,2:600",
+    ] = None,
     load: Annotated[
         str,
         typer.Option(
@@ -168,7 +169,7 @@ def simulate_command(
         simulate_plant(plant, inputs, out)
         say_wrote(out)
         return
-    from sensorless.envs.scenarios.words import own_machine, plan_from, scenario_from
+    from sensorless.envs.scenarios.words import fig9, own_machine, plan_from, scenario_from
     from sensorless.evaluation.trace import outcome, trace, write_csv
     from sensorless.evaluation.trace_summary import plateaus, summary_table
 
@@ -181,7 +182,15 @@ def simulate_command(
         scenario_from(scenario, machine)
         if scenario is not None
         else plan_from(
-            speed, load, ramp, duration, machine, seed, start=start, theta_err=theta_err, spin=spin
+            speed or fig9(machine),
+            load,
+            ramp,
+            duration,
+            machine,
+            seed,
+            start=start,
+            theta_err=theta_err,
+            spin=spin,
         )
     )
     run = trace(rule, case, machine, made.design, go_on=True)

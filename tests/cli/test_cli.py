@@ -1,6 +1,7 @@
 """The command line as a user meets it."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -102,6 +103,15 @@ def test_evaluation_is_the_same_file_to_the_bit(tmp_path: Path) -> None:
     assert all(len(eq25["scenarios"][name]) == 6 for name in ("lost", "seed", *names))
     other = json.loads(c)["policies"]["eq25"]["scenarios"]["seed"]
     assert not set(other) & set(eq25["scenarios"]["seed"])
+
+
+def test_without_a_plan_a_slow_motor_gets_shares_of_its_speed() -> None:
+    from sensorless.envs.scenarios.words import fig9
+    from sensorless.machine.motor import Motor
+
+    motor = Motor.load("paper")
+    assert fig9(motor) == "0:200,1:350,2:600" == fig9(replace(motor, n_rated_rpm=600.0))
+    assert fig9(replace(motor, n_rated_rpm=150.0)) == "0:20,1:35,2:60"
 
 
 def test_fig9_meets_its_figures(tmp_path: Path) -> None:
