@@ -44,7 +44,7 @@ def trace(
     """Run one scenario beside its sensored twin.
 
     ``change`` may alter the array of ``SIM`` before the start in ways that no design offers. A lost
-    drive stops; with ``go_on`` it runs to the end.
+    drive stops; with ``go_on`` it runs to the end, or until it is so fast that numbers overflow.
 
     Raises
     ------
@@ -81,9 +81,10 @@ def trace(
         else:
             counts.append(run.advance(periods, k_s))
             own.append(run.status())
-    table = run.rows
+    sound = np.isfinite(run.rows).all(axis=1)
+    table = run.rows if sound.all() else run.rows[: np.argmin(sound)]
     out = {name: table[:, j] for j, name in enumerate(TRACE_NAMES)}
-    of_rows = np.repeat(np.array(own), counts, axis=0)
+    of_rows = np.repeat(np.array(own), counts, axis=0)[: len(table)]
     out["lost"] = np.full(len(table), sim["lost"][0])
     out["judged"] = np.arange(len(table)) >= (sim["k_lost"][0] or len(table))
     out["alarm"], out["recovering"] = of_rows[:, 0] != 0, of_rows[:, 1] != 0
