@@ -61,7 +61,8 @@ after which the alarm ends, and after which restarts are forgotten. A drive acts
 left in the low-pass has decayed. A judge waits 10 ms; a slipping drive passes less at a time."""
 RESTARTS = 5
 LOW_LINK = 0.88
-"""Least voltage of the link that a drive may take control at, over the file's."""
+"""Least voltage of the link that a drive may take control at, over the file's: that of the suite
+``stress``."""
 SETTLED = 4.0
 """Time constants of the current loop, and of the tests' low-pass, in ``settled``."""
 

@@ -17,9 +17,9 @@ from sensorless.observers.injection_signal import sample_error
 
 CHANGES = 1.0
 """Rated changes of the load, and full changes of the dead time's voltage, per second [1/s]."""
-SENSOR_LSB = 3.0
-"""Error of a current sample by noise, offset and gain, in steps of the converter. Injection uses
-second differences, whose error is one step."""
+SAMPLE_ERRORS = 3.0
+"""Error of a current sample by noise, offset and gain, over ``sample_error``. Injection uses second
+differences, whose error is one of it."""
 
 LEFT_RESISTANCE = 1.0 / 3.0
 """What is not known of the resistance, over the file's: a cold winding's to a hot one's."""
@@ -43,8 +43,8 @@ def voltage_drift(motor: Motor) -> float:
 
 
 def flux_noise(motor: Motor) -> float:
-    """Noise of the flux angle of a sample [rad]: L_q ``SENSOR_LSB`` steps over psi_f."""
-    return motor.L_q * SENSOR_LSB * sample_error(motor) / motor.psi_f
+    """Noise of the flux angle of a sample [rad]: L_q ``SAMPLE_ERRORS`` of it over psi_f."""
+    return motor.L_q * SAMPLE_ERRORS * sample_error(motor) / motor.psi_f
 
 
 def dead_time_noise(motor: Motor) -> float:
@@ -53,7 +53,7 @@ def dead_time_noise(motor: Motor) -> float:
 
 
 def injection_noise(motor: Motor) -> float:
-    """Noise of the injection's angle of a sample [rad]: a step over the slope of its answer."""
+    """Noise of the injection's angle of a sample [rad]: its error over the slope of the answer."""
     slope = max(error_slope(motor.L_d, motor.L_q), LEAST_SLOPE)
     return sample_error(motor) / (hf_current(motor) * slope)
 

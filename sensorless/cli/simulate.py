@@ -182,7 +182,7 @@ def simulate_command(
         scenario_from(scenario, machine)
         if scenario is not None
         else plan_from(
-            speed or fig9(machine),
+            fig9(machine) if speed is None else speed,
             load,
             ramp,
             duration,

@@ -175,7 +175,8 @@ def _inverter(m: Motor) -> Iterator[Finding]:
         yield Finding(LIMIT, "u_inj", text)
     elif m.u_inj < MOST_DEAD_TIME * dead_time_voltage(m):
         least = MOST_DEAD_TIME * dead_time_voltage(m)
-        text = f"u_inj = {m.u_inj:g} V is below {least:.3g} V, which 1.5 times dead_time may take"
+        text = f"u_inj = {m.u_inj:g} V is below {least:.3g} V, which "
+        text += f"{MOST_DEAD_TIME:g} times dead_time may take"
         yield Finding(LIMIT, "u_inj", text)
     if m.dead_time > 0.1 * m.T_s:
         weight = NO if m.dead_time > 0.5 * m.T_s else LIMIT

@@ -34,6 +34,7 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["evaluate", "--policy", "eq25", "--set", "smo_gain=3"], "smo_gain"),
         (["evaluate", "--policy", "eq25", "--out", "missing/results.json"], "missing"),
         (["simulate", "--speed", "0:200,x"], "speed"),
+        (["simulate", "--speed", ""], "speed: '' cannot be read"),
         (["simulate", "--speed", "0:1e300"], "at most 3750 r/min"),
         (["simulate", "--load", "0:1e38"], "load: 1e+38 N m; give at most"),
         (["simulate", "--load", "0:0,1:-60"], "load: -60 N m; give at most"),

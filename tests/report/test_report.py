@@ -2,7 +2,6 @@
 
 import base64
 import json
-import shutil
 import zlib
 from html.parser import HTMLParser
 from pathlib import Path
@@ -31,7 +30,6 @@ from sensorless.report.page import PARTS, UPLOT
 from sensorless.report.report import Report
 from sensorless.report.tables import COLUMNS
 from sensorless.report.waves import LEVELS
-from sensorless.table.ks_table import Axis, KsTable
 from sensorless.units import RAD_S_TO_RPM
 
 pytestmark = pytest.mark.usefixtures("short_suites")
@@ -39,9 +37,6 @@ pytestmark = pytest.mark.usefixtures("short_suites")
 MOTOR, DESIGN = Motor.load("paper"), DriveDesign()
 SIZE = 6
 OTHERS = ("eq25", "sliding_mode", "sensored")
-CURVE = "steps,seconds,lost_rate,torque_dev,torque_ripple,objective,best\n" + "".join(
-    f"{1000 * j},{20.0 * j},{0.04 - 0.01 * j},0.06,0.017,{0.5 - 0.1 * j},1\n" for j in range(4)
-)
 
 
 class Page(HTMLParser):
@@ -80,32 +75,6 @@ class Page(HTMLParser):
         self.text += data
         if self.open and {"td", "th"} & set(self.open):
             self.rows[-1][-1] += data
-
-
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run folder as training leaves it, with a table of three axes."""
-    folder = tmp_path_factory.mktemp("runs") / "mine & yours"
-    folder.mkdir()
-    axes = (
-        Axis("speed", 0.0, 1.0, 5),
-        Axis("torque_current", -1.5, 1.5, 3),
-        Axis("disagreement", -1.0, 1.0, 3),
-    )
-    values = np.broadcast_to(np.linspace(1.0, 0.0, 5)[:, None, None], (5, 3, 3))
-    KsTable(axes, np.ascontiguousarray(values, dtype=np.float32)).save(
-        folder / "table.json",
-        {
-            "motor_digest": MOTOR.digest,
-            "command": "sensorless train --name <mine>",
-            "steps": 4000,
-            "seed": 3,
-            "versions": {"torch": "9.9"},
-        },
-    )
-    (folder / "progress.csv").write_text(CURVE)
-    (folder / "verdict.json").write_text('{"verdict": "better than its start"}')
-    return folder
 
 
 @pytest.fixture(scope="module")
@@ -252,30 +221,6 @@ def test_mistakes(words: list[str], said: str, tmp_path: Path, monkeypatch: Any)
     assert isinstance(done.exception, UserError)
     assert said in str(done.exception)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "said"),
-    [
-        ("verdict.json", "[1", "verdict.json"),
-        ("verdict.json", "{}", "verdict: None"),
-        ("config.json", "[]", "config.json: [] has no fields"),
-        ("config.json", "{}", "config.json: train: missing"),
-    ],
-)
-def test_a_damaged_run_is_found_before_anything_is_judged(
-    name: str, text: str, said: str, run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def judge(*words: object) -> None:
-        raise AssertionError("judged")
-
-    monkeypatch.setattr("sensorless.report.report.judged", judge)
-    damaged = shutil.copytree(run, tmp_path / "run")
-    (damaged / name).write_text(text)
-    done = CliRunner().invoke(app, ["report", str(damaged), "--out", str(tmp_path / "a" / "b")])
-    assert isinstance(done.exception, UserError), done.exception
-    assert said in str(done.exception)
-    assert [path.name for path in tmp_path.iterdir()] == ["run"], "no empty folder stays"
 
 
 def test_random_machines_have_a_report_too(tmp_path: Path) -> None:

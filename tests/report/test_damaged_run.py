@@ -1,0 +1,36 @@
+"""A run folder with a damaged file is refused before any work."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+pytest.importorskip("matplotlib")
+
+from sensorless.cli.app import app
+from sensorless.errors import UserError
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("verdict.json", "[1", "verdict.json"),
+        ("verdict.json", "{}", "verdict: None"),
+        ("config.json", "[]", "config.json: [] has no fields"),
+        ("config.json", "{}", "config.json: train: missing"),
+    ],
+)
+def test_a_damaged_run_is_found_before_anything_is_judged(
+    name: str, text: str, said: str, run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def judge(*words: object) -> None:
+        raise AssertionError("judged")
+
+    monkeypatch.setattr("sensorless.report.report.judged", judge)
+    damaged = shutil.copytree(run, tmp_path / "run")
+    (damaged / name).write_text(text)
+    done = CliRunner().invoke(app, ["report", str(damaged), "--out", str(tmp_path / "a" / "b")])
+    assert isinstance(done.exception, UserError), done.exception
+    assert said in str(done.exception)
+    assert [path.name for path in tmp_path.iterdir()] == ["run"], "no empty folder stays"
