@@ -13,9 +13,9 @@ from sensorless.observers.tracking import HAND_OVER, injection_bandwidth
 
 LOW = 0.85
 """The q inductance over the apparent one where nothing asks for more."""
-TURN, BY_TURN = 0.16, 1.25
+TURN, BY_TURN, MOST = 0.16, 1.25, 0.95
 """Angle by which the rotor turns in a PWM period at rated speed beyond which one too low swings
-[rad], and the rise with it, up to 1."""
+[rad], the rise with it, and the most."""
 HELD = 0.8
 """Lean that injection holds, over its bandwidth as a share of the hand-over's frequency."""
 LEAN, BY_LEAN, RISE = 0.3, 0.5, 0.1
@@ -29,7 +29,7 @@ the torque current stable."""
 def coupled_L_q_bias(motor: Motor) -> float:
     """The larger of two rules: few PWM periods a turn, and ``rise_by_lean``."""
     turn = motor.omega_rated * motor.T_s
-    return max(LOW, min(LOW + BY_TURN * (turn - TURN), 1.0), LOW + rise_by_lean(motor))
+    return max(LOW, min(LOW + BY_TURN * (turn - TURN), MOST), LOW + rise_by_lean(motor))
 
 
 def learned_share(motor: Motor) -> float:

@@ -127,5 +127,4 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
         "n_rest": n["rest"],
         "n_pulse": n_pulse,
         "n_tries": 3,
-        "reserved": 0,
     }

@@ -5,9 +5,10 @@
  * current control lacks voltage. The d current follows the curve of maximum torque per ampere,
  * lowered by a voltage-driven field-weakening integrator.
  * Current: two-degree-of-freedom internal-model control (doi 10.1109/28.663477) on the mean of two
- * samples, which contains no injected current; the voltage is limited to the circle u_dc / sqrt(3)
- * minus the reserve for injection. Voltage is turned by theta + 1.5 omega T_s: one period of
- * computation, and half a period to the middle of the hold.
+ * samples, which contains no injected current. It decouples the axes by that current, which is two
+ * periods old when the voltage acts, or where the rotor turns far in them by its reference. The
+ * voltage is limited to the circle u_dc / sqrt(3) minus the reserve for injection, and turned by
+ * theta + 1.5 omega T_s: one period of computation, and half a period to the middle of the hold.
  */
 #ifndef SENSORLESS_CONTROL_H
 #define SENSORLESS_CONTROL_H
@@ -32,6 +33,7 @@ typedef struct {
     float L_d;            /* decoupling [H] */
     float L_q;            /* decoupling [H] */
     float psi_f;          /* decoupling [Vs] */
+    float by_reference;   /* share of the decoupling by the current's reference, 0 ... 1 */
     float k_fw;           /* field-weakening gain times T_s [A/V] */
     float fw_margin;      /* share of the voltage limit that the fundamental may use */
     float i_d_min;        /* most negative d current [A] */
@@ -85,27 +87,30 @@ CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, 
                                  float T_s) {
     control_sample(x, r, i_ab);
     dq_t i = x->i;
+    x->i_sum.d += i.d;
+    x->i_sum.q += i.q;
 
     float i_d_mtpa = curve_at(&p->i_d_mtpa, curve_locate(i_q_ref, p->curve_inv_step));
     x->i_ref.q = i_q_ref;
     x->i_ref.d = max_f(i_d_mtpa + x->i_d_fw, p->i_d_min);
 
     float omega = est.omega;
+    dq_t off = {x->i_ref.d - i.d, x->i_ref.q - i.q};
+    float emf_d = omega * p->L_q * (i.q + p->by_reference * off.q);
+    float emf_q = omega * (p->L_d * (i.d + p->by_reference * off.d) + p->psi_f);
     dq_t u = {
-        p->k_t_d * x->i_ref.d - p->k_p_d * i.d + x->u_int.d - omega * p->L_q * i.q,
-        p->k_t_q * x->i_ref.q - p->k_p_q * i.q + x->u_int.q + omega * (p->L_d * i.d + p->psi_f),
+        p->k_t_d * x->i_ref.d - p->k_p_d * i.d + x->u_int.d - emf_d,
+        p->k_t_q * x->i_ref.q - p->k_p_q * i.q + x->u_int.q + emf_q,
     };
     float u_abs = sqrt_f(u.d * u.d + u.q * u.q);
     float u_max = max_f(u_dc * INV_SQRT3_F - reserve, 1.0f);
     float scale = u_abs > u_max ? u_max / u_abs : 1.0f;
     dq_t u_lim = {scale * u.d, scale * u.q};
-    x->u_int.d += p->k_i_d * (x->i_ref.d - i.d + (u_lim.d - u.d) / p->k_t_d);
-    x->u_int.q += p->k_i_q * (x->i_ref.q - i.q + (u_lim.q - u.q) / p->k_t_q);
-    x->i_d_fw = clamp_f(x->i_d_fw + p->k_fw * (p->fw_margin * u_max - u_abs), p->i_d_min, 0.0f);
     x->u_sum.d += u_lim.d;
     x->u_sum.q += u_lim.q;
-    x->i_sum.d += i.d;
-    x->i_sum.q += i.q;
+    x->u_int.d += p->k_i_d * (off.d + (u_lim.d - u.d) / p->k_t_d);
+    x->u_int.q += p->k_i_q * (off.q + (u_lim.q - u.q) / p->k_t_q);
+    x->i_d_fw = clamp_f(x->i_d_fw + p->k_fw * (p->fw_margin * u_max - u_abs), p->i_d_min, 0.0f);
     x->u_abs = u_abs;
     x->u_max = u_max;
     return dq_to_ab(u_lim, rot_turn(r, 1.5f * T_s * omega));

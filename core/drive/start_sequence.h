@@ -57,7 +57,6 @@ typedef struct {
     int32_t n_rest;    /* periods at zero current before a pulse */
     int32_t n_pulse;   /* periods of a pulse, and as many to undo it; at least 2 */
     int32_t n_tries;   /* most pairs of pulses; then even an unsure difference decides */
-    int32_t reserved;  /* an even number of 4-byte fields */
 } start_params_t;
 
 typedef struct {

@@ -7,9 +7,19 @@ import numpy as np
 
 from sensorless.core.api import CURVE_N
 from sensorless.design.cross_coupling import cross_curve, working_current
-from sensorless.machine.magnetics import Floats, apparent_q_inductance, mtpa
+from sensorless.machine.magnetics import (
+    Floats,
+    apparent_q_inductance,
+    flux,
+    inverse_inductance,
+    mtpa,
+)
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import USABLE
+
+BY_REFERENCE, RAMP = 0.18, 0.04
+"""Angle by which the rotor turns in a PWM period at rated speed, times ``stiffening``, from which
+the axes are decoupled by the current's reference [rad], and the ramp to all of it."""
 
 
 def operating_line(motor: Motor, use_mtpa: bool) -> Floats:
@@ -57,6 +67,30 @@ def torque_constant(motor: Motor) -> float:
     return motor.n_p * motor.tau_rated / working_current(motor, operating_line(motor, True), 1.0)
 
 
+def half_load_inductance(motor: Motor) -> float:
+    """Apparent q inductance at half the rated current [H], for which the control is designed."""
+    return float(apparent_q_inductance(motor, np.array([[0.0, 0.5 * motor.i_rated]]))[0])
+
+
+def stiffening(motor: Motor) -> float:
+    """Largest ratio of an inductance of the control to the iron's up to ``i_max``, at least 1."""
+    line = np.stack(mtpa(motor), axis=-1)
+    gamma = inverse_inductance(motor.saturation, flux(motor.saturation, line))
+    d = float(np.max(motor.L_d * gamma[:, 0, 0]))
+    q = float(np.max(half_load_inductance(motor) * gamma[:, 1, 1]))
+    return max(1.0, d, q)
+
+
+def reference_share(motor: Motor) -> float:
+    """Share of the decoupling that is by the current's reference, 0 to 1; docs/control.md.
+
+    The measured current is two periods old when the voltage acts. Where the rotor turns far in
+    them, or the iron is stiffer than the control takes it, the loop swings against the rotor.
+    """
+    turn = stiffening(motor) * motor.omega_rated * motor.T_s
+    return min(max((turn - BY_REFERENCE) / RAMP, 0.0), 1.0)
+
+
 def design_control(
     motor: Motor,
     *,
@@ -87,8 +121,7 @@ def design_control(
     w = 2.0 * math.pi * speed_hz
     k_t = torque_constant(motor)
     alpha = 2.0 * math.pi * current_hz
-    half = np.array([[0.0, 0.5 * motor.i_rated]])
-    L_q = float(apparent_q_inductance(motor, half)[0])
+    L_q = half_load_inductance(motor)
     return {
         "k_p_speed": 2.0 * w * motor.J / k_t,
         "k_i_speed": w * w * motor.J / k_t,
@@ -104,6 +137,7 @@ def design_control(
         "L_d": motor.L_d,
         "L_q": L_q,
         "psi_f": motor.psi_f,
+        "by_reference": reference_share(motor),
         "k_fw": min(5.0 * w, 0.2 * alpha) * motor.T_s / (motor.omega_rated * motor.L_d),
         "fw_margin": USABLE,
         "i_d_min": -0.9 * motor.i_max,

@@ -6,10 +6,8 @@ docs/gains.md has the reasons and what each constant does on machines from 0.4 t
 import math
 from dataclasses import dataclass, fields
 
-import numpy as np
-
+from sensorless.design.control import stiffening
 from sensorless.design.drive import DriveDesign
-from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_inductance, mtpa
 from sensorless.machine.motor import Motor
 from sensorless.observers.coupled_design import bandwidths
 from sensorless.observers.q_inductance import coupled_L_q_bias
@@ -110,11 +108,7 @@ def speed_loop(motor: Motor) -> float:
 
 def current_loop(motor: Motor, speed_hz: float) -> float:
     """Bandwidth of the current loop [Hz] from delay, ``PHASE_LOSS``, and need, ``CURRENT_OVER``."""
-    line = np.stack(mtpa(motor), axis=-1)
-    half = float(apparent_q_inductance(motor, np.array([[0.0, 0.5 * motor.i_rated]]))[0])
-    gamma = inverse_inductance(motor.saturation, flux(motor.saturation, line))
-    rise = max(1.0, float(np.max(motor.L_d * gamma[:, 0, 0])), float(np.max(half * gamma[:, 1, 1])))
-    by_delay = min(PHASE_LOSS[0], PHASE_LOSS[1] / rise) / (3.0 * motor.T_s)
+    by_delay = min(PHASE_LOSS[0], PHASE_LOSS[1] / stiffening(motor)) / (3.0 * motor.T_s)
     over_speed, over_loop = CURRENT_OVER
     by_need = max(over_speed * motor.omega_rated, over_loop * 2.0 * math.pi * speed_hz)
     return min(by_delay, by_need) / (2.0 * math.pi)

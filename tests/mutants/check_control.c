@@ -7,7 +7,7 @@ static control_params_t some(int j) {
     p.i_max = 6.8f, p.k_t_d = 20.0f, p.k_t_q = 70.0f, p.k_p_d = 38.0f, p.k_p_q = 140.0f;
     p.k_i_d = 1.3f, p.k_i_q = 4.0f, p.L_d = 0.06f, p.L_q = 0.25f, p.psi_f = 0.9f, p.k_fw = 0.01f;
     p.fw_margin = 0.9f, p.i_d_min = -5.0f, p.u_dt = 5.0f, p.inv_i_dt = 4.0f;
-    p.curve_inv_step = 1.2f;
+    p.by_reference = j % 2 ? draw_f(0, 1) : 0.0f, p.curve_inv_step = 1.2f;
     for (int k = 0; k < CURVE_N; k++) {
         p.i_d_mtpa.y[k] = -0.3f * (float)k;
     }
@@ -51,9 +51,11 @@ static void control(int j) {
     double mtpa = -0.3 * fmin(fabs(i_q) * (double)p.curve_inv_step, CURVE_N - 1.0);
     double i_d = fmax(mtpa + (double)was.i_d_fw, (double)p.i_d_min);
     check("d current", near((double)x.i_ref.d, i_d, 1e-4));
-    vec_t v = (double)p.k_t_d * i_d - (double)p.k_p_d * creal(i) - w * (double)p.L_q * cimag(i) +
+    double by = (double)p.by_reference;
+    vec_t i_x = by * (i_d + I * i_q) + (1.0 - by) * i;
+    vec_t v = (double)p.k_t_d * i_d - (double)p.k_p_d * creal(i) - w * (double)p.L_q * cimag(i_x) +
               I * ((double)p.k_t_q * i_q - (double)p.k_p_q * cimag(i) +
-                   w * ((double)p.L_d * creal(i) + (double)p.psi_f)) +
+                   w * ((double)p.L_d * creal(i_x) + (double)p.psi_f)) +
               of_dq(was.u_int);
     double limit = fmax((double)u_dc / sqrt(3.0) - (double)reserve, 1.0);
     vec_t cut = cabs(v) > limit ? v * limit / cabs(v) : v;

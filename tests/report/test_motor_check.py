@@ -30,9 +30,9 @@ def test_what_the_quick_run_finds(
 
 
 def test_trips_ask_for_a_shorter_period() -> None:
-    """The family's machine of 20 PWM periods a turn with too low an L_q: by the current limit."""
-    coarse = member(5, 11)
-    run = check(coarse, DriveDesign(coupled_L_q_bias=0.85), 16).run
+    """A machine of 21 PWM periods a turn with too high an L_q: by the current limit."""
+    coarse = member(7207, 29)
+    run = check(coarse, DriveDesign(coupled_L_q_bias=1.2), 16).run
     assert run is not None and run.lost > LOST[0] and run.tripped == 1.0
     assert "shorter T_s" in judged(run)[-1].text
     assert "T_s" not in judged(QuickRun(100, 0.1, 0.0, 0.01, 0.2))[0].text

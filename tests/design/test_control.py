@@ -1,0 +1,55 @@
+"""How the axes of the current control are decoupled: by the current, or by its reference."""
+
+import numpy as np
+import pytest
+
+from sensorless.design import control
+from sensorless.design.control import reference_share, stiffening
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record, designed
+from sensorless.envs.scenarios.machine_family import member
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import SuiteRows
+from sensorless.evaluation.evaluate import Scores, score
+from sensorless.machine.motor import MOTORS, Motor
+from sensorless.policies.registry import make_policy
+
+FAST = member(5, 11)
+"""20 PWM periods a turn at rated speed."""
+
+
+def test_shipped_machines_decouple_by_the_measured_current() -> None:
+    for path in MOTORS.glob("*.toml"):
+        assert reference_share(Motor.load(path.stem)) == 0.0
+
+
+def test_iron_without_saturation_is_no_stiffer() -> None:
+    assert stiffening(Motor.load("ipmsm_2200w")) == pytest.approx(1.0, abs=1e-6)
+    assert stiffening(Motor.load("pmsyrm_5600w")) > 2.0
+
+
+def test_the_share_rises_with_turn_and_stiffness() -> None:
+    assert reference_share(FAST) == 1.0
+    part = member(8101, 8)
+    turn = stiffening(part) * part.omega_rated * part.T_s
+    assert reference_share(part) == pytest.approx((turn - 0.18) / 0.04)
+    assert float(control_record(part, DriveDesign())["control"]["by_reference"]) == pytest.approx(
+        reference_share(part)
+    )
+
+
+def test_by_the_measured_current_a_coarse_drive_swings(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At 20 periods a turn: up to the current limit, and by its reference not at all."""
+
+    def run() -> Scores:
+        designed.cache_clear()
+        rows = SuiteRows("stress-1", FAST, 7701, 512).draw()[np.array([7, 14, 41, 58, 87, 101])]
+        return score(make_policy("eq25", FAST), rows, SimFactory(FAST, DriveDesign()))
+
+    own = run()
+    monkeypatch.setattr(control, "reference_share", lambda motor: 0.0)
+    measured = run()
+    designed.cache_clear()
+    assert np.all(measured.lost != 0)
+    assert np.all(own.lost == 0)
+    assert np.all(own.metrics["torque_ripple_rms"] < 0.02)
