@@ -59,7 +59,7 @@ def test_gains_on_many_machines() -> None:
         f"{100 * np.mean(lost['nominal']):.2f} %",
         f"{sum(x <= 0.01 for x in lost['nominal'])} of {len(machines)}",
         f"{means[0]:.2f} / {means[1]:.2f} %",
-        f"{100 * np.mean(lost['stress-1']):.1f} % ({100 * np.median(lost['stress-1']):.0f})",
+        f"{100 * np.mean(lost['stress-1']):.2f} % ({100 * np.median(lost['stress-1']):.0f})",
     ]
 
 
