@@ -24,16 +24,28 @@ int ks_hook_init(const ks_hook_params_t *p, ks_hook_state_t *x) {
     return x->schedule.check;
 }
 
+/* Whether the signals are what plausible inputs make. */
+static int sound(const ks_hook_params_t *p, const signal_state_t *x) {
+    return abs_f(x->omega) <= p->omega_most && abs_f(x->omega_2) <= p->omega_most &&
+           abs_f(x->i_q) <= p->i_most && abs_f(x->disagree) <= PI_F;
+}
+
 float ks_hook_step(const ks_hook_params_t *p, ks_hook_state_t *x, float omega, float i_q,
                    float difference) {
-    if (finite_f(omega) && finite_f(i_q) && finite_f(difference)) {
-        float turn = wrap_pi(clamp_f(difference, -TWO_PI_F, TWO_PI_F));
-        signals_filter(&p->signal, &x->signal, omega, i_q, turn);
-    } else {
-        x->schedule.fault |= KS_FAULT_INPUT;
+    int fine =
+        abs_f(omega) <= p->omega_most && abs_f(i_q) <= p->i_most && abs_f(difference) < 3.0f * PI_F;
+    int mend = !sound(p, &x->signal);
+    x->schedule.fault |= fine && !mend ? 0 : KS_FAULT_INPUT;
+    if (mend) {
+        signals_clear(&x->signal);
+        x->signal.omega = x->signal.omega_2 = fine ? omega : 0.0f;
+        x->signal.i_q = fine ? i_q : 0.0f;
+    }
+    if (fine) {
+        signals_filter(&p->signal, &x->signal, omega, i_q, wrap_pi(difference));
     }
     float want = ks_schedule_step(&p->schedule, &x->schedule, &p->signal, &x->signal);
-    x->k_s = ks_slew(x->k_s, want, p->k_s_step);
+    x->k_s = ks_slew(ks_limit(x->k_s), want, p->k_s_step);
     x->signal.k_s = x->k_s;
     return x->k_s;
 }

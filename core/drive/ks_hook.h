@@ -16,6 +16,8 @@ typedef struct {
     float k_s_step;   /* largest change of k_s per period */
     float omega_full; /* electrical speed of the Q15 number 1 [rad/s] */
     float i_full;     /* torque current of the Q15 number 1 [A] */
+    float omega_most; /* largest plausible electrical speed [rad/s] */
+    float i_most;     /* largest plausible torque current [A] */
 } ks_hook_params_t;
 
 typedef struct {
@@ -32,8 +34,10 @@ extern "C" {
 int ks_hook_init(const ks_hook_params_t *p, ks_hook_state_t *x);
 
 /* k_s of this period from the speed estimate in use [rad/s], electrical, the torque current i_q [A],
- * of the sign of the torque, and the angle of injection minus that of the other observer [rad]. A
- * number that is not finite is left out, with KS_FAULT_INPUT. */
+ * of the sign of the torque, and the angle of injection minus that of the other observer [rad], a
+ * turn apart at most. If one of them is beyond omega_most, i_most or a turn and a half, or not
+ * finite, all three are left out and the signals stay, with KS_FAULT_INPUT. Damaged signals begin
+ * anew from this period's inputs, with the same bit. */
 float ks_hook_step(const ks_hook_params_t *p, ks_hook_state_t *x, float omega, float i_q,
                    float difference);
 

@@ -12,7 +12,8 @@
 
 enum {
     KS_FAULT_TABLE = 1, /* the table was refused: the built-in rule decides */
-    KS_FAULT_INPUT = 2  /* a signal was not finite: the table's fallback, or 1, was used */
+    KS_FAULT_INPUT = 2  /* a signal was not finite: the table's fallback, or 1, was used; in
+                         * ks_hook_step: a number was not plausible, the last good ones were used */
 };
 
 /* Built-in rule on the speed signal (doi 10.12177/emca.2025.011, Eq. 25, on the magnitude). */

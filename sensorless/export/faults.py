@@ -18,7 +18,8 @@ DO = {
     "FAULT_STOPPED": "find out why angle or bridge were lost, then start as after a trip",
     "FAULT_STATE": "let it start anew; if it repeats, look for what overwrites memory",
     "KS_FAULT_TABLE": "run on, the linear rule decides; write the table to flash again",
-    "KS_FAULT_INPUT": "run on; the sample behind it has a bit of its own",
+    "KS_FAULT_INPUT": "run on; the sample behind it has a bit of its own, but in a "
+    "drive with `ks_hook_step`: check what it is given",
     "KS_FAULT_GAINS": "run on, all gains are static; write the table to flash again",
     "BRING_UP_FAULT_CURRENT": "look for a wrong scale or a short circuit",
     "BRING_UP_FAULT_MOVES": "let the shaft come to rest; correct the offset of the sensors",

@@ -61,6 +61,8 @@ const ks_hook_params_t ks_hook_params = {{
     .k_s_step = {c_float(drive["k_s_step"])}, /* largest change of k_s per period */
     .omega_full = {c_float(FULL * motor.omega_rated)}, /* {FULL:g} times rated [rad/s] */
     .i_full = {c_float(FULL * motor.i_rated)}, /* {FULL:g} times rated [A] */
+    .omega_most = {c_float(drive["guard"]["omega"])}, /* largest plausible speed [rad/s] */
+    .i_most = {c_float(drive["guard"]["i_sample"])}, /* largest plausible torque current [A] */
 }};
 """
 

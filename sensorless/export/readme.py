@@ -70,6 +70,8 @@ def readme(
         cmsis=cmsis_readme(table),
         two_threshold=texts[1],
         hook=hook_text(table),
+        omega_most=f"{float(drive['guard']['omega']):.4g}",
+        i_most=f"{float(drive['guard']['i_sample']):.4g}",
         **{f"{word}_bits": rows for word, rows in fault_tables(bool(table.gains)).items()},
         **gain_readme(table),
     )

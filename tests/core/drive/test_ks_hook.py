@@ -23,6 +23,7 @@ class Hook:
         signal = self.p.signal
         signal.alpha = signal.inv_omega = signal.inv_i = signal.alpha_per_s = 1.0
         self.p.k_s_step, self.p.omega_full, self.p.i_full = 1.0, 2.0, 4.0
+        self.p.omega_most, self.p.i_most = 2.5, 5.0
         self.check = lib.ks_hook_init(self.p, self.x)
 
     def step(self, omega: float, i_q: float = 0.0, difference: float = 0.0) -> float:
@@ -65,13 +66,36 @@ def test_bad_numbers_are_left_out(table: KsTable) -> None:
     """One after the other they change nothing but the fault bit, and nothing sticks."""
     hook = Hook(table)
     before = hook.step(0.1)
-    for bad in (np.nan, np.inf, -np.inf):
+    for bad in (np.nan, np.inf, -np.inf, 10.0, -1e30, 3.4e38):
         for place in range(3):
             given = [0.1, 0.0, 0.0]
             given[place] = bad
+            hook.x.schedule.fault = 0
             assert hook.step(*given) == before
-    assert hook.x.schedule.fault == lib.KS_FAULT_INPUT
+            assert hook.x.schedule.fault == lib.KS_FAULT_INPUT
     assert hook.step(1.0) == 0.0
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -3.4e38, 1e30])
+def test_a_damaged_state_heals_within_a_period(bad: float, table: KsTable) -> None:
+    fresh = Hook(table)
+    fresh.step(0.5, 0.3)
+    for name in ("omega", "omega_2", "i_q", "disagree", "k_s"):
+        hook = Hook(table)
+        hook.step(0.5, 0.3)
+        setattr(hook.x.signal, name, bad)
+        hook.x.k_s = hook.x.schedule.k_s_ref = bad
+        assert hook.step(0.5, 0.3) == fresh.step(0.5, 0.3)
+        assert hook.x.schedule.fault == (0 if name == "k_s" else lib.KS_FAULT_INPUT)
+        setattr(hook.x.signal, name, bad)
+        assert 0.0 <= hook.step(np.nan) <= 1.0 and abs(hook.x.signal.omega) <= 2.5
+
+
+def test_q15_numbers_are_held_to_the_same_bounds(table: KsTable) -> None:
+    hook = Hook(table)
+    hook.p.omega_most = 1.0  # half of the Q15 number 1
+    assert lib.ks_hook_step_q15(hook.p, hook.x, 30000, 0, 0) == 32767
+    assert hook.x.schedule.fault == lib.KS_FAULT_INPUT and hook.x.signal.omega == 0.0
 
 
 def test_a_table_over_other_signals_is_refused() -> None:
@@ -79,7 +103,7 @@ def test_a_table_over_other_signals_is_refused() -> None:
     other = KsTable((Axis("emf", 0.0, 1.0, 2),), np.ones(2, dtype=np.float32))
     hook = Hook(other)
     assert hook.check == lib.KS_BAD_AXES and hook.x.schedule.fault == lib.KS_FAULT_TABLE
-    assert hook.step(10.0) == 0.0 and hook.step(0.0) == 1.0
+    assert hook.step(2.0) == 0.0 and hook.step(0.0) == 1.0
 
 
 def test_the_drive_filters_the_same_way(motor: Motor) -> None:
