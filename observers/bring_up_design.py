@@ -1,7 +1,7 @@
 """Check of a drive's installation: from the machine to ``bring_up_params_t``."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,13 +11,14 @@ from sensorless.machine.motor import Motor
 
 VOLTAGE = 0.4
 """Of a pulse over the link's, within the circle and with room for a sagging link."""
-CURRENT, MOST_CURRENT = 0.35, (0.6, 0.8)
-"""Current that a pulse gives along d over rated: least, and most for a long and a short hold."""
+CURRENT, MOST_CURRENT = 0.35, (0.6, 0.8, 0.95)
+"""Current that a pulse gives along d over rated: least, and most for each ``HOLD``, long to
+short."""
 KNEE = 0.05
 """Current of a leg over rated below which dead time takes less than its full voltage."""
-HOLD = (2, 3, 9)
-"""Periods without voltage at a level, of which the first does not count: least, for a current that
-falls fast, and enough."""
+HOLD = (9, 3, 2)
+"""Periods without voltage at a level, of which the first does not count: enough, for a current that
+falls fast, and least."""
 CYCLES = (16, 64)
 """Pulses along d: least and most."""
 NOISE = 0.012 / 5.63
@@ -34,6 +35,12 @@ all others, also where ``stress`` draws none; least dead-time voltage to tell fr
 [V]."""
 LEG = 4.0 / 3.0
 """Voltage along phase a that all three legs lose, over that of one."""
+SCALE, SENSORS = 0.16, 0.1
+"""Most difference of the scale from 1, as L_d is not known much better; and what sensors and an
+L_d near the motor file's take of it."""
+MOST_LOST, MOST_THRESHOLD = 1.5, 1.1
+"""Largest voltage of a leg that dead time takes over the motor file's, and the middle of the
+largest thresholds [V]."""
 
 
 def chord(motor: Motor, i: float) -> float:
@@ -53,8 +60,23 @@ class Push:
     hold: int
     """periods without voltage at a level"""
     cycles: int
+    short: bool
+    """the current is gone before ``hold``: the falls show no lost voltage"""
     clear: bool
     """lost voltage stands out from noise"""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Pulses, and what they cannot judge."""
+
+    push: Push
+    u_lost: float
+    """voltage of a leg to judge; 0: none [V]"""
+    scale_band: float
+    """most difference of the scale from 1"""
+    limits: tuple[str, ...]
+    """what is not judged, or less sharply, and why"""
 
 
 def _rise(motor: Motor, reach: float) -> int:
@@ -62,45 +84,76 @@ def _rise(motor: Motor, reach: float) -> int:
     return 2 * max(1, math.ceil(u / (VOLTAGE * motor.u_dc) / 2.0 - 1e-9))
 
 
-def _push(motor: Motor, u_lost: float) -> Push:
-    """Pulses that show the lost voltage, if any do."""
+def _push(motor: Motor, u_lost: float, enough: tuple[int, int, int]) -> Push:
+    """Pulses that hold as long as is enough up to each of ``MOST_CURRENT``, if any do."""
     gain = motor.T_s / motor.L_d
     reach = CURRENT * motor.i_rated
+    long, medium, most = (share * motor.i_rated for share in MOST_CURRENT)
     while True:
         rise = _rise(motor, reach)
         fall = gain * (LEG * u_lost + 0.5 * motor.R_s * reach)
         # from the top: hold, fall by half, hold; all above the knee of the legs with half of it
         room = 0.5 * reach - 2.4 * KNEE * motor.i_rated
-        hold = math.floor((room / fall - 0.5 * rise) / 2.0) if fall > 0.0 else HOLD[2]
-        enough = HOLD[2] if reach <= MOST_CURRENT[0] * motor.i_rated else HOLD[1]
-        if hold >= enough or reach >= MOST_CURRENT[1] * motor.i_rated:
+        hold = math.floor((room / fall - 0.5 * rise) / 2.0) if fall > 0.0 else HOLD[0]
+        least = enough[0 if reach <= long else 1 if reach < medium else 2]
+        if hold >= least or reach >= max(medium, min(most, motor.i_max)):
             break
         reach *= 1.05
-    short = hold < HOLD[0]
-    hold = min(max(hold, HOLD[0]), HOLD[2])
+    short = hold < HOLD[2]
+    hold = min(max(hold, HOLD[2]), enough[0])
     lsb = 2.0 * motor.adc_range / 2.0**motor.adc_bits
     noise = math.hypot(NOISE * motor.i_rated, lsb / math.sqrt(12.0))
     # a fall is a difference of two samples; the level without current follows from two falls
     spread = noise * math.sqrt(10.0) / ((hold - 1) * gain * LEG * max(u_lost, 1e-9))
     cycles = 4 * math.ceil((spread / SHARE_NOISE) ** 2 / 4.0)
     cycles = min(max(cycles, CYCLES[0]), CYCLES[1])
-    return Push(reach, rise, hold, cycles, spread <= MOST_NOISE * math.sqrt(cycles) and not short)
+    return Push(reach, rise, hold, cycles, short, spread <= MOST_NOISE * math.sqrt(cycles))
+
+
+def plan_bring_up(motor: Motor) -> Plan:
+    """Choose the pulses for a machine; what they do not show of it is not judged."""
+    u_lost = motor.u_dc * motor.dead_time / motor.T_s
+    bipolar = motor.u_dc >= SURELY_MOSFETS
+    push = _push(motor, u_lost, HOLD)
+    if not push.short and push.clear and (u_lost >= LEAST_VOLTAGE or not bipolar):
+        return Plan(push, u_lost, SCALE, ())
+    if push.short:
+        why = (
+            f"pulses are short: the {LEG * u_lost:.3g} V that it takes along d, and resistance, "
+            f"end a current of {push.reach:.3g} A too soon"
+        )
+    elif not push.clear:
+        why = f"its {u_lost:.2g} V a leg are hidden in the noise of the current sensors"
+    else:
+        why = (
+            f"its {u_lost:.2g} V a leg are less than {LEAST_VOLTAGE:g} V, hidden by the thresholds "
+            "of transistors and diodes"
+        )
+    limits = [f"dead time is not judged, because {why}"]
+    push = _push(motor, u_lost, (HOLD[2],) * 3)  # the scale alone
+    band = SCALE
+    if push.short:  # the voltage lost, unknown, is missing in the scale
+        lost = LEG * (MOST_LOST * u_lost + (MOST_THRESHOLD if bipolar else 0.0))
+        band = max(SCALE, SENSORS + lost * motor.T_s * push.rise / (push.reach * motor.L_d))
+    if band > SCALE:
+        limits.append(
+            f"the voltage's scale may be wrong by {100.0 * band:.0f} % unseen, instead of "
+            f"{100.0 * SCALE:.0f} %: up to {lost:.3g} V lost are in it"
+        )
+    return Plan(replace(push, cycles=CYCLES[0]), 0.0, band, tuple(limits))
 
 
 def design_bring_up(motor: Motor) -> dict[str, Any]:
     """Fields of ``bring_up_params_t``.
 
-    ``u_lost`` is 0, so that nothing is judged, where noise or thresholds hide the dead time.
+    ``u_lost`` is 0, so that nothing is judged, where short pulses, noise or thresholds hide the
+    dead time.
     """
     gain = motor.T_s / motor.L_d
     u_max = VOLTAGE * motor.u_dc
-    u_lost = motor.u_dc * motor.dead_time / motor.T_s
-    bipolar = motor.u_dc >= SURELY_MOSFETS
-    push = _push(motor, u_lost)
-    seen = push.clear and (u_lost >= LEAST_VOLTAGE or not bipolar)
-    if not seen:  # the scale alone
-        reach = CURRENT * motor.i_rated
-        push = Push(reach, _rise(motor, reach), HOLD[0], CYCLES[0], False)
+    plan = plan_bring_up(motor)
+    push, u_lost = plan.push, plan.u_lost
+    threshold = THRESHOLD / u_lost if u_lost > 0.0 and motor.u_dc >= SURELY_MOSFETS else 0.0
     u_probe = min(CURRENT * motor.i_rated / gain, u_max)
     return {
         "T_s": motor.T_s,
@@ -109,13 +162,13 @@ def design_bring_up(motor: Motor) -> dict[str, Any]:
         "L_d": chord(motor, push.reach),
         "R_s": motor.R_s,
         "anisotropy": (motor.L_q - motor.L_d) / (motor.L_q + motor.L_d),
-        "u_lost": u_lost if seen else 0.0,
+        "u_lost": u_lost,
         "i_rest": 0.05 * motor.i_rated,
         "i_least": 0.1 * gain * u_probe,
         "i_stop": 0.95 * min(motor.i_trip, motor.adc_range),
         "delay_band": 0.1,
-        "scale_band": 0.16,
-        "lost_least": LEAST_LOST + (THRESHOLD / u_lost if seen and bipolar else 0.0),
+        "scale_band": plan.scale_band,
+        "lost_least": LEAST_LOST + threshold,
         "n_rest": 8,
         "n_probe": 16,
         "n_gap": 8,

@@ -68,10 +68,12 @@ def bring_up_command(
     from sensorless.identify.bring_up.survey import count_pole_pairs, survey, turning_drive
     from sensorless.identify.bring_up.words import verdict
     from sensorless.machine.motor import Motor
+    from sensorless.observers.bring_up_design import plan_bring_up
 
     check_writable(save_log, "save-log")
     check_seed(seed)
     machine = Motor.load(motor)
+    limits = plan_bring_up(machine).limits
     if mistake is not None and mistake != "right" and mistake not in MISTAKES:
         raise UserError(f"mistake: {mistake!r}; choose right, {', '.join(MISTAKES)}")
     if save_log is not None and mistake is None:
@@ -84,10 +86,10 @@ def bring_up_command(
             found, rows = check(machine, drive, MISTAKES.get(str(mistake), RIGHT))
             if save_log is not None:
                 write_log(rows, save_log)
-        for line in verdict(found):
+        for line in (*verdict(found), *limits):
             console.print(line, highlight=False)
         if as_json:
-            say_json({"faults": list(found.faults), "said": verdict(found)})
+            say_json({"faults": list(found.faults), "said": verdict(found), "limits": limits})
         if found.faults:
             raise typer.Exit(1)
         return
@@ -102,5 +104,14 @@ def bring_up_command(
     console.print(table)
     pairs = count_pole_pairs(turning_drive(machine, seed))
     console.print(f"pole pairs counted in a turn of the shaft: {pairs}; motor file: {machine.n_p}")
+    for line in limits:
+        console.print(line, highlight=False)
     if as_json:
-        say_json({"built_in": told, "pole_pairs": pairs, "pole_pairs_of_the_file": machine.n_p})
+        say_json(
+            {
+                "built_in": told,
+                "pole_pairs": pairs,
+                "pole_pairs_of_the_file": machine.n_p,
+                "limits": limits,
+            }
+        )

@@ -59,9 +59,14 @@ def _rows(found: list[Bit], do: Mapping[str, str]) -> str:
     )
 
 
-def fault_tables(gains: bool = True) -> dict[str, str]:
-    """Rows for the README by the word that holds the bits: ``drive``, ``schedule``, ``check``."""
+def fault_tables(gains: bool = True, dead_time: bool = True) -> dict[str, str]:
+    """Rows for the README by the word that holds the bits: ``drive``, ``schedule``, ``check``.
+
+    ``dead_time``: whether the check judges it.
+    """
     found = sorted(bits(gains), key=lambda bit: bit.value)
+    if not dead_time:
+        found = [b for b in found if b.name != "BRING_UP_FAULT_DEAD_TIME"]
     heads = {"drive": "FAULT_", "schedule": "KS_FAULT_", "check": "BRING_UP_FAULT_"}
     return {
         word: _rows([b for b in found if b.name.startswith(head)], DO)

@@ -11,6 +11,7 @@ from sensorless.export.gains import gain_readme
 from sensorless.export.hook import hook_text
 from sensorless.export.start import lost_text, start_call, start_text
 from sensorless.machine.motor import Motor
+from sensorless.observers.bring_up_design import plan_bring_up
 from sensorless.table.ks_table import KsTable
 
 
@@ -41,6 +42,11 @@ def readme(
     texts : tuple of str
         Verdict, and what is said about the two thresholds.
     """
+    plan = plan_bring_up(motor)
+    judged = plan.u_lost > 0.0
+    tables = fault_tables(bool(table.gains), judged)
+    if plan.limits:
+        tables["check"] += f"\n\nWith this motor, {'; '.join(plan.limits)}."
     axes = "\n".join(
         f"| {j} | {a.signal} | {a.lo:g} | {a.hi:g} | {a.n} |" for j, a in enumerate(table.axes)
     )
@@ -52,6 +58,8 @@ def readme(
         n_p=motor.n_p,
         i_trip=f"{motor.i_trip:g}",
         u_dt=f"{float(drive['control']['u_dt']):.3g}",
+        check_of="delay, signs, phases"
+        + (", duty formula and dead time" if judged else " and duty formula"),
         check_ms=f"{1e3 * check_time:.0f}",
         periods=periods,
         observer=observer_name(observer).replace("SMO", "sliding-mode observer"),
@@ -72,7 +80,7 @@ def readme(
         hook=hook_text(table),
         omega_most=f"{float(drive['guard']['omega']):.4g}",
         i_most=f"{float(drive['guard']['i_sample']):.4g}",
-        **{f"{word}_bits": rows for word, rows in fault_tables(bool(table.gains)).items()},
+        **{f"{word}_bits": rows for word, rows in tables.items()},
         **gain_readme(table),
     )
 

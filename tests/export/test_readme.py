@@ -3,15 +3,19 @@
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from sensorless.core.api import enumeration
+from sensorless.design.drive import DriveDesign
+from sensorless.design.records import control_record
 from sensorless.export.core_files import core_files
 from sensorless.export.export import Exported
 from sensorless.export.faults import DO, bits, fault_tables
 from sensorless.export.hook import hook_text
+from sensorless.export.readme import readme
 from sensorless.export.start import LOST, lost_text
 from sensorless.machine.motor import Motor
 from sensorless.observers.lock_design import ACTIONS
@@ -34,6 +38,17 @@ def test_every_bit_of_the_core_is_in_a_table_and_says_what_to_do() -> None:
     for rows in tables.values():
         values = [int(row.split()[1]) for row in rows.splitlines()]
         assert values == sorted(values)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.1])
+def test_only_what_the_check_judges_is_promised(share: float, motor: Motor, table: KsTable) -> None:
+    """A tenth of the dead time hides behind thresholds."""
+    less = replace(motor, dead_time=share * motor.dead_time)
+    drive = control_record(less, DriveDesign())
+    said = readme(table, less, drive, 0.1, "policy", "smo", 1, (1, 1), ("", ""))
+    bit = "| 256 | `BRING_UP_FAULT_DEAD_TIME` |" in said
+    assert bit == ("and dead time are right" in said) == (share == 1.0)
+    assert ("dead time is not judged, because its" in said) == (share < 1.0)
 
 
 @pytest.mark.parametrize("name", ACTIONS)

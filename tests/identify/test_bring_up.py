@@ -1,6 +1,7 @@
 """The check of the installation on simulated drives, and the command that reads its result."""
 
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,8 @@ from sensorless.identify.bring_up.check import check, check_log, drives_at_rest,
 from sensorless.identify.bring_up.mistakes import MISTAKES
 from sensorless.identify.bring_up.survey import count_pole_pairs, survey, turning_drive
 from sensorless.identify.bring_up.words import CURE, WIRING
-from sensorless.machine.motor import Motor
+from sensorless.machine.motor import MOTORS, Motor, Saturation
+from sensorless.observers.bring_up_design import plan_bring_up
 from tests.helpers.command import run
 
 SEEDS = np.arange(500, 506, dtype=np.uint64)
@@ -28,6 +30,30 @@ def test_every_mistake_is_found_and_none_where_there_is_none(name: str) -> None:
         else:
             least = n.drives - 2 if what.startswith(HARD) else n.drives
             assert n.named >= least, what
+
+
+@pytest.mark.parametrize("L_d", [6e-4, 3e-4])
+def test_a_right_drive_with_short_pushes_is_not_flagged(L_d: float) -> None:
+    """A small inductance, which loses a push to dead time; if it cannot be judged, that is said."""
+    spindle = replace(
+        Motor.load("paper"), name="spindle", n_p=2, R_s=0.15, L_d=L_d, L_q=1.5 * L_d,
+        psi_f=0.022, J=3e-5, B=0.0, tau_rated=0.6, i_rated=10.0, n_rated_rpm=24000.0, u_dc=230.0,
+        T_s=6.25e-5, u_inj=18.0, i_max=15.0, i_trip=28.0, dead_time=1e-6, adc_range=30.0,
+        saturation=Saturation.linear(L_d, 1.5 * L_d, 0.022),
+    )  # fmt: skip
+    drives = drives_at_rest(spindle, SEEDS)
+    for j in range(len(drives)):
+        assert check(spindle, drives[j : j + 1])[0].faults == ()
+        doubled = check(spindle, drives[j : j + 1], MISTAKES["duty-double"])[0].faults
+        assert set(doubled) & set(MISTAKES["duty-double"].shows)
+    plan = plan_bring_up(spindle)
+    if L_d == 6e-4:
+        assert plan.u_lost > 0.0 and not plan.limits
+        flagged = check(spindle, drives[:1], MISTAKES["compensated-1"])[0].faults
+        assert flagged == ("dead_time",)
+    else:
+        assert plan.u_lost == 0.0 and "pulses are short" in plan.limits[0]
+        assert "48 % unseen" in plan.limits[1]
 
 
 def test_the_pole_pairs_of_the_machine_are_counted(motor: Motor) -> None:
@@ -65,5 +91,9 @@ def test_the_command(tmp_path: Path) -> None:
     assert run("identify", "bring-up", "--log", "x.csv", cwd=tmp_path).stdout == done.stdout
     done = run("identify", "bring-up", "--mistake", "right", cwd=tmp_path)
     assert done.returncode == 0 and "built in right" in done.stdout
+    text = (MOTORS / "paper.toml").read_text(encoding="utf-8")
+    (tmp_path / "little.toml").write_text(text.replace("dead_time = 2.0e-6", "dead_time = 2e-7"))
+    done = run("identify", "bring-up", "--mistake", "right", "--motor", "little.toml", cwd=tmp_path)
+    assert done.returncode == 0 and "dead time is not judged, because its 0.54 V" in done.stdout
     done = run("identify", "bring-up", "--mistake", "no", cwd=tmp_path)
     assert done.returncode != 0 and "choose right, delay-0" in done.stderr
