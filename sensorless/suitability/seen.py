@@ -13,19 +13,20 @@ from sensorless.observers.injection_signal import (
     injection_signal,
     suggested_injection,
 )
-from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
+from sensorless.suitability.finding import LIMIT, NO, Finding
 from sensorless.suitability.plausible import TURN
 
-RATIO = (1.15, 1.05)
-"""Inductance ratio under load below which the drive is limited, or gets no useful signal."""
-ROOM = 1.3
-"""Inductance ratio below which errors of the machine's parameters cost most, worth a note."""
+RATIO = (1.3, 1.05)
+"""Inductance ratio under load below which errors of the machine's parameters may lose the rotor, or
+injection gets no useful signal."""
 NOISE = (3.0, 10.0)
 """RMS angle noise above which the drive is limited, or unable [deg]."""
 CROSS = (25.0, 40.0)
 """Turn of the magnetic axes above which the drive is limited, or unable [deg].
 
 Compensation has to be exact to a fraction of it."""
+ROUNDING = 1e-6
+"""Relative difference of a value from its bound that counts as none."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,7 @@ def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
         ("u_inj", s.noise_deg, NOISE, " degrees", "angle noise of injection"),
         ("saturation", np.abs(seen.cross_deg), CROSS, " degrees", "turn by cross-coupling"),
     ):
+        limit += ROUNDING * abs(limit)
         worst = float(values[: seen.rated + 1].max())
         beyond = np.flatnonzero(values > limit)
         if not len(beyond):
@@ -64,12 +66,10 @@ def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
         where = "within rated current" if worst > limit else f"above {upto:.3g} A: lower i_max"
         top = worst if worst > limit else float(values.max())
         bound = "at least" if field == "L_q" else "at most"
-        text = f"{what} {abs(top):.3g}{unit} {where}; needed: {bound} {abs(limit):g}"
+        text = f"{what} {abs(top):.3g}{unit} {where}; needed: {bound} {abs(limit):.3g}"
+        if field == "L_q" and weight == LIMIT:
+            text += ", or errors of L_d, L_q and iron may lose the rotor unnoticed"
         yield Finding(weight, field, text)
-    least = float(s.ratio.min())
-    if RATIO[0] <= least < ROOM:
-        text = f"inductance ratio {least:.3g}: below {ROOM:g} is little room for a wrong model"
-        yield Finding(NOTE, "L_q", text)
     if s.amplitude > 2.5 * RIPPLE_SHARE * motor.i_rated:
         text = f"injected current {s.amplitude:.3g} A is {s.amplitude / motor.i_rated:.0%} of rated"
         yield Finding(LIMIT, "u_inj", text)

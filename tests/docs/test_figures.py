@@ -172,8 +172,8 @@ def test_poles_of_the_coupled_observer(name: str) -> None:
 def test_saliency_that_a_check_asks_for() -> None:
     limit, no = seen.RATIO
     page = text(DOCS / "bring-a-motor.md")
-    assert f"only above about {seen.ROOM:g} is there room" in page
-    assert f"{limit:g} to {seen.ROOM:g} gets a note, below {limit:g} somewhere is a limit" in page
+    assert f"only above {limit:g} is there room" in page
+    assert f"less than {limit:g} somewhere is *with limits*" in page
     assert f"below {no:g} within rated current is *no*" in page
     assert f"a machine below {LEAST:g} at zero current is refused" in page
 

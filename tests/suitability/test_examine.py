@@ -124,11 +124,14 @@ def test_cross_coupling_beyond_a_current_asks_for_a_lower_limit() -> None:
     assert np.interp(at, size, np.abs(e.seen.cross_deg)) == pytest.approx(25.0, abs=4.0)
 
 
-@pytest.mark.parametrize(("ratio", "weight"), [(1.04, NO), (1.1, LIMIT), (1.2, NOTE), (1.35, None)])
+@pytest.mark.parametrize(("ratio", "weight"), [(1.04, NO), (1.1, LIMIT), (1.2, LIMIT), (1.3, None)])
 def test_weak_saliency_weighs(ratio: float, weight: str | None) -> None:
+    """At every current of a linear machine: a lower ``i_max`` helps none."""
     e = changed(LINEAR, L_q=ratio * LINEAR.L_d, u_inj=108.0)
     found = [f for f in e.findings if f.text.startswith("inductance ratio")]
     assert [f.weight for f in found] == ([weight] if weight else [])
+    assert all("within rated current; needed: at least 1.3" in f.text for f in found)
+    assert all(("unnoticed" in f.text) == (f.weight == LIMIT) for f in found)
 
 
 def test_suggestions_of_the_papers_machine_lie_near_its_choices() -> None:
