@@ -12,6 +12,8 @@ from sensorless.machine.motor import Motor
 
 OBSERVER = {"smo": "smo", "unwrapped": "smo", "errors": "smo", "flux": "flux", "coupled": "coupled"}
 """Part of ``drive_params_t`` that an estimator reads, by ``DriveDesign.estimator``."""
+LATER = {"control.by_reference"}
+"""Numbers that were added later and change nothing where they are 0: there they do not count."""
 DIGITS = 4
 """Of the numbers that count: other computers round the last ones otherwise."""
 
@@ -35,6 +37,8 @@ def fingerprint(motor: Motor, design: DriveDesign) -> dict[str, str]:
 
 def _lines(record: Array, path: str) -> Iterator[str]:
     names = record.dtype.names
+    if path in LATER and not record.any():
+        return
     if names is None:
         yield f"{path} " + " ".join(f"{x:.{DIGITS}g}" for x in np.ravel(record))
         return
