@@ -1,11 +1,11 @@
 """Whether a training run made its start better: the sentence it ends with."""
 
-import csv
 import json
 from pathlib import Path
 
 from sensorless.agents.loading import TABLE, VERDICT, load_run
-from sensorless.agents.train.run_folder import PROGRESS, reopen
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.run_folder import reopen, rows
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import SimFactory
@@ -31,7 +31,7 @@ def judge(folder: Path) -> str:
     machines = Machines.of(motor, config.machines, config.seed)
     name = f"its start, {config.start}"
     if (folder / TABLE).is_file() and KsTable.load(folder / TABLE).digest == table.digest:
-        sentence = _kept_start(folder, name)
+        sentence = _kept_start(folder, config, name)
         write_atomic(folder / VERDICT, json.dumps({"verdict": sentence}, indent=1) + "\n")
         return sentence
     best = load_run(folder, machines.motors[0])
@@ -41,14 +41,22 @@ def judge(folder: Path) -> str:
     return found.sentence
 
 
-def _kept_start(folder: Path, name: str) -> str:
+def _kept_start(folder: Path, config: TrainConfig, name: str) -> str:
     """Why the schedule is still the start."""
-    with (folder / PROGRESS).open(encoding="utf-8", newline="") as file:
-        values = [row["objective"] for row in csv.DictReader(file)]
+    curve = rows(folder)
+    values = [row["objective"] for row in curve]
     if len(set(values)) == 1:
+        never, on = f"the same as {name}: the run never moved", f"train --resume {folder}"
+        steps, first = curve[-1]["steps"], config.warm_up + 1
+        least = first * config.n_envs * config.n_steps
+        if steps <= least:
+            return (
+                f"{never}: it had {steps} decisions, and the table first moves after {least}, with "
+                f"update {first} (warm_up = {config.warm_up}); go on with: sensorless {on}"
+            )
         return (
-            f"the same as {name}: the run never moved, all {len(values)} validations are equal; "
-            "train longer, or with larger --lr-nodes or --noise"
+            f"{never}, all {len(values)} validations are equal; go on with: sensorless {on}, or "
+            "start a new run with larger --lr-nodes or --noise"
         )
     return (
         f"the same as {name}: the run moved, but none of {len(values)} validations was better than "

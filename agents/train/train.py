@@ -3,7 +3,9 @@
 import dataclasses
 import json
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import torch
 from stable_baselines3 import PPO
@@ -24,7 +26,7 @@ from sensorless.design.carried import refuse_settings
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.evaluation.objective import Cost
 from sensorless.files import sweep
 from sensorless.machine.motor import Motor
@@ -33,6 +35,9 @@ from sensorless.table.ks_table import KsTable
 
 VALUE_SCALE = 20.0
 """Size of a typical return, the unit of the critic."""
+
+BUDGET: Mapping[str, Any] = {"minutes": TrainConfig.minutes, "steps": TrainConfig.steps}
+"""Settings that a resumed run takes anew, with their defaults."""
 
 
 class TablePPO(PPO):
@@ -79,7 +84,7 @@ def train(
 
 
 def resume(
-    config: TrainConfig,
+    given: Mapping[str, Any],
     folder: Path,
     *,
     asked: Settings = NO_SETTINGS,
@@ -87,22 +92,32 @@ def resume(
 ) -> Cost:
     """Continue the run in ``folder`` with its own settings, except ``minutes`` and ``steps``.
 
-    The count of steps continues, but the result is not bit-identical to an uninterrupted run,
-    because the environments begin new episodes. Parameters, result and errors as in `train`.
+    The counts of steps and updates continue, but the result is not bit-identical to an
+    uninterrupted run, because the environments begin new episodes.
+
+    Parameters
+    ----------
+    given : mapping of str to object
+        ``minutes`` or ``steps`` from here on, and other settings of `TrainConfig` that the run
+        must have.
+    folder : Path
+    asked : mapping of str to object
+        Settings of the drive that the run must have.
+    report : optional
+        As in `train`, as are result and errors.
 
     Raises
     ------
     UserError
         The folder has no run or is in use, its checkpoint is damaged or belongs to another motor,
-        or the run has other settings than those ``asked`` for.
+        or the run has other settings than those ``given`` or ``asked`` for.
     """
     old, known, table = reopen(folder)
     refuse_settings(known, asked, str(folder), "train anew")
+    _refuse_given(old, given, folder)
     design = DriveDesign(**known.settings)
-    if config.motor != TrainConfig.motor or known.motor is None:
-        motor = Motor.load(old.motor if config.motor == TrainConfig.motor else config.motor)
-    else:
-        motor = known.motor
+    motor = None if "motor" in given else known.motor
+    motor = motor or Motor.load(given.get("motor", old.motor))
     machines = Machines.of(motor, old.machines, old.seed)
     name, digest = known.made_for or ("?", "")
     if digest != machines.digest:
@@ -111,7 +126,7 @@ def resume(
             f"it cannot continue on {machines.name!r}, digest {machines.digest[:16]}; leave "
             "--motor out, or give that machine"
         )
-    config = dataclasses.replace(old, minutes=config.minutes, steps=config.steps)
+    config = dataclasses.replace(old, **{name: given.get(name, BUDGET[name]) for name in BUDGET})
     with alone(folder):
         model = new_model(config, table, training_env(config, design, machines.motors))
         sweep(folder)
@@ -120,6 +135,17 @@ def resume(
             _restore(model, folder / LATEST)
         cut_back(folder, model.num_timesteps)
         return _learn(model, folder, config, design, machines, report)
+
+
+def _refuse_given(run: TrainConfig, given: Mapping[str, Any], folder: Path) -> None:
+    """Refuse a setting that the run was not started with; `resume` judges motors by digest."""
+    for name, value in given.items():
+        own = getattr(run, name)
+        if name not in (*BUDGET, "motor") and value != own:
+            raise UserError(
+                f"{name}: {shown(value)}: {str(folder)!r} was started with {shown(own)}; leave "
+                f"--{name.replace('_', '-')} out, or start a new run with --name"
+            )
 
 
 def _learn(
@@ -181,7 +207,7 @@ def new_model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
 
 
 def _restore(model: TablePPO, path: Path) -> None:
-    """Load weights, optimiser and step counter of a checkpoint; nothing is unpickled.
+    """Load weights, optimiser and counters of a checkpoint; nothing is unpickled.
 
     Raises
     ------
@@ -190,10 +216,11 @@ def _restore(model: TablePPO, path: Path) -> None:
     """
     try:
         with zipfile.ZipFile(path) as archive:
-            steps = json.loads(archive.read("data"))["num_timesteps"]
+            known = json.loads(archive.read("data"))
         _, parameters, _ = load_from_zip_file(path, load_data=False, device="cpu")
         model.set_parameters(parameters, exact_match=True, device="cpu")
-        model.num_timesteps = int(steps)
+        model.num_timesteps = int(known["num_timesteps"])
+        model._n_updates = int(known["_n_updates"])
     except Exception as error:  # torch has one of its own for every way to be damaged
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise UserError(f"{path}: {reason}; restore this run's checkpoint, or train anew") from None

@@ -88,7 +88,7 @@ class Watch(BaseCallback):
             group["lr"] = left * whole
         if self._updates % self._rollouts == 0:
             restart(self.model, stream(self._config.seed, self.model.num_timesteps))
-        policy.learn_actor = self._updates >= self._config.warm_up
+        policy.learn_actor = self.model._n_updates >= self._config.warm_up * self._config.n_epochs
         self._updates += 1
         now = policy.vector()
         window = min(self._updates, self._config.average)

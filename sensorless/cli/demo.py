@@ -64,7 +64,7 @@ def demo_command(
     fresh_folder(out)
     run = out / "ppo-table"
     _step("1/4", f"training a schedule for {minutes:g} min, starting from Eq. 25")
-    run_training(config, {}, run, resume=False)
+    run_training(config, {}, run)
     _step("2/4", f"judging it on {size} scenarios of the suite {SUITE}")
     with policy_progress() as report:
         word = str(run) if run.is_absolute() else f"./{run}"

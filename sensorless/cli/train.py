@@ -3,7 +3,7 @@
 import inspect
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -51,6 +51,7 @@ def with_options(cls: type, function: Callable[..., None]) -> Callable[..., None
 
 def _train(
     *,
+    context: typer.Context,
     name: Annotated[
         str | None,
         typer.Option(
@@ -79,8 +80,9 @@ def _train(
     --policy option takes the folder.
 
     The same --seed and --steps give the same schedule to the bit on the same computer; --minutes
-    does not. Ctrl-C keeps a checkpoint, and --resume FOLDER continues from it: --minutes and
-    --steps count from there, and the result is not bit-identical to an uninterrupted run.
+    does not. Ctrl-C keeps a checkpoint, and --resume FOLDER continues from it with the settings
+    of the run: --minutes and --steps count from there, and other options must agree with it. The
+    result is not bit-identical to an uninterrupted run.
 
     For example:
 
@@ -97,9 +99,17 @@ def _train(
             "continue one"
         )
     folder = resume if resume is not None else named_run(str(name))
-    run_training(TrainConfig(**fields), asked_for(settings), folder, resume=resume is not None)
+    given = {k: v for k, v in fields.items() if was_given(context, k)}
+    config = TrainConfig(**fields)
+    run_training(config, asked_for(settings), folder, resume=None if resume is None else given)
     if as_json:
         say_json(json.loads((folder / VERDICT).read_text(encoding="utf-8")))
+
+
+def was_given(context: typer.Context, name: str) -> bool:
+    """Whether an option of a command was given."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name != "DEFAULT"
 
 
 def named_run(name: str) -> Path:
@@ -116,8 +126,17 @@ def named_run(name: str) -> Path:
     return RUNS / path
 
 
-def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume: bool) -> None:
-    """Train with progress on the terminal, and say where the result is."""
+def run_training(
+    config: TrainConfig,
+    asked: "Settings",
+    folder: Path,
+    *,
+    resume: Mapping[str, Any] | None = None,
+) -> None:
+    """Train with progress on the terminal, and say where the result is.
+
+    With ``resume``, the options that were given, the run in ``folder`` goes on.
+    """
     from sensorless.agents.loading import CONFIG
     from sensorless.agents.train import train as training
     from sensorless.agents.train.judge import judge
@@ -128,7 +147,7 @@ def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume
     from sensorless.policies.registry import table_named
 
     design = DriveDesign(**asked)
-    if not resume and not config.machines:
+    if resume is None and not config.machines:
         say_if_unsuited(Motor.load(config.motor), design)
     columns = [TextColumn("training"), BarColumn(), TextColumn("{task.percentage:.0f} %")]
     columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
@@ -136,7 +155,7 @@ def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume
     bar = Progress(*columns, console=errors, disable=quiet)
     task = bar.add_task("", total=1.0)
     say = minutely()
-    best = [float(row["objective"]) for row in rows(folder)] if resume else []
+    best = [float(row["objective"]) for row in rows(folder)] if resume is not None else []
 
     def report(done: float, steps: int, found: Cost | None) -> None:
         bar.update(task, completed=done, description=f"{steps / 1e6:.2f} M decisions")
@@ -154,8 +173,8 @@ def run_training(config: TrainConfig, asked: "Settings", folder: Path, *, resume
 
     try:
         with bar:
-            if resume:
-                training.resume(config, folder, asked=asked, report=report)
+            if resume is not None:
+                training.resume(resume, folder, asked=asked, report=report)
             else:
                 source = table_named(config.start, Motor.load(config.motor))
                 training.train(config, design, folder, source, report=report)

@@ -20,11 +20,18 @@ def test_a_run_ends_with_its_verdict(tmp_path: Path) -> None:
     done = run("train", "--name", "still", *TINY, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     folder, last = tmp_path / "runs/still", done.stdout.splitlines()[-1]
-    text = "the same as its start, eq25: the run never moved, all 2 validations are equal"
-    assert last.startswith(f"verdict: {text}")
-    assert json.loads((folder / VERDICT).read_text())["verdict"].startswith(text)
+    text = (
+        "the same as its start, eq25: the run never moved: it had 64 decisions, and the table "
+        "first moves after 640, with update 10 (warm_up = 9); go on with: sensorless train "
+        "--resume runs/still"
+    )
+    assert last == f"verdict: {text}"
+    assert json.loads((folder / VERDICT).read_text())["verdict"] == text
 
     rows = (folder / PROGRESS).read_text().splitlines()
+    longer = ",".join(["641", *rows[-1].split(",")[1:]])
+    (folder / PROGRESS).write_text("\n".join([*rows, longer]) + "\n")
+    assert "all 3 validations are equal" in judge(folder) and "start a new run" in judge(folder)
     (folder / PROGRESS).write_text("\n".join([*rows, rows[-1].replace("0.", "1.")]) + "\n")
     assert "none of 3 validations was better" in judge(folder)
 

@@ -19,12 +19,13 @@ from sensorless.agents.train.alone import alone
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import stream
 from sensorless.agents.train.run_folder import LATEST, PROGRESS, fresh
-from sensorless.agents.train.train import resume, train
+from sensorless.agents.train.train import TablePPO, resume, train
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import table_named
 from sensorless.table.ks_table import KsTable
+from tests.helpers.command import run as command
 from tests.helpers.scenarios import briefly
 
 pytestmark = pytest.mark.usefixtures("brief")
@@ -33,6 +34,7 @@ pytestmark = pytest.mark.usefixtures("brief")
 START = table_named("eq25", Motor.load("paper"))
 
 SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=1, validate_size=16)
+ON = {"steps": SMALL.steps}
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +72,7 @@ def test_curve_goes_on_and_the_best_table_stays(finished: Path) -> None:
     table = KsTable.load(finished / TABLE)
     table.save(finished / TABLE, {**document["provenance"], "validation": unbeatable})
     kept = (finished / TABLE).read_text()
-    resume(SMALL, finished)
+    resume(ON, finished)
     after = rows(finished)
     assert after[: len(before)] == before and len(after) > len(before)
     assert int(after[-1]["steps"]) >= int(before[-1]["steps"]) + SMALL.steps
@@ -81,15 +83,48 @@ def test_curve_goes_on_and_the_best_table_stays(finished: Path) -> None:
 def test_resume_refuses_other_settings(finished: Path) -> None:
     before = rows(finished)
     with pytest.raises(UserError, match=r"hfi_pll_hz=40 was asked.*14.934: .*train anew"):
-        resume(SMALL, finished, asked={"hfi_pll_hz": 40.0})
+        resume(ON, finished, asked={"hfi_pll_hz": 40.0})
     assert rows(finished) == before
+
+
+@pytest.mark.parametrize(("name", "value"), [("lr_nodes", 0.5), ("seed", 9), ("n_envs", 256)])
+def test_resume_refuses_other_options(name: str, value: float, finished: Path) -> None:
+    """Also one at the default of a new run, which is not that of this run."""
+    before = rows(finished)
+    option = f"--{name.replace('_', '-')}"
+    asked = ("train", "--resume", str(finished), "--steps", "512", option, str(value))
+    done = command(*asked, cwd=finished)
+    said = f"{name}: {value}: {str(finished)!r} was started with {getattr(SMALL, name)}"
+    assert done.returncode == 2 and said in done.stderr and option in done.stderr
+    assert rows(finished) == before
+    resume({**ON, name: getattr(SMALL, name)}, finished)
+    assert len(rows(finished)) > len(before)
+
+
+def test_a_resumed_run_warms_up_no_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Updates count from the start of the run, whole ones only."""
+    learns: list[bool] = []
+    update = TablePPO.train
+
+    def watched(self: TablePPO) -> None:
+        learns.append(bool(self.policy.learn_actor))
+        update(self)
+
+    monkeypatch.setattr(TablePPO, "train", watched)
+    config = replace(SMALL, warm_up=3, n_epochs=2, steps=600)
+    train(config, DriveDesign(), tmp_path / "run", START)
+    assert learns == [False] * 2
+    resume({"steps": 1100}, tmp_path / "run")
+    assert learns == [False] * 3 + [True] * 3
 
 
 def test_resume_unpickles_nothing(finished: Path) -> None:
     with zipfile.ZipFile(finished / LATEST) as archive:
-        steps = json.loads(archive.read("data"))["num_timesteps"]
-    rewrite(finished / LATEST, "data", json.dumps({"num_timesteps": steps}).encode())
-    resume(SMALL, finished)
+        known = json.loads(archive.read("data"))
+    counters = {name: known[name] for name in ("num_timesteps", "_n_updates")}
+    steps = counters["num_timesteps"]
+    rewrite(finished / LATEST, "data", json.dumps(counters).encode())
+    resume(ON, finished)
     assert int(rows(finished)[-1]["steps"]) >= steps + SMALL.steps
 
 
@@ -100,7 +135,7 @@ def test_a_checkpoint_that_cannot_be_unpickled_is_refused_in_one_line(
     shutil.copytree(finished, run)
     rewrite(run / LATEST, "policy.pth", pickle.dumps({"weights": Path("somewhere")}, protocol=2))
     with pytest.raises(UserError, match="restore this run's checkpoint") as caught:
-        resume(SMALL, run)
+        resume(ON, run)
     assert "\n" not in str(caught.value)
 
 
@@ -113,7 +148,7 @@ def test_the_curve_is_cut_back_to_the_checkpoint(tmp_path: Path, finished: Path)
         file.write("999999999,1e6,0,0,0,0,1\n")
     (run / "checkpoints" / f".latest.zip.{2**22 + 1}.part").touch()
     os.utime(run / "checkpoints" / f".latest.zip.{2**22 + 1}.part", (0.0, 0.0))
-    resume(SMALL, run)
+    resume(ON, run)
     after = rows(run)
     assert after[: len(before)] == before and int(after[-1]["steps"]) < 999999999
     assert [path.name for path in (run / "checkpoints").iterdir()] == ["latest.zip"]
@@ -126,19 +161,19 @@ def test_a_run_killed_before_its_first_checkpoint_begins_anew(
     shutil.copytree(finished, run)
     (run / LATEST).unlink()
     with pytest.raises(UserError, match=r"no checkpoints/latest\.zip"):
-        resume(SMALL, run)
+        resume(ON, run)
     for name in (TABLE, PROGRESS):
         (run / name).unlink()
     with fresh(shutil.copytree(run, tmp_path / "again")):
         assert not list((tmp_path / "again").iterdir()), "train --name starts over"
-    resume(SMALL, run)
+    resume(ON, run)
     assert int(rows(run)[0]["steps"]) == 0 and (run / LATEST).is_file()
 
 
 def test_a_damaged_checkpoint_is_refused_in_one_line(finished: Path) -> None:
     (finished / LATEST).write_bytes(b"not a checkpoint")
     with pytest.raises(UserError, match="restore this run's checkpoint") as caught:
-        resume(SMALL, finished)
+        resume(ON, finished)
     assert "\n" not in str(caught.value)
 
 
@@ -150,7 +185,7 @@ def test_a_run_that_is_being_trained_is_refused(tmp_path: Path, finished: Path) 
         with pytest.raises(UserError, match="in use by another training"):
             train(SMALL, DriveDesign(), new, START)
         with pytest.raises(UserError, match="in use by another training"):
-            resume(SMALL, run)
+            resume(ON, run)
         assert not list(new.iterdir()) and rows(run) == before
     with alone(run):
         pass

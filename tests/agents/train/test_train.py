@@ -60,7 +60,7 @@ def test_a_run_can_be_used_and_gone_on_with(tmp_path: Path) -> None:
     assert (folder / "progress.csv").is_file()
     again: list[int] = []
     resume(
-        SMALL,
+        {"steps": SMALL.steps},
         folder,
         report=lambda share, steps, found: again.append(steps),
     )
@@ -113,7 +113,7 @@ def test_interrupt_keeps_a_checkpoint(tmp_path: Path) -> None:
         train(SMALL, DriveDesign(), folder, START, report=stop)
     load_run(folder, MOTOR)
     assert not list(folder.rglob("*part*"))
-    resume(SMALL, folder)
+    resume({"steps": SMALL.steps}, folder)
 
 
 def test_steps_of_the_optimiser_end_where_asked(
@@ -151,7 +151,7 @@ def test_a_run_of_another_motor_is_refused(tmp_path: Path) -> None:
     config = json.loads((folder / "config.json").read_text())
     config["train"]["motor"] = str(path)
     with pytest.raises(UserError, match="digest"):
-        resume(TrainConfig(motor=str(path), steps=64), folder)
+        resume({"motor": str(path), "steps": 64}, folder)
 
 
 def test_a_folder_in_use_is_refused(tmp_path: Path) -> None:
