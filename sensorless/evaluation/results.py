@@ -22,7 +22,7 @@ DIGITS = 9
 """Significant digits of a number in the file."""
 
 RATES = {"lost_rate": "lost_ci", "not_held_rate": "not_held_rate_ci"}
-"""Rates over all scenarios, each with the name of its Wilson interval."""
+"""Rates over the feasible scenarios, each with the name of its Wilson interval."""
 
 Columns = tuple[tuple[str, str, float, int], ...]
 
@@ -156,7 +156,7 @@ def _cell(policy: dict[str, Any], key: str, _: str, factor: float, decimals: int
 
 def _rate(policy: dict[str, Any], key: str, factor: float, decimals: int) -> str:
     low, high = (factor * x for x in policy[RATES[key]])
-    return f"{factor * policy[key]:.{decimals}f} ({low:.0f}–{high:.0f})"
+    return f"{factor * policy[key]:.{decimals}f} ({low:.{decimals}f}–{high:.{decimals}f})"
 
 
 def _text(x: object, indent: str = "") -> str:

@@ -180,7 +180,7 @@ def rate(value: float, interval: tuple[float, float]) -> str:
     if not math.isfinite(value):
         return "–"
     low, high = (100.0 * x for x in interval)
-    return f"{100.0 * value:.1f} ({low:.0f}–{high:.0f})"
+    return f"{100.0 * value:.1f} ({low:.1f}–{high:.1f})"
 
 
 def number(value: float, decimals: int) -> str:

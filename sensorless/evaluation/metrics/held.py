@@ -58,7 +58,7 @@ def swing_pct(r: Rollout) -> Floats:
 def not_held(r: Rollout) -> Floats:
     """1 if away_s > 0.5 s or swing_pct > 2 %, else 0; its mean is a share of the survivors.
 
-    ``not_held_rate`` of the results is over all scenarios; lost drives do not count in it.
+    ``not_held_rate`` of the results is over the feasible scenarios; lost drives do not count in it.
     """
     away = away_s(r)
     return np.where(np.isnan(away), np.nan, (away > BACK_TIME) | (swing_pct(r) > BAND_PCT))
