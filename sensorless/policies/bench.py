@@ -18,6 +18,8 @@ from sensorless.policies.registry import carried_by, make_policies
 from sensorless.policy import Policy
 
 DEFAULT_MOTOR = "paper"
+WHY = "see docs/what-a-run-carries.md"
+"""End of a note on what has changed."""
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,6 @@ def _changed(spec: str, known: Carried, asked: Mapping[str, Any]) -> str:
         if name not in asked
     ]
     if defaults:
-        return f"{spec} was made with other defaults: {', '.join(defaults)}"
+        return f"{spec} was made with other defaults: {', '.join(defaults)}; {WHY}"
     parts = "" if known.changed else " and ".join(known.other_gains())
-    return f"{spec} was made on other gains: its {parts} changed since" if parts else ""
+    return f"{spec} was made on other gains: its {parts} changed since; {WHY}" if parts else ""

@@ -17,12 +17,13 @@ from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.rollout import rollout
 from sensorless.machine.motor import Motor
-from sensorless.policies.bench import bench
+from sensorless.policies.bench import WHY, bench
 from sensorless.policies.registry import RULES, table_named
 from sensorless.policies.tuned import Tuned
 from sensorless.policy import design_for
 from sensorless.table.ks_table import KsTable
 from tests.helpers.command import run as command
+from tests.helpers.script import ROOT
 
 PAPER = Motor.load("paper")
 OTHER = replace(Motor.load("ipmsm_2200w"), name="mine", J=0.02)
@@ -156,7 +157,9 @@ def test_a_default_that_has_changed_is_said_but_not_refused(tmp_path: Path) -> N
     then = {**asdict(DriveDesign()), "hfi_pll_hz": 12.5, "speed_hz": 3.0}
     table.save(path, {**table.provenance, "design": then})
     found = bench([spec])
-    assert found.notes == (f"{spec} was made with other defaults: hfi_pll_hz (12.5, now 14.934)",)
+    assert found.notes == (
+        f"{spec} was made with other defaults: hfi_pll_hz (12.5, now 14.934); {WHY}",
+    )
     assert found.policy(spec).settings["hfi_pll_hz"] == DriveDesign().hfi_pll_hz
     assert not bench([spec], None, ["hfi_pll_hz=12.5"], override=True).notes
 
@@ -175,7 +178,8 @@ def test_formulas_that_have_changed_are_said(
         return record
 
     monkeypatch.setattr("sensorless.design.fingerprint.control_record", other)
-    assert bench([spec]).notes == (f"{spec} was made on other gains: its control changed since",)
+    said = f"{spec} was made on other gains: its control changed since; {WHY}"
+    assert bench([spec]).notes == (said,) and (ROOT / WHY.split()[-1]).is_file()
     assert bench([spec]).policy(spec).settings == asdict(FAST), "and not refused"
 
 
