@@ -1,6 +1,6 @@
 """A stable-baselines3 model as a policy that every command takes, by MODULE:NAME.
 
-    python examples/ppo.py 4000000
+    python examples/ppo.py 4000000   # first: it writes ppo.zip into this folder
     sensorless evaluate --policy eq25 --policy examples.own_policy:Model --suite stress-1 --seed 7
     sensorless certify examples.own_policy:Model --size 20000
 
@@ -9,14 +9,17 @@ NAME is a class or a function of the motor. What it gives must have ``act``; ``n
 ``ranges`` and ``act_gains`` of a policy that sets gains besides.
 """
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 
 from sensorless.core.gains import DEFAULT, GAIN_N, GAIN_NAMES
+from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 
-FILE = "ppo.zip"
+FILE = Path("ppo.zip")
 """What examples/ppo.py writes."""
 
 
@@ -26,6 +29,8 @@ class Model:
     name = "my-ppo"
 
     def __init__(self, motor: Motor) -> None:
+        if not FILE.is_file():
+            raise UserError(f"{FILE}: no such file here; first run: python examples/ppo.py")
         self._model = PPO.load(FILE, device="cpu")
         alone = self._model.action_space.shape == (1,)
         self.ranges = {} if alone else DEFAULT  # with all gains of Blend-v1

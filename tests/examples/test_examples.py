@@ -10,6 +10,8 @@ from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.core.api import SIGNAL_N
 from sensorless.core.gains import DEFAULT, GAIN_NAMES
 from sensorless.envs.blend_v1 import GainVectorEnv
+from sensorless.envs.returns import acts, returns
+from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import GainPolicy, gains_of
@@ -61,6 +63,23 @@ def test_a_model_of_stable_baselines3_is_a_policy(
     if isinstance(policy, GainPolicy) and gains:
         columns = [GAIN_NAMES.index(name) for name in gains]
         assert policy.act_gains(obs)[:, columns] == pytest.approx(action[:, 1:])
+
+
+def test_a_model_that_is_not_there_yet_is_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT))
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UserError, match=r"ppo\.zip: no such file here; first run: python examples"):
+        make_policy("examples.own_policy:Model", Motor.load("paper"))
+
+
+def test_the_example_knows_what_eq25_earns() -> None:
+    """The number that its own text sets beside that of PPO."""
+    judge = GainVectorEnv(1024, gains=())
+    earned = returns(judge, acts(make_policy("eq25", judge.batch.motor), judge), 10**6).mean()
+    text = (EXAMPLES / "ppo.py").read_text(encoding="utf-8")
+    assert f"where Eq. 25 has {earned:.1f}," in text
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
