@@ -20,6 +20,7 @@ from sensorless.core.api import (
 )
 from sensorless.core.gains import gain_records, ranks
 from sensorless.decision import whole_periods
+from sensorless.envs.batch_state import BatchState, checked_state, made_on
 from sensorless.envs.blend_settings import BlendSettings
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.privileged import FIXED, Values, fixed, privileged
@@ -27,7 +28,7 @@ from sensorless.envs.reward import Term, terms, total
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.signals import Observation, bounded
 from sensorless.envs.window_reward import Window, WindowWeights, window_terms
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.machine.motor import Motor
 
 Flags = NDArray[np.bool_]
@@ -49,19 +50,6 @@ class Outcome:
     """The drive's own tests tell lost lock."""
     ended: Flags
     """The scenario is over, or even its sensored twin tripped: the episode is truncated."""
-
-
-@dataclass(frozen=True)
-class BatchState:
-    """Copy of all that a batch remembers."""
-
-    sims: Array
-    constant: Values
-    seeds: Seeds
-    episode: Seeds
-    gains: Array | None
-    window: Array | None
-    """Sums of the reward's window, oldest first"""
 
 
 ROUNDING = np.float32(1.000001)
@@ -118,6 +106,7 @@ class BlendBatch:
         )
         windowed = isinstance(settings.weights, WindowWeights)
         self._window = Window(n, self._decision) if windowed else None
+        self._made = made_on(n, self.motor, settings)
 
     @property
     def n_actions(self) -> int:
@@ -154,6 +143,8 @@ class BlendBatch:
     def _draw(self, rows: Rows) -> None:
         """Prepare the next episode of some drives."""
         drawn = self.settings.scenarios(self.motor, combine(self._seeds[rows], self._episode[rows]))
+        if not isinstance(drawn, Scenarios):
+            raise UserError(f"scenarios: gave {shown(drawn)} for {len(rows)} seeds; give Scenarios")
         if len(drawn) != len(rows):
             raise UserError(f"scenarios: {len(drawn)} for {len(rows)} seeds; draw one per seed")
         for first in range(0, len(rows), AT_ONCE):
@@ -167,7 +158,7 @@ class BlendBatch:
         sims = self._factory.build(scenarios)
         limit = self.settings.max_episode_steps
         if limit is not None:
-            sims["k_end"] = np.minimum(sims["k_end"], limit * self.periods)
+            sims["k_end"] = np.minimum(sims["k_end"], min(limit * self.periods, lib.NEVER))
         return Prepared(words(sims)[:, _GIVEN], fixed(scenarios, self.motor))
 
     def _start(self, rows: Rows, given: Array) -> None:
@@ -265,6 +256,7 @@ class BlendBatch:
     def state(self) -> BatchState:
         """Copy of all memory, for `restore`."""
         return BatchState(
+            made=self._made,
             sims=self._sims.copy(),
             constant=self._constant.copy(),
             seeds=self._seeds.copy(),
@@ -274,15 +266,8 @@ class BlendBatch:
         )
 
     def restore(self, state: BatchState) -> None:
-        """Continue from a copy that `state` made on a batch of the same size.
-
-        Raises
-        ------
-        UserError
-            It is of a batch of another size.
-        """
-        if len(state.sims) != len(self):
-            raise UserError(f"state: {len(state.sims)} drives; restore one of {len(self)} drives")
+        """Continue from a copy that `state` made; errors as in `checked_state`."""
+        state = checked_state(state, self._made)
         self._sims[:] = state.sims
         self._constant[:] = state.constant
         self._seeds[:] = state.seeds

@@ -7,7 +7,8 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
-from sensorless.envs.blend_batch import BatchState, BlendBatch
+from sensorless.envs.batch_state import BatchState
+from sensorless.envs.blend_batch import BlendBatch
 from sensorless.envs.blend_settings import (
     BlendSettings,
     checked_render_mode,
@@ -77,6 +78,7 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     between machine and controller. ``reset(seed=...)`` starts a stream of scenarios, and every
     reset takes the next one. By default they are `stress_1_scenarios`: everything at random, from
     rest or on a spinning shaft. ``reset(options={"scenario": s})`` runs a `Scenarios` of one row.
+    It does not know which machine it was drawn for: draw it for the one of this environment.
 
     **End**
     Terminated when lock is lost: an angle error beyond 60 degrees for more than 10 ms,
@@ -150,6 +152,6 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
         return self.batch.state()
 
     def restore(self, state: BatchState) -> None:
-        """Continue from a copy that `state` made."""
+        """Continue from a copy that `state` made with the same settings; errors otherwise."""
         self.batch.restore(state)
         self._begun = True

@@ -1,5 +1,6 @@
 """What a user hands to the environments, and the checks on it."""
 
+import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -8,7 +9,7 @@ from typing import Any, SupportsIndex
 
 import numpy as np
 
-from sensorless.core.gains import DEFAULT, Gain
+from sensorless.core.gains import DEFAULT, GAIN_NAMES, Gain
 from sensorless.decision import RUNNING, TRAINING
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import Seeds
@@ -50,7 +51,7 @@ class BlendSettings:
     gains: tuple[str, ...] = ()
     """Gains that the agent sets besides k_s, by name, in the order of the action."""
     gain_ranges: Mapping[str, Gain] = field(default_factory=dict)
-    """Ranges other than those of ``gains.DEFAULT``, by name."""
+    """Ranges other than those of ``gains.DEFAULT``, a `core.gains.Gain` by name."""
 
     @property
     def ranges(self) -> dict[str, Gain]:
@@ -73,12 +74,25 @@ class BlendSettings:
         steps = self.max_episode_steps
         if steps is not None and (_index(steps) or 0) < 1:
             raise UserError(f"max_episode_steps: {steps!r}: must be None or a whole number above 0")
+        if not isinstance(self.gains, Sequence):
+            raise UserError(f"gains: {shown(self.gains)}; give a tuple of names, () for none")
+        if not isinstance(self.gain_ranges, Mapping):
+            raise UserError(f"gain_ranges: {shown(self.gain_ranges)}; give a Gain by name, or {{}}")
         names = (self.gains,) if isinstance(self.gains, str) else tuple(self.gains)
         for name in (*names, *self.gain_ranges):
-            if name not in DEFAULT:
-                raise UserError(f"gains: {name!r} is unknown; choose from {', '.join(DEFAULT)}")
+            if name not in GAIN_NAMES:
+                known = ", ".join(DEFAULT)
+                raise UserError(f"gains: {shown(name)} is unknown; choose from {known}")
         if len(set(names)) < len(names):
             raise UserError(f"gains: {', '.join(names)}; name each gain once")
+        for name, x in self.gain_ranges.items():
+            if name not in names:
+                raise UserError(f"gain_ranges: {name!r} is not in gains = {names}; add it there")
+            if not isinstance(x, Gain) or not 0.0 < x.low <= 1.0 <= x.high < math.inf:
+                raise UserError(
+                    f"gain_ranges: {name}: {shown(x)}; give sensorless.core.gains.Gain(low, high), "
+                    "factors on the static gain, low above 0 and at most 1, high at least 1"
+                )
         object.__setattr__(self, "gains", names)
 
 
@@ -145,12 +159,14 @@ def checked_scenario(options: dict[str, Any] | None, n: int) -> Scenarios | None
     Raises
     ------
     UserError
-        An unknown option, or a scenario that is not `Scenarios` of n rows.
+        No options by name, an unknown one, or a scenario that is not `Scenarios` of n rows.
     """
-    unknown = sorted(set(options or {}) - {"scenario"})
-    if unknown:
-        raise UserError(f"options: {unknown[0]!r} is unknown; the only option is 'scenario'")
-    scenario = (options or {}).get("scenario")
+    if not isinstance(options, Mapping | None):
+        raise UserError(f"options: {shown(options)}; give None or {{'scenario': Scenarios}}")
+    known = dict(options or {})
+    scenario = known.pop("scenario", None)
+    for name in known:
+        raise UserError(f"options: {shown(name)} is unknown; the only option is 'scenario'")
     if scenario is None:
         return None
     if not isinstance(scenario, Scenarios) or len(scenario) != n:
@@ -159,7 +175,7 @@ def checked_scenario(options: dict[str, Any] | None, n: int) -> Scenarios | None
 
 
 def _size(value: object) -> str:
-    return f"{len(value)} rows" if isinstance(value, Scenarios) else repr(value)
+    return f"{len(value)} rows" if isinstance(value, Scenarios) else shown(value)
 
 
 def _index(value: object) -> int | None:

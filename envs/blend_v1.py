@@ -21,7 +21,8 @@ class GainEnv(BlendEnv):
     | l_q       | q inductance of the observer                           | 0.8   | 1    | 1.25 |
     | amplitude | injected voltage                                       | 0.5   | 1    | 1    |
 
-    Numbers are factors on the static gain; ``gain_ranges`` sets others. A value follows the action
+    Numbers are factors on the static gain; ``gain_ranges`` sets others,
+    as ``{"observer": Gain(0.7, 1.5)}`` of `sensorless.core.gains`. A value follows the action
     with a time constant of 10 ms. All at 0 is ``Blend-v0``, to the bit.
 
     **Reward**

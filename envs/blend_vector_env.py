@@ -10,7 +10,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike
 
-from sensorless.envs.blend_batch import BatchState, BlendBatch, Flags, Outcome
+from sensorless.envs.batch_state import BatchState
+from sensorless.envs.blend_batch import BlendBatch, Flags, Outcome
 from sensorless.envs.blend_settings import (
     BlendSettings,
     checked_count,
@@ -98,6 +99,7 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
             streams continue.
         options : dict, optional
             ``{"scenario": Scenarios}``, one row per drive, replaces the streams' next scenarios.
+            They do not know which machine they were drawn for: draw them for this one.
         """
         seeds = checked_seeds(seed, self.num_envs)
         scenario = checked_scenario(options, self.num_envs)
@@ -162,7 +164,7 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
         return self.batch.state()
 
     def restore(self, state: BatchState) -> None:
-        """Continue from a copy that `state` made."""
+        """Continue from a copy that `state` made with the same settings; errors otherwise."""
         self.batch.restore(state)
         self._begun = True
 

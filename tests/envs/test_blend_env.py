@@ -9,11 +9,13 @@ import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env, data_equivalence
 
+from sensorless.core.gains import Gain
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_env import BlendEnv
 from sensorless.envs.privileged import N_PRIVILEGED, PRIVILEGED
 from sensorless.envs.reward import TERMS, RewardWeights
 from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.envs.window_reward import WindowWeights
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 
@@ -152,6 +154,34 @@ def test_restore_goes_back() -> None:
 
 
 @pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"motor": "ebike_hub"}, "state: motor: it was made with 'paper, digest .*'ebike_hub"),
+        (
+            {"decision_period": 2e-3},
+            "state: decision_period: .* with 0.001, .* with 0.002",
+        ),
+        ({"design": DriveDesign(speed_hz=3.0)}, "state: speed_hz: .*; restore it where they are"),
+        ({"gains": ("l_q",)}, "state: gains: it was made with {}, this environment with {'l_q': "),
+        ({"weights": WindowWeights()}, "state: weights: .*'RewardWeights', .*'WindowWeights'"),
+    ],
+)
+def test_a_state_of_other_settings_is_refused(settings: dict[str, Any], message: str) -> None:
+    env, other = BlendEnv(), BlendEnv(**settings)
+    env.reset(seed=5)
+    with pytest.raises(UserError, match=message):
+        other.restore(env.state())
+    with pytest.raises(UserError, match="state: None; restore what state"):
+        other.restore(None)  # type: ignore[arg-type]
+
+
+def test_a_limit_of_steps_may_be_large() -> None:
+    env = BlendEnv(max_episode_steps=2**40)
+    env.reset(seed=5)
+    assert not env.step([0.0])[3]
+
+
+@pytest.mark.parametrize(
     ("action", "message"),
     [
         ([1.5], r"action\[0\]: 1.5; give -1 to 1"),
@@ -188,6 +218,11 @@ def test_step_before_reset_is_refused() -> None:
         ({"motor": "no_such_motor"}, "no_such_motor"),
         ({"motor": 3}, "motor: 3; give the name of a shipped machine, a TOML file, or a Motor"),
         ({"scenarios": "stress-1"}, "scenarios: 'stress-1'; give a function"),
+        ({"gains": 3}, "gains: 3; give a tuple of names"),
+        ({"gains": None}, "gains: None; give a tuple of names"),
+        ({"gains": (["l_q"],)}, r"gains: \['l_q'\] is unknown; choose from"),
+        ({"gain_ranges": None}, "gain_ranges: None; give a Gain by name"),
+        ({"gain_ranges": {"l_q": Gain(0.9, 1.1)}}, r"gain_ranges: 'l_q' is not in gains = \(\)"),
     ],
 )
 def test_bad_settings_are_named(settings: dict[str, Any], message: str) -> None:
@@ -203,6 +238,8 @@ def test_bad_settings_are_named(settings: dict[str, Any], message: str) -> None:
             {"options": {"scenarios": None}},
             "options: 'scenarios' is unknown; the only option is 'scenario'",
         ),
+        ({"options": 3}, "options: 3; give None or"),
+        ({"options": []}, r"options: \[\]; give None or"),
         ({"options": {"scenario": 7}}, r"options\['scenario'\]: 7; give"),
         (
             {"options": {"scenario": Scenarios.nominal(MOTOR, SEED.repeat(2), 1.0)}},

@@ -6,6 +6,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import sensorless  # noqa: F401
+from sensorless.core.gains import Gain
 from sensorless.envs.blend_settings import GainSettings
 from sensorless.envs.blend_v1 import GainEnv, GainVectorEnv
 from sensorless.envs.blend_vector_env import BlendVectorEnv
@@ -104,6 +105,9 @@ def test_a_return_does_not_depend_on_the_decision_period() -> None:
         ({"gains": ("torque",)}, "'torque' is unknown; choose from observer"),
         ({"gains": ("l_q", "l_q")}, "name each gain once"),
         ({"gain_ranges": {"x": None}}, "'x' is unknown"),
+        ({"gain_ranges": {"l_q": (0.9, 1.1)}}, r"gain_ranges: l_q: \(0.9, 1.1\); give .*Gain\(low"),
+        ({"gain_ranges": {"l_q": Gain(1.1, 0.9)}}, r"l_q: Gain\(low=1.1, high=0.9.*at most 1"),
+        ({"gain_ranges": {"l_q": Gain(float("nan"), 2.0)}}, "l_q: Gain.low=nan"),
     ],
 )
 def test_unknown_gains_are_refused(settings: dict[str, object], words: str) -> None:
