@@ -1,4 +1,6 @@
-"""Turns a network into a table, fitted on the states that the table itself visits (DAgger).
+"""Turns a network, or another policy without memory, into a table, as DAgger does.
+
+The table is fitted on the states that it visits itself.
 
 The first round runs the network and fits a table to its decisions. Every later round runs the last
 table on new scenarios, asks the network what it would have decided there, and fits a table to all
@@ -12,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.agents.mlp.schedule import MlpSchedule
 from sensorless.agents.table.fit import TableFit
 from sensorless.agents.validation import SUITE, validate
 from sensorless.core.api import Array
@@ -58,7 +59,7 @@ class _Taught:
     sensored = False
     privileged = True
 
-    def __init__(self, policy: Policy, teacher: MlpSchedule, fit: TableFit) -> None:
+    def __init__(self, policy: Policy, teacher: Policy, fit: TableFit) -> None:
         self.name, self._policy, self._teacher, self._fit = policy.name, policy, teacher, fit
         self.settings = teacher.settings
         self._count, self._sum, self._n = 0, 0.0, 0
@@ -92,7 +93,7 @@ class _Taught:
 
 
 def distill(
-    teacher: MlpSchedule,
+    teacher: Policy,
     axes: tuple[Axis, ...],
     factory: SimFactory,
     *,
@@ -107,6 +108,8 @@ def distill(
 
     Parameters
     ----------
+    teacher : Policy
+        It must have no memory and set k_s alone.
     axes : tuple of Axis
         Axes of the table.
     factory : SimFactory
@@ -140,7 +143,7 @@ def distill(
 
 def _visit(
     policy: Policy,
-    teacher: MlpSchedule,
+    teacher: Policy,
     fit: TableFit,
     factory: SimFactory,
     seed: int,

@@ -4,7 +4,7 @@ import json
 import shlex
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -18,13 +18,20 @@ from sensorless.cli.options import (
 )
 from sensorless.errors import UserError
 
+if TYPE_CHECKING:
+    from sensorless.design.drive import DriveDesign
+    from sensorless.machine.motor import Motor
+    from sensorless.policy import Policy
+    from sensorless.table.ks_table import Axis
+
 
 def distill_command(
     run: Annotated[
-        Path,
+        str,
         typer.Argument(
-            metavar="RUN",
-            help="Take the network of this training run, made with --policy-kind mlp.",
+            metavar="RUN|MODULE:NAME",
+            help="Take the network of this training run, made with --policy-kind mlp, or your own "
+            "policy in Python, for the motor paper.",
         ),
     ],
     name: Annotated[str, typer.Option(help="Write the table to this new folder below runs/.")],
@@ -34,7 +41,7 @@ def distill_command(
             metavar="AXES",
             help="Give the table these axes, SIGNAL:LOW:HIGH:NODES,..., for example speed:0:1:16; "
             "`start` takes the axes of "
-            "the table that the network's training started from.",
+            "the table that the network's training started from; a policy in Python has none.",
         ),
     ] = "start",
     rounds: Annotated[
@@ -75,18 +82,19 @@ def distill_command(
 
     The table is fitted to the network's decisions in the states that the table itself visits. The
     new folder holds the table and how far it falls short of the network. The same command gives
-    the same table.
+    the same table. A policy in Python in the place of the network must set k_s alone, from the
+    signals of the moment.
 
     For example:
 
         sensorless train --policy-kind mlp --name net
         sensorless distill runs/net --name net-table
+        sensorless distill own:Policy --name own-table --axes speed:0:1:16
     """
     from sensorless.agents.distill import distill
-    from sensorless.agents.loading import CONFIG, TABLE, load_run
-    from sensorless.agents.mlp.schedule import MlpSchedule
+    from sensorless.agents.loading import CONFIG, TABLE
     from sensorless.agents.table.start import grid
-    from sensorless.agents.train.run_folder import LIBRARIES, design_and_motor, fresh
+    from sensorless.agents.train.run_folder import LIBRARIES, fresh
     from sensorless.cli.train import RUNS
     from sensorless.design.carried import record
     from sensorless.envs.counter_random import check_seed
@@ -96,13 +104,13 @@ def distill_command(
     from sensorless.versions import versions
 
     check_seed(seed)
-    design, motor = design_and_motor(run)
-    teacher = load_run(run, motor)
-    if not isinstance(teacher, MlpSchedule):
+    teacher, design, motor, known, origin = _teacher(run)
+    if axes == "start" and known is None:
         raise UserError(
-            f"run: {str(run)!r} already is a table; distill a run made with --policy-kind mlp"
+            f"axes: start: {run!r} is a policy in Python and starts from no table; give --axes, "
+            "for example speed:0:1:16"
         )
-    folder, shape = RUNS / name, teacher.start.axes if axes == "start" else grid(axes)
+    folder, shape = RUNS / name, known if known is not None and axes == "start" else grid(axes)
 
     def report(number: int, rms: float, cost: Cost) -> None:
         errors.print(
@@ -129,9 +137,7 @@ def distill_command(
             "motor_digest": motor.digest,
             **record(design, motor),
             "versions": versions(LIBRARIES),
-            "distilled_from": {
-                key: teacher.provenance.get(key) for key in ("command", "seed", "steps")
-            },
+            "distilled_from": origin,
             "settings": {**settings, "axes": axes, "validate_size": validate_size},
         }
         write_atomic(folder / CONFIG, json.dumps(facts, indent=1) + "\n")
@@ -143,3 +149,36 @@ def distill_command(
     if as_json:
         say_json({"table": str(folder / TABLE), **found.facts()})
     console.print(f"k_s differs by {found.rms:.4f} RMS\nwrote {folder / TABLE}", highlight=False)
+
+
+def _teacher(
+    word: str,
+) -> "tuple[Policy, DriveDesign, Motor, tuple[Axis, ...] | None, dict[str, Any]]":
+    """Policy to distill, its drive and machine, the axes of its start, and where it comes from.
+
+    Raises
+    ------
+    UserError
+        It is no network and no policy in Python, or it sets gains.
+    """
+    from sensorless.agents.loading import load_run
+    from sensorless.agents.mlp.schedule import MlpSchedule
+    from sensorless.agents.train.run_folder import design_and_motor
+    from sensorless.design.drive import DriveDesign
+    from sensorless.machine.motor import Motor
+    from sensorless.policies.bench import DEFAULT_MOTOR
+    from sensorless.policies.python import is_python, python_policy
+    from sensorless.policy import design_for, gains_of
+
+    if is_python(word):
+        motor = Motor.load(DEFAULT_MOTOR)
+        own = python_policy(word, motor)
+        if gains_of(own):
+            raise UserError(f"run: {word!r} sets gains; distill a policy that sets k_s alone")
+        return own, design_for(own, DriveDesign()), motor, None, {"policy": word}
+    design, motor = design_and_motor(Path(word))
+    teacher = load_run(word, motor)
+    if not isinstance(teacher, MlpSchedule):
+        raise UserError(f"run: {word!r} already is a table; distill a run of --policy-kind mlp")
+    origin = {key: teacher.provenance.get(key) for key in ("command", "seed", "steps")}
+    return teacher, design, motor, teacher.start.axes, origin

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from typer.testing import CliRunner, Result
 
 from sensorless.agents.distill import distill
 from sensorless.agents.mlp.schedule import LAYERS, MlpSchedule
@@ -145,3 +145,40 @@ def test_the_command_writes_a_run_that_exports(
     assert isinstance(again.exception, UserError) and "exists" in str(again.exception)
     other = CliRunner().invoke(app, ["distill", "runs/table", "--name", "twice"])
     assert isinstance(other.exception, UserError)
+
+
+OWN = """
+class Slower:
+    settings = {"estimator": "flux"}
+    def __init__(self, motor): pass
+    def act(self, obs): return (1.5 - 2 * obs[:, 0]).clip(0, 1)
+
+class Louder(Slower):
+    from sensorless.core.gains import DEFAULT as ranges
+    def act_gains(self, obs): return 0
+"""
+
+
+@pytest.mark.usefixtures("brief")
+def test_a_policy_in_python_becomes_a_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (tmp_path / "distilled_own.py").write_text(OWN)
+    words = "--rounds 1 --size 8 --validate-size 16 --smoothness 1e-6 --name table".split()
+
+    def run(name: str, *more: str) -> Result:
+        return CliRunner().invoke(app, ["distill", f"distilled_own:{name}", *words, *more])
+
+    none = run("Slower")
+    assert isinstance(none.exception, UserError) and "give --axes, for" in str(none.exception)
+    gains = run("Louder", "--axes", "speed:0:1:17")
+    assert isinstance(gains.exception, UserError) and "sets k_s alone" in str(gains.exception)
+    done = run("Slower", "--axes", "speed:0:1:17")
+    assert done.exit_code == 0, done.output
+    policy = make_policy("runs/table", MOTOR)
+    assert isinstance(policy, TablePolicy) and policy.settings["estimator"] == "flux"
+    np.testing.assert_allclose(policy.table.values[4:9], 1.5 - np.arange(4, 9) / 8, atol=0.05)
+    facts = json.loads((tmp_path / "runs/table/table.json").read_text())["provenance"]
+    assert facts["distilled_from"] == {"policy": "distilled_own:Slower"}
