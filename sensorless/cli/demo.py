@@ -61,7 +61,7 @@ def demo_command(
     require_machine(machine, DriveDesign())
     SuiteRows(SUITE, machine, seed, size)  # raises where these are no rows of the suite
     require_matplotlib()
-    fresh_folder(out)
+    fresh_folder(out, motor)
     run = out / "ppo-table"
     _step("1/4", f"training a schedule for {minutes:g} min, starting from Eq. 25")
     run_training(config, {}, run)

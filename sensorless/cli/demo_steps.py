@@ -28,14 +28,18 @@ FIG9 = ((0.0, 200.0), (1.0, 350.0), (2.0, 600.0))
 """Times [s] and speeds of the paper's machine [r/min]; without load."""
 
 
-def fresh_folder(folder: Path) -> None:
+def fresh_folder(folder: Path, motor: str = "") -> None:
     """Make an empty folder, or empty one that an earlier demo wrote.
 
     Raises
     ------
     UserError
-        The folder holds something else.
+        The folder holds something else, or the file of the motor.
     """
+    if Path(motor).is_file() and folder.resolve() in Path(motor).resolve().parents:
+        raise UserError(
+            f"out: {str(folder)!r} holds the file of --motor, and is emptied; give a new folder"
+        )
     if folder.exists():
         if not folder.is_dir() or (any(folder.iterdir()) and not (folder / MARK).is_file()):
             raise UserError(

@@ -4,6 +4,8 @@ from typing import Any, TypeVar
 
 from typer.core import TyperCommand, TyperGroup
 
+from sensorless.cli.apart import keep_apart
+
 P = TypeVar("P")
 
 
@@ -17,11 +19,19 @@ def without_types(params: list[P]) -> list[P]:
 
 
 class Command(TyperCommand):
-    """A command with plain flags."""
+    """A command with plain flags, which never writes over its own input."""
 
     def get_params(self, ctx: Any) -> Any:
         """Options and arguments, ``--help`` among them."""
         return without_types(super().get_params(ctx))
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command, unless two of its files are one."""
+        params: list[Any] = list(self.params)
+        names = {p.name: p.opts[0] for p in params}
+        names |= {p.name: p.metavar or p.name.upper() for p in params if names[p.name][0] != "-"}
+        keep_apart(ctx.params, names)
+        return super().invoke(ctx)
 
 
 class Group(TyperGroup):

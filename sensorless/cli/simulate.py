@@ -110,9 +110,10 @@ def simulate_command(
             "Default: no file.",
         ),
     ] = None,
-    log: Annotated[
+    save_log: Annotated[
         Path | None,
         typer.Option(
+            "--log",
             metavar="FILE.csv",
             help="Write what a real drive would record as CSV, ready for `sensorless replay`. "
             "Default: no file.",
@@ -158,7 +159,7 @@ def simulate_command(
     if unknown:
         raise UserError(f"show: {unknown[0]!r} is none of {', '.join(FOLDED)}; give one of these")
     check_writable(out)
-    check_writable(log, "log")
+    check_writable(save_log, "log")
     if plant is not None or inputs is not None:
         from sensorless.plant.run import simulate_plant
 
@@ -199,11 +200,11 @@ def simulate_command(
     console.print(summary_table(run, rule.name))
     if out is not None:
         write_csv(run, out)
-    if log is not None:
+    if save_log is not None:
         from sensorless.replay.log import write_log
 
-        write_log(run, log)
+        write_log(run, save_log)
     if plot is not None:
         title = f"{machine.name}, {rule.name}, {scenario or 'planned run'}"
         write_waves([wave(title, run)], plot, typed(), show=show or ())
-    say_wrote(out, log, plot)
+    say_wrote(out, save_log, plot)
