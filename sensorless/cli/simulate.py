@@ -139,7 +139,8 @@ def simulate_command(
     """Run one drive and look at it, or run the machine alone under given voltages.
 
     Prints how the drive followed its speed reference, how far its angle was off, and whether it
-    kept lock; if not, when the drive itself noticed and what it did. The run goes on after that.
+    kept lock; if not, when the drive itself noticed and what it did. The run goes on after that,
+    and all numbers of the table are up to there.
     Without options it runs the speeds of Fig. 9 of the source paper under its Eq. 25: 200, 350 and
     600 r/min without load, which crosses from injection to the observer.
     `--policy sliding_mode` puts that rule on the paper's observers.
@@ -171,7 +172,7 @@ def simulate_command(
         say_wrote(out)
         return
     from sensorless.envs.scenarios.words import fig9, own_machine, plan_from, scenario_from
-    from sensorless.evaluation.trace import outcome, trace, write_csv
+    from sensorless.evaluation.trace import cut_short, outcome, trace, write_csv
     from sensorless.evaluation.trace_summary import plateaus, summary_table
 
     made = bench_of([policy], motor, settings, override)
@@ -195,9 +196,13 @@ def simulate_command(
         )
     )
     run = trace(rule, case, machine, made.design, go_on=True)
+    short = cut_short(run, float(case.duration[0]))
     if as_json:
-        say_json({"policy": rule.name, "outcome": outcome(run), "plateaus": plateaus(run)})
+        facts = {"policy": rule.name, "outcome": outcome(run), "cut_short": short}
+        say_json({**facts, "plateaus": plateaus(run)})
     console.print(summary_table(run, rule.name))
+    if short is not None:
+        console.print(short, highlight=False, soft_wrap=True)
     if out is not None:
         write_csv(run, out)
     if save_log is not None:
@@ -206,5 +211,5 @@ def simulate_command(
         write_log(run, save_log)
     if plot is not None:
         title = f"{machine.name}, {rule.name}, {scenario or 'planned run'}"
-        write_waves([wave(title, run)], plot, typed(), show=show or ())
+        write_waves([wave(title, run)], plot, typed(), [short] if short else [], show or ())
     say_wrote(out, save_log, plot)

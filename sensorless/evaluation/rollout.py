@@ -1,6 +1,6 @@
 """Runs drives under a policy from start to end and keeps the sums of every decision."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -150,12 +150,28 @@ def with_twin_to_the_end(
     rows = np.flatnonzero((r.lost != 0) & r.feasible)
     if not len(rows):
         return r
-    sims = factory.build(r.scenarios[rows], sensored=True, twin=False, settings=settings)
-    obs = np.zeros((len(rows), SIGNAL_N), dtype=np.float32)
-    sim_run(sims, int(sims["k_end"].max()), np.zeros(len(rows), dtype=np.float32), obs)
     lost = r.lost.copy()
-    lost[rows] |= sims["lost"] & CAUSES["twin"]
+    lost[rows] |= twins_alone(factory, r.scenarios[rows], settings)["lost"] & CAUSES["twin"]
     return replace(r, lost=lost)
+
+
+def twins_alone(
+    factory: SimFactory,
+    scenarios: Scenarios,
+    settings: Settings = NO_SETTINGS,
+    change: Callable[[Array], None] | None = None,
+) -> Array:
+    """Sensored twins at the end of their scenarios, an array of ``SIM`` (n,).
+
+    ``change`` may alter them before the start.
+    """
+    sims = factory.build(scenarios, sensored=True, twin=False, settings=settings)
+    if change is not None:
+        change(sims)
+    n = len(scenarios)
+    obs, k_s = np.zeros((n, SIGNAL_N), dtype=np.float32), np.zeros(n, dtype=np.float32)
+    sim_run(sims, int(sims["k_end"].max()), k_s, obs)
+    return sims
 
 
 def at_a_time(scenarios: Scenarios, motor: Motor) -> int:

@@ -18,16 +18,18 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.lock import EARLY
-from sensorless.evaluation.rollout import CAUSES
+from sensorless.evaluation.rollout import CAUSES, twins_alone
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, decide, decide_gains, gains_of
 
 Trace = dict[str, Array]
 """Columns of ``TRACE_NAMES`` (``core/sim/trace.h``), each (periods,): SI units, rad, rad/s.
-Beside them ``lost``, bits of the verdict in every row; ``judged``, 1 after it; ``alarm``, 1 while
-the drive's own tests tell lost lock; ``recovering``, 1 while it seeks its rotor after that or has
-stopped; ``fault``, the drive's fault bits. The last three are as of the end of a decision."""
+Beside them ``lost``, bits of the verdict in every row, for a lost drive with its twin's to the end
+of the scenario; ``twin_fails``, when the twin trips or runs away [s], else infinity; ``judged``, 1
+after the verdict; ``alarm``, 1 while the drive's own tests tell lost lock; ``recovering``, 1 while
+it seeks its rotor after that or has stopped; ``fault``, the drive's fault bits. The last three are
+as of the end of a decision."""
 
 MOST_PERIODS = 5_000_000
 
@@ -53,9 +55,8 @@ def trace(
     """
     if len(scenario) != 1:
         raise UserError(f"scenario: {len(scenario)} rows; trace one at a time")
-    sim = SimFactory(motor, design).build(
-        scenario, sensored=policy.sensored, settings=policy.settings
-    )
+    factory = SimFactory(motor, design)
+    sim = factory.build(scenario, sensored=policy.sensored, settings=policy.settings)
     if change is not None:
         change(sim)
     if not 1 <= sim["k_end"][0] <= MOST_PERIODS:
@@ -85,7 +86,15 @@ def trace(
     table = run.rows if sound.all() else run.rows[: np.argmin(sound)]
     out = {name: table[:, j] for j, name in enumerate(TRACE_NAMES)}
     of_rows = np.repeat(np.array(own), counts, axis=0)[: len(table)]
-    out["lost"] = np.full(len(table), sim["lost"][0])
+    for name in (name for name in out if name.startswith("theta_e_err")):
+        far = np.abs(out[name]) > np.pi  # of a drive so fast that the core no longer wraps it
+        out[name][far] = np.remainder(out[name][far] + np.pi, 2.0 * np.pi) - np.pi
+    lost, fails = int(sim["lost"][0]), np.inf
+    if lost:
+        twin = twins_alone(factory, scenario, policy.settings, change)
+        lost |= int(twin["lost"][0]) & CAUSES["twin"]
+        fails = motor.T_s * twin["k_lost"][0] if lost & CAUSES["twin"] else np.inf
+    out["lost"], out["twin_fails"] = np.full(len(table), lost), np.full(len(table), fails)
     out["judged"] = np.arange(len(table)) >= (sim["k_lost"][0] or len(table))
     out["alarm"], out["recovering"] = of_rows[:, 0] != 0, of_rows[:, 1] != 0
     out["fault"] = of_rows[:, 2]
@@ -104,8 +113,20 @@ def outcome(t: Trace) -> str:
     if cause is None:
         return "kept lock"
     if int(t["lost"][-1]) & CAUSES["twin"]:
-        return f"not feasible: the drive with an encoder trips or runs away after {_end(t):.2f} s"
+        fails = f"the drive with an encoder trips or runs away after {t['twin_fails'][-1]:.2f} s"
+        return f"not feasible: {fails}"
     return f"lost ({cause}){_noticed(t)}"
+
+
+def cut_short(t: Trace, duration: float) -> str | None:
+    """Why a run with ``go_on`` ends before ``duration`` [s], in words; None if it does not."""
+    end = float(t["t"][-1])
+    if len(t["t"]) < 2 or end > duration - 1.5 * float(t["t"][1]):
+        return None
+    return (
+        f"the run ends at {end:.3f} of {duration:g} s: out of control, the drive turns so fast "
+        "that its numbers overflow"
+    )
 
 
 def _end(t: Trace) -> float:

@@ -47,7 +47,7 @@ def _number(x: float, decimals: int) -> str:
 
 
 def plateaus(t: Trace) -> list[dict[str, float]]:
-    """Stretches of constant speed reference at least 50 ms long.
+    """Stretches of constant speed reference at least 50 ms long, up to the verdict of a lost drive.
 
     Returns
     -------
@@ -63,11 +63,11 @@ def plateaus(t: Trace) -> list[dict[str, float]]:
     stops = np.concatenate([edges, [len(ref)]])
     T_s = float(t["t"][1] - t["t"][0]) if len(ref) > 1 else 1.0
     rows = []
-    before = float(omega[0])
+    before, end = float(omega[0]), int(np.sum(~t["judged"]))
     for a, b in zip(starts, stops, strict=True):
-        if (b - a) * T_s < 0.05:
+        if (b - a) * T_s < 0.05 or a >= end:
             continue
-        rows.append(_plateau(t, omega, int(a), int(b), before, T_s))
+        rows.append(_plateau(t, omega, int(a), min(int(b), end), before, T_s))
         before = float(ref[b - 1])
     return rows
 

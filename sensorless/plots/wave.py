@@ -17,6 +17,8 @@ FAULTS = {
     if name.startswith("FAULT_") and name != "FAULT_ALL"
 }
 """Bits of the drive's fault word by name."""
+BEYOND = 2.5
+"""How far from the middle of what was judged curves go on after it, over its range."""
 DASH = (7, 7)
 COLOURS = ("hfi", "observer", "ekf", "ref", "own")
 """Of what has none of its own."""
@@ -100,7 +102,30 @@ def wave(title: str, t: Trace) -> Wave:
         )),
         Pane("faults", "faults: up while they are set", faults(t["fault"])),
     )  # fmt: skip
-    return Wave(f"{title}: {outcome(t)}", t["t"], panes, *events(t))
+    shown = [within(pane, t["judged"]) for pane in panes]
+    return Wave(f"{title}: {outcome(t)}", t["t"], shown, *events(t))
+
+
+def within(pane: Pane, judged: Array) -> Pane:
+    """Without what lies far beyond all that was judged and asked for.
+
+    A lost drive may turn so fast that nothing else would show.
+
+    Parameters
+    ----------
+    judged : (n,) bool: after the verdict
+    """
+    if not judged.any() or pane.span is not None or pane.key == "faults":
+        return pane
+    seen = [c.values if c.colour == "ref" else c.values[~judged] for c in pane.curves]
+    low = min(float(np.nanmin(x)) for x in seen)
+    high = max(float(np.nanmax(x)) for x in seen)
+    room = BEYOND * (high - low)
+    curves = [
+        replace(c, values=np.where(np.abs(c.values - 0.5 * (low + high)) <= room, c.values, np.nan))
+        for c in pane.curves
+    ]
+    return replace(pane, curves=curves)
 
 
 def merged(curves: Sequence[Curve]) -> list[Curve]:
@@ -136,7 +161,8 @@ def events(
         edges = np.diff((t[key] > 0.0).astype(np.int8), prepend=0, append=0)
         for a, b in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
             bands.append((float(t["t"][a]), float(t["t"][b - 1]), text, colour))
-    marks = [(float(t["t"][t["judged"]][0]), "lost", "text")] if t["judged"].any() else []
+    what = "lost" if np.isinf(t["twin_fails"][-1]) else "not feasible"
+    marks = [(float(t["t"][t["judged"]][0]), what, "text")] if t["judged"].any() else []
     alarms = np.flatnonzero(np.diff(t["alarm"].astype(np.int8), prepend=0) == 1)
     return bands, marks + [(float(t["t"][j]), "alarm", "bad") for j in alarms]
 

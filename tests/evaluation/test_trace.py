@@ -1,10 +1,17 @@
-"""What a run records of a drive that runs away."""
+"""What a run records of a drive that runs away, and how that is summed up."""
+
+from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.words import fig9, plan_from
-from sensorless.evaluation.trace import outcome, trace
+from sensorless.evaluation.evaluate import score
+from sensorless.evaluation.rollout import CAUSES
+from sensorless.evaluation.trace import Trace, cut_short, lost_cause, outcome, trace
+from sensorless.evaluation.trace_summary import plateaus
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 
@@ -19,3 +26,41 @@ def test_a_run_ends_where_numbers_overflow() -> None:
     assert all(len(column) == n for column in t.values())
     assert all(np.isfinite(column).all() for column in t.values())
     assert outcome(t).startswith("not feasible: the drive with an encoder trips or runs away")
+    assert str(cut_short(t, 8.0)).startswith(f"the run ends at {t['t'][-1]:.3f} of 8 s")
+
+
+LIGHT = replace(Motor.load("paper"), J=0.002)
+"""The paper's machine with a tenth of its inertia."""
+BEYOND = plan_from("0:100", "0:33", None, 0.6, LIGHT, 0)
+"""A load that turns it back: the drive is lost within 40 ms, its twin 40 ms later."""
+
+
+@pytest.fixture(scope="module")
+def overloaded() -> Trace:
+    return trace(make_policy("eq25", LIGHT), BEYOND, LIGHT, DriveDesign(), go_on=True)
+
+
+def test_what_the_twin_cannot_do_is_not_feasible_whoever_trips_first(overloaded: Trace) -> None:
+    """As in an evaluation."""
+    judged = score(make_policy("eq25", LIGHT), BEYOND, SimFactory(LIGHT, DriveDesign()))
+    verdict = overloaded["t"][overloaded["judged"]][0]
+    assert overloaded["twin_fails"][0] > verdict, "lost first"
+    assert outcome(overloaded).startswith("not feasible: the drive with an encoder")
+    assert judged.lost[0] & CAUSES["twin"]
+    assert lost_cause(overloaded) == "+".join(
+        c for c, bit in CAUSES.items() if judged.lost[0] & bit
+    )
+
+
+def test_a_summary_counts_up_to_the_verdict_alone(overloaded: Trace) -> None:
+    (row,) = plateaus(overloaded)
+    before = ~overloaded["judged"]
+    assert np.abs(overloaded["omega_m"]).max() > 10.0 * np.abs(overloaded["omega_m"][before]).max()
+    error = np.rad2deg(np.abs(overloaded["theta_e_err"][before]).max())
+    assert row["angle_err_max_deg"] == pytest.approx(error)
+    assert row["overshoot_pct"] < 1e4
+
+
+def test_errors_are_of_half_a_turn_at_most(overloaded: Trace) -> None:
+    for name in ("theta_e_err", "theta_e_err_hfi", "theta_e_err_smo"):
+        assert np.abs(overloaded[name]).max() <= np.pi + 1e-6

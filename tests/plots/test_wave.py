@@ -1,5 +1,6 @@
 """What a run shows over time: nothing hidden, everything named."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from sensorless.plots.wave import FOLDED, Curve, faults, merged, wave
 from sensorless.plots.waveforms import waveforms
 from sensorless.policies.registry import make_policy
 from sensorless.report.picture import write_waves
+from sensorless.units import RAD_S_TO_RPM
 from tests.helpers.sample import replayed_sample
 
 MOTOR = Motor.load("paper")
@@ -54,6 +56,21 @@ def test_a_fault_is_up_while_it_is_set(lost: Trace) -> None:
     up = lost["fault"] & int(lib.FAULT_LOCK) != 0
     assert up.any() and not up.all()
     assert np.array_equal(curve.values % 1.0 > 0.5, up)
+
+
+def test_a_drive_that_runs_away_hides_nothing_else() -> None:
+    """What lies far beyond all that was judged is left out, in pictures and pages."""
+    motor = replace(MOTOR, J=0.002)
+    plan = plan_from("0:100", "0:33", None, 0.6, motor, 0)
+    run = trace(make_policy("eq25", motor), plan, motor, DriveDesign(), go_on=True)
+    found = wave("run", run)
+    assert {what for _, what, _ in found.marks} == {"not feasible", "alarm"}
+    before = RAD_S_TO_RPM * np.abs(run["omega_m"][~run["judged"]]).max()
+    assert RAD_S_TO_RPM * np.abs(run["omega_m"]).max() > 10.0 * before
+    for curve in found.panes[0].curves:
+        assert np.nanmax(np.abs(curve.values)) < 4.0 * before
+    own = next(c for c in found.panes[0].curves if c.name == "sensorless")
+    assert np.isfinite(own.values[~run["judged"]]).all()
 
 
 def test_the_same_curves_are_one_with_both_names() -> None:
