@@ -42,8 +42,7 @@ def judgement(found: Replay, after: float = 0.0) -> list[str]:
         return []
     if found.log.doubtful:
         return [
-            "voltage and current contradict each other: mend the log as the note says before "
-            "judging the estimators"
+            "the log contradicts itself: mend it as the note says before judging the estimators"
         ]
     best = min(rows, key=lambda name: rows[name]["rms_deg"])
     if rows[best]["rms_deg"] > ASTRAY:

@@ -15,12 +15,11 @@ from sensorless.evaluation.trace import Trace
 from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
+from sensorless.replay.channels import of_dead, of_little, of_size, of_still, of_sum
 from sensorless.replay.recording import read_recording
 from sensorless.replay.signature import (
     are_percent,
     is_degrees,
-    of_dead,
-    of_sum,
     of_voltage,
     time_scale,
     usual_step,
@@ -62,7 +61,7 @@ class Log:
     notes: tuple[str, ...] = ()
     """what was taken for what, and what looks wrong"""
     doubtful: bool = False
-    """voltage and current contradict each other"""
+    """it contradicts itself, or holds nothing to judge by"""
 
     def rows(self) -> Array:
         """Rows of REPLAY_IN, shape (n,)."""
@@ -161,9 +160,13 @@ def read_log(
     measured = {name: columns[name] for name in CURRENTS if name in columns}
     doubts = (  # the voltage without what a dead time adds of the samples' noise
         *of_dead(measured),
+        *of_still({name: columns[name] for name in _way(columns, where) if name != "u_dc"}),
         *of_sum(measured),
+        *of_size(commanded, clarke(phases), motor),
         *of_voltage(commanded, clarke(phases), delay),
     )[:1]
+    if not doubts:
+        notes += of_little(i, motor)
     return Log(
         t=t,
         i=i,
@@ -209,14 +212,20 @@ def _currents(columns: dict[str, Floats]) -> Floats:
     return np.asarray(two - ((two.sum(axis=1) + columns["i_c"]) / 3.0)[:, None])
 
 
-def _voltage(
-    columns: dict[str, Floats], i: Floats, u_dc: Floats, u_dt: float, inv_i_dt: float, where: str
-) -> Floats:
-    """Stator voltage (n, 2) [V] over the period that begins with each row."""
+def _way(columns: dict[str, Floats], where: str) -> tuple[str, ...]:
+    """Columns that give the voltage."""
     way = next((names for names in VOLTAGES if all(n in columns for n in names)), None)
     if way is None:
         given = "; or ".join(", ".join(names) for names in VOLTAGES)
         raise UserError(f"{where}: line 1: no complete voltage; give {given}")
+    return way
+
+
+def _voltage(
+    columns: dict[str, Floats], i: Floats, u_dc: Floats, u_dt: float, inv_i_dt: float, where: str
+) -> Floats:
+    """Stator voltage (n, 2) [V] over the period that begins with each row."""
+    way = _way(columns, where)
     values = np.stack([columns[n] for n in way], axis=-1)
     if way == VOLTAGES[0]:
         return values

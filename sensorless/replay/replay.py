@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,7 @@ from sensorless.observers.ekf import run_ekf
 from sensorless.plain_table import PlainTable
 from sensorless.policy import Policy, PrivilegedPolicy, design_for, gains_of
 from sensorless.replay.log import Log, clarke, read_log
-from sensorless.replay.signature import of_encoder
+from sensorless.replay.signature import of_encoder, of_injection
 
 SAMPLE = Path(__file__).parent / "sample_log.csv"
 """A log of the paper's motor that comes with the package."""
@@ -235,7 +235,10 @@ def replay(
             f"the Kalman filter diverged at t = {log.t[np.argmin(np.isfinite(theta))]:g} s"
         )
     if log.theta_e is not None:
-        blend = estimates["blend"]
-        notes += of_encoder(log.theta_e, blend.theta_e, blend.valid, motor)
+        blend, against = estimates["blend"], []
+        if log.inj is not None:
+            against = list(of_injection(log.u, log.inj, log.theta_e, theta))
+        notes += against or of_encoder(log.theta_e, blend.theta_e, blend.valid, motor)
+        log = replace(log, doubtful=log.doubtful or bool(against))
     observer = observer_name(own.estimator)
     return Replay(motor, policy.name, log, weight, observer, estimates, tuple(notes))

@@ -1,6 +1,6 @@
 """What a log shows when it is not what it seems: units, signs, delay, by their signature."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -25,8 +25,6 @@ CURES = {
     "phases a and c of one of them are swapped; swap them with --map": ((-1.0, -1.0), (0.0, 1.0)),
 }  # fmt: skip
 """What mends currents that turn against the voltage, and the matrix that does so to i_a, i_b."""
-REST = 0.2
-"""Sum of three currents over that with one of them turned, from which its sign was wrong."""
 ASIDE = 30.0
 """Half of what phases in another order turn the answer by, or what is left to half a turn [deg]."""
 PAST = 12
@@ -76,30 +74,6 @@ def is_degrees(theta: Floats, T_s: float, omega_max: float) -> bool:
 def are_percent(duties: Floats) -> bool:
     """Whether duty cycles (n, 3) are in percent."""
     return bool(1.5 < np.max(duties) <= 101.0 and np.median(duties) > 1.0)
-
-
-def of_sum(currents: Mapping[str, Floats]) -> Iterator[str]:
-    """Which of three currents (n,) [A] has the wrong sign: the sum is twice it, and should be 0."""
-    if len(currents) < 3:
-        return
-    total = np.sum(list(currents.values()), axis=0)
-    for name, values in currents.items():
-        if np.linalg.norm(total - 2.0 * values) < REST * np.linalg.norm(total):
-            yield (
-                f"{name} has the wrong sign, as the three currents do not add up to 0: turn it "
-                f"with --map {name}=-{name}"
-            )
-
-
-def of_dead(currents: Mapping[str, Floats]) -> Iterator[str]:
-    """Which current (n,) [A] stays at one value while another one moves."""
-    moves = {name: bool(np.ptp(values) > 0.0) for name, values in currents.items()}
-    for name, moving in moves.items():
-        if not moving and any(moves.values()):
-            yield (
-                f"{name} is {currents[name][0]:g} A in every row: its channel is dead, or it is "
-                "another column: name it with --map"
-            )
 
 
 def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
@@ -232,3 +206,24 @@ def of_encoder(theta: Floats, theta_hat: Floats, own: Array, motor: Motor) -> It
                 f"the encoder's zero is {offset:.0f} electrical degrees off the magnet, or the "
                 "phases are"
             )
+
+
+def of_injection(u: Floats, inj: Floats, theta: Floats, other: Floats) -> Iterator[str]:
+    """Whether the voltage steps against the logged sign of the injection.
+
+    Parameters
+    ----------
+    u : (n, 2) stator voltage over the period before each sample [V]
+    inj : (n,) sign of the injection over it
+    theta, other : (n,) angle of the encoder, and another one that does not come from ``inj`` [rad]
+    """
+    step, turn = np.diff(u[:, 0] + 1j * u[:, 1]), np.diff(inj)
+    rows = np.flatnonzero((np.abs(turn) == 2.0) & np.isfinite(other[1:]))
+    along = step[rows] * np.sign(turn[rows])
+    size = max(float(np.abs(along).sum()), 1e-30)
+    known, told = ((along * np.exp(-1j * angle[rows + 1])).real for angle in (theta, other))
+    if known.sum() < -AGREES * size and told.sum() < -DIFFERS * size:
+        yield (
+            f"inj has the wrong sign: in {int((known < 0.0).sum())} of {len(rows)} rows where it "
+            "changes, the voltage steps against it: turn it with --map inj=-inj"
+        )

@@ -170,6 +170,29 @@ def test_a_dead_channel_is_named(read: Read) -> None:
     assert log.doubtful and log.notes[-1].startswith("i_a is 0 A in every row")
 
 
+@pytest.mark.parametrize(
+    ("names", "value", "said"),
+    [
+        (("i_a", "i_b"), 0.0, "i_a, i_b stay at 0, 0 A in every row"),
+        (("i_a", "i_b"), 3.2, "i_a, i_b stay at 3.2, 3.2 A in every row"),
+        (("u_alpha", "u_beta"), 0.0, "u_alpha, u_beta stay at 0, 0 in every row"),
+    ],
+)
+def test_dead_channels_are_named(
+    names: tuple[str, str], value: float, said: str, read: Read
+) -> None:
+    log = read({**columns(), **dict.fromkeys(names, np.full(N, value))})
+    assert log.doubtful and log.notes[-1].startswith(said)
+
+
+def test_small_currents_are_named(read: Read) -> None:
+    """Steps of the voltage are too few here to tell."""
+    small = {name: 1e-3 * columns()[name] for name in ("i_a", "i_b")}
+    log = read({**columns(), **small})
+    assert log.notes[-1].startswith("no current is above 0.003 A") and not log.doubtful
+    assert read(columns()).notes == ()
+
+
 def test_a_dropped_row_is_found(read: Read) -> None:
     values = {name: np.delete(x, 20) for name, x in columns().items()}
     with pytest.raises(UserError, match=r"line 22: t: 0\.0004 s after the row before"):

@@ -121,6 +121,23 @@ def test_recorded_signs_turned_round_turn_the_angle(
     assert np.min(np.abs(hfi_error(again(tmp_path / "turned.csv")))) > 170.0
 
 
+def test_recorded_signs_against_the_voltage_are_named(
+    recorded: tuple[Trace, Path], found: Replay, tmp_path: Path
+) -> None:
+    """By the encoder, and not taken for one whose zero is off."""
+    table = [line.split(",") for line in recorded[1].read_text().splitlines()]
+    at = table[0].index("inj")
+    for row in table[1:]:
+        row[at] = str(-int(row[at]))
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(map(",".join, table)) + "\n")
+    turned = again(path)
+    assert [note for note in turned.notes if note.startswith("inj has the wrong sign")]
+    assert not [note for note in turned.notes if "encoder" in note]
+    assert turned.log.doubtful
+    assert found.notes == () and not found.log.doubtful
+
+
 @pytest.mark.usefixtures("without_ekf")
 @pytest.mark.parametrize("start", [-60.0, 130.0])
 def test_injection_from_a_wrong_start(

@@ -12,6 +12,7 @@ from sensorless.evaluation.trace import trace
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import make_policy
+from sensorless.replay.channels import of_size
 from sensorless.replay.log import clarke
 from sensorless.replay.signature import of_voltage
 
@@ -73,3 +74,12 @@ def test_a_mistake_is_named_or_at_least_among_what_may_be(recorded: dict[str, Pa
         seen["hidden" if hidden else "one" if len(cures) == 1 else "among"] += 1
     assert seen["one"] >= 0.6 * seen.total()
     assert seen["hidden"] <= 0.15 * seen.total()
+
+
+def test_an_answer_of_another_size_is_named(recorded: dict[str, Pair]) -> None:
+    for name, (voltage, i) in recorded.items():
+        motor, u = Motor.load(name), np.roll(voltage, 1, axis=0)
+        assert list(of_size(u, i, motor)) == [], name
+        for factor, word in ((1e-3, "times smaller"), (1e3, "times larger")):
+            (said,) = of_size(u, factor * i, motor)
+            assert word in said and f"rated {motor.i_rated:.3g} A" in said
