@@ -1,5 +1,6 @@
 """The log of an identification reads back as it was measured."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -79,13 +80,26 @@ def test_a_log_of_another_procedure_is_refused() -> None:
         source.run("hold", [])
 
 
-@pytest.mark.parametrize(("column", "value"), [(4, 1000.0), (3, 1e6)])
-def test_readings_that_the_drive_cannot_have_made_are_refused(column: int, value: float) -> None:
-    given = parts()
-    motor = Motor.load("paper")
+@pytest.mark.parametrize(
+    ("column", "value", "said"),
+    [
+        (4, 1000.0, "i_a = 1000 in row 3 of the stage, 1 of 5 rows"),
+        (3, 1e6, "u_dc = 1e+06 in row 3 of the stage, 1 of 5 rows"),
+        (3, 0.0, "u_dc = 0 in row 3 of the stage, 1 of 5 rows"),
+        (0, -99.0, "segment = -99 in row 3 of the stage"),
+        (0, 0.5, "segment = 0.5 in row 3 of the stage"),
+        (0, 7.0, "segment = 7 in row 3 of the stage"),
+    ],
+)
+def test_readings_that_the_drive_cannot_have_made_are_refused(
+    column: int, value: float, said: str
+) -> None:
+    given, motor = parts(), Motor.load("paper")
+    for part in given:
+        part.rows[:, 3] = motor.u_dc
     assert plausible(given, motor, Path("log.csv")) is given
     given[1].rows[3, column] = value
-    with pytest.raises(UserError, match=r"stage ramp: .* in row 3 of the stage, 1 of 5 rows"):
+    with pytest.raises(UserError, match=re.escape(f"stage ramp: {said}")):
         plausible(given, motor, Path("log.csv"))
 
 

@@ -77,18 +77,30 @@ def plausible(parts: list[Part], motor: Motor, path: Path) -> list[Part]:
     Raises
     ------
     UserError
-        They hold a current or a DC link that this drive cannot have measured.
+        They hold a current or a DC link that this drive cannot have measured, or commands that do
+        not follow each other.
     """
     current, link = BEYOND * max(motor.i_trip, motor.adc_range), BEYOND * motor.u_dc
+    bounds = {"i_a": (-current, current), "i_b": (-current, current)}
+    bounds["u_dc"] = (1e-3 * motor.u_dc, link)
     for part in parts:
-        for name, most in (("i_a", current), ("i_b", current), ("u_dc", link)):
-            wrong = np.flatnonzero(np.abs(part[name]) > most)
+        where = f"log {str(path)!r}, stage {part.stage}"
+        for name, (low, high) in bounds.items():
+            wrong = np.flatnonzero((part[name] < low) | (part[name] > high))
             if len(wrong):
                 raise UserError(
-                    f"log {str(path)!r}, stage {part.stage}: {name} = {part[name][wrong[0]]:g} in "
-                    f"row {wrong[0]} of the stage, {len(wrong)} of {len(part.rows)} rows beyond "
-                    f"{most:.4g}; check its unit, or measure again"
+                    f"{where}: {name} = {part[name][wrong[0]]:g} in row {wrong[0]} of the stage, "
+                    f"{len(wrong)} of {len(part.rows)} rows beyond {low:.4g} to {high:.4g}; check "
+                    "its unit, or measure again"
                 )
+        segment, n = part["segment"], len(part.rows)
+        ordered = np.diff(segment, prepend=0.0) >= 0.0  # a command that is over at once has no row
+        wrong = np.flatnonzero(~(ordered & (segment < n) & (segment == np.floor(segment))))
+        if len(wrong):
+            raise UserError(
+                f"{where}: segment = {segment[wrong[0]]:g} in row {wrong[0]} of the stage; it "
+                "counts the commands of a part, from 0 on: mend it, or measure again"
+            )
     return parts
 
 
