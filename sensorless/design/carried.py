@@ -25,6 +25,8 @@ UNRECORDED = "smo"
 BELONGS = ("k_s_slew",)
 """Numbers that are recorded even at their defaults: the schedule itself is made for them."""
 
+RESTORE = "restore the file, or make it anew"
+
 
 @dataclass(frozen=True)
 class Carried:
@@ -83,13 +85,12 @@ def carried(provenance: Mapping[str, Any], where: str) -> Carried:
     Raises
     ------
     UserError
-        A setting or a field of the machine is unknown or out of its range; ``where`` names the
-        file.
+        A setting or a field of the machine is unknown or out of its range, or they are missing or
+        contradict the rest; ``where`` names the file.
     """
-    given, whole = (
-        _finite(found) if isinstance(found := provenance.get(key), dict) else {}
-        for key in ("set", "design")
-    )
+    given, whole = (_settings(provenance, key, where) for key in ("set", "design"))
+    if "machine" in provenance and not {"set", "design"} & set(provenance):
+        raise UserError(f"{where}: set, design: missing beside the machine; {RESTORE}")
     changed = {}
     motor = _motor(provenance, where)
     if given:
@@ -127,17 +128,25 @@ def same(a: object, b: object) -> bool:
     return math.isclose(a, b, rel_tol=1e-4) if both else a == b  # type: ignore[arg-type]
 
 
-def _finite(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Undo ``plain``."""
+def _settings(provenance: Mapping[str, Any], key: str, where: str) -> dict[str, Any]:
+    """Undo ``plain``; empty if there are none."""
+    values = provenance.get(key, {})
+    if not isinstance(values, dict):
+        raise UserError(f"{where}: {key}: {shown(values)} holds no settings by name; {RESTORE}")
     return {k: float(v) if v in ("inf", "-inf") else v for k, v in values.items()}
 
 
 def _motor(provenance: Mapping[str, Any], where: str) -> Motor | None:
     """The machine of a file; of one that only names it, the shipped one of this digest."""
-    tables = provenance.get("machine")
+    tables, digest = provenance.get("machine"), provenance.get("motor_digest")
     if isinstance(tables, dict):
-        return Motor.from_tables(tables, f"{where}: machine")
-    digest = provenance.get("motor_digest")
+        motor = Motor.from_tables(tables, f"{where}: machine")
+        if digest not in (None, motor.digest):
+            raise UserError(
+                f"{where}: motor_digest: {shown(digest)}, but that of its machine is "
+                f"{motor.digest[:16]}...: one of the two was changed; {RESTORE}"
+            )
+        return motor
     shipped = map(Motor.load, sorted(MOTORS.glob("*.toml")) if digest is not None else ())
     return next((motor for motor in shipped if motor.digest == digest), None)
 

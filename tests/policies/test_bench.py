@@ -190,6 +190,15 @@ def test_formulas_that_have_changed_are_said(
         ({"machine": {**asdict(PAPER), "J": -1.0}}, "J: -1"),
         ({"set": {"estimator": "magic"}}, "magic"),
         ({"set": {"unheard_of": 1}}, "unheard_of"),
+        ({"set": [1]}, "set: [1] holds no settings by name"),
+        ({"set": None}, "set: None holds no settings by name"),
+        ({"set": "estimator=smo"}, "set: 'estimator=smo' holds no settings by name"),
+        ({"design": 3}, "design: 3 holds no settings by name"),
+        ({"motor_digest": "0" * 64}, "motor_digest: '0000000000"),
+        (
+            {"machine": asdict(replace(PAPER, R_s=4.0)), "motor_digest": PAPER.digest},
+            f"but that of its machine is {replace(PAPER, R_s=4.0).digest[:16]}",
+        ),
     ],
 )
 def test_a_damaged_record_is_named(change: dict[str, object], said: str, tmp_path: Path) -> None:
@@ -200,3 +209,10 @@ def test_a_damaged_record_is_named(change: dict[str, object], said: str, tmp_pat
     assert said in str(caught.value) and "a.json" in str(caught.value)
     assert "\n" not in str(caught.value)
     assert json.loads(path.read_text())["provenance"]["machine"]
+
+
+def test_a_machine_without_settings_is_named(tmp_path: Path) -> None:
+    known = record(FAST, PAPER)
+    Tuned("linear", {"lo": 0.1, "hi": 0.5}, {"machine": known["machine"]}).save(tmp_path / "a.json")
+    with pytest.raises(UserError, match=r"a\.json: set, design: missing beside the machine"):
+        bench([str(tmp_path / "a.json")])

@@ -39,8 +39,8 @@ def test_a_file_is_a_policy_of_its_name(tmp_path: Path) -> None:
 def test_it_runs_on_the_estimator_it_was_tuned_on(rule: str, tmp_path: Path) -> None:
     """With or without a table; a file that does not tell is from before there was a choice."""
     path = tmp_path / "a.json"
-    for design, estimator in (({"estimator": "flux"}, "flux"), ({}, "smo"), (3, "smo")):
-        Tuned(rule, RULES[rule].defaults(), {"design": design}).save(path)
+    for origin, estimator in (({"design": {"estimator": "flux"}}, "flux"), ({}, "smo")):
+        Tuned(rule, RULES[rule].defaults(), origin).save(path)
         assert make_policy(str(path), PAPER).settings["estimator"] == estimator
 
 
