@@ -106,7 +106,8 @@ def _matlab(path: Path) -> dict[str, Any]:
     from scipy.io import loadmat
 
     try:
-        known = loadmat(path, squeeze_me=True)
+        with path.open("rb") as file:
+            known = loadmat(file, squeeze_me=True)
     except OSError:
         raise
     except NotImplementedError:

@@ -1,6 +1,7 @@
 """Makes empty figures and writes figures as PNG. Needs matplotlib."""
 
 import io
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -107,7 +108,9 @@ def png(figure: "Figure") -> bytes:
     from PIL import Image
 
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=DPI)
+    with warnings.catch_warnings():  # a letter that the font lacks is drawn as a box
+        warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
+        figure.savefig(buffer, format="png", dpi=DPI)
     if len(buffer.getvalue()) <= LARGE:
         return buffer.getvalue()
     picture = Image.open(buffer).convert("RGB")

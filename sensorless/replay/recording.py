@@ -188,12 +188,13 @@ def _matlab(path: Path, wanted: Sequence[str], names: Mapping[str, str], where: 
     """Vectors of a MATLAB file, or of the structures in it."""
     from scipy.io import loadmat
 
-    try:
-        raw: dict[str, Any] = loadmat(path, squeeze_me=True)
-    except NotImplementedError:
-        raise UserError(f"{where}: a MATLAB file of version 7.3; save it with -v7") from None
-    except Exception as error:  # scipy has many for a damaged file
-        raise UserError(f"{where}: not a valid MATLAB file: {error}") from None
+    with path.open("rb") as file:
+        try:
+            raw: dict[str, Any] = loadmat(file, squeeze_me=True)
+        except NotImplementedError:
+            raise UserError(f"{where}: a MATLAB file of version 7.3; save it with -v7") from None
+        except Exception as error:  # scipy has many for a damaged file
+            raise UserError(f"{where}: not a valid MATLAB file: {error}") from None
     found: dict[str, Array] = {}
     for name, value in raw.items():
         fields = value.dtype.names if isinstance(value, np.ndarray) else None
