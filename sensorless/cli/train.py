@@ -98,7 +98,7 @@ def _train(
             "name, resume: give one of the two, --name NEW to start a run or --resume FOLDER to "
             "continue one"
         )
-    folder = resume if resume is not None else named_run(str(name))
+    folder = existing(resume) if resume is not None else named_run(str(name))
     given = {k: v for k, v in fields.items() if was_given(context, k)}
     config = TrainConfig(**fields)
     run_training(config, asked_for(settings), folder, resume=None if resume is None else given)
@@ -110,6 +110,21 @@ def was_given(context: typer.Context, name: str) -> bool:
     """Whether an option of a command was given."""
     source = context.get_parameter_source(name)
     return source is not None and source.name != "DEFAULT"
+
+
+def existing(folder: Path) -> Path:
+    """Return the folder of a run to resume.
+
+    Raises
+    ------
+    UserError
+        It does not exist.
+    """
+    if not folder.is_dir():
+        near = RUNS / folder
+        hint = f"did you mean {near}?" if near.is_dir() else "give a training run's folder"
+        raise UserError(f"resume: there is no folder {str(folder)!r}; {hint}")
+    return folder
 
 
 def named_run(name: str) -> Path:

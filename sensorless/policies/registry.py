@@ -164,6 +164,10 @@ def file_of(spec: str) -> Path:
         return Path(text)
     if Path(spec).is_dir() or spec.endswith(".json"):
         return Path(spec)
+    if Path(spec).name != spec:
+        raise UserError(
+            f"policy: there is no folder {spec!r}; give that of a training run, or a .json file"
+        )
     made = *shipped.RUNS, *shipped.ALIASES, *shipped.learned_names(), *shipped.tuned_names()
     names = ", ".join((*RULES, *made, TUNED, RUN, PYTHON))
     rule_name = spec.removesuffix(shipped.SUFFIX)

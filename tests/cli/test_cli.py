@@ -74,7 +74,10 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["train", "--name", "x", "--gamma", "2"], "gamma"),
         (["train", "--name", "x", "--axes", "speed"], "axes"),
         (["train", "--name", "x", "--start", "linear:110,320"], "start"),
-        (["train", "--resume", "nothing"], "resume"),
+        (["train", "--resume", "nothing"], "resume: there is no folder 'nothing'"),
+        (["report", "runs/none"], "policy: there is no folder 'runs/none'; give"),
+        (["replay", "nope.mat"], "'nope.mat': No such file or directory; give"),
+        (["motor", "import-map", "nope.mat", "--motor", "paper"], "nope.mat: No such file"),
     ],
 )
 def test_a_mistake_is_one_line(words: list[str], said: str, tmp_path: Path) -> None:
@@ -84,6 +87,12 @@ def test_a_mistake_is_one_line(words: list[str], said: str, tmp_path: Path) -> N
     assert len(done.stderr.strip().splitlines()) == 1
     assert said in done.stderr
     assert not list(tmp_path.iterdir()), "nothing half-written"
+
+
+def test_a_run_to_resume_is_looked_for_below_runs(tmp_path: Path) -> None:
+    (tmp_path / "runs" / "k3").mkdir(parents=True)
+    done = run("train", "--resume", "k3", cwd=tmp_path)
+    assert done.returncode == 2 and "did you mean runs/k3?" in done.stderr
 
 
 @pytest.mark.usefixtures("all_draws")
