@@ -39,7 +39,8 @@ def test_levels_are_validated_like_the_run(run: Path) -> None:
 def test_the_shipped_levels_are_those_of_the_same_motor(run: Path, tmp_path: Path) -> None:
     assert list(shipped_levels(run)) == ["flux_observer-tuned", "reference"]
     config = json.loads((run / "config.json").read_text())
-    config |= record(DriveDesign(estimator="smo"), Motor.load("ipmsm_2200w"))
+    other = Motor.load("ipmsm_2200w")
+    config |= {"motor_digest": other.digest, **record(DriveDesign(estimator="smo"), other)}
     (run / "config.json").write_text(json.dumps(config))
     assert list(shipped_levels(run)) == ["linear-tuned"]
     assert shipped_levels(run / "no-run") == {}
