@@ -113,11 +113,37 @@ static void spins(void) {
         check("spins", x.start.phase == START_FLY && omega * (double)x.start.omega > 0.0);
         double at = carg(of_ab(x.start.e_f) * (omega < 0.0 ? I : -I));
         at += (double)p->T_s * omega;
+        check("spins: speed of the observer", x.smo.omega_f == x.emf.pll.omega);
         check("spins: angle", fabs(wrapped((double)x.emf.pll.theta - at)) < 1e-4);
         double kept = 1.0 - (double)p->signal.alpha; /* the estimate itself follows in FLY */
         check("spins: signal", near((double)x.signal.omega, kept * omega, 1e-4));
         kept = 1.0 - (double)p->signal.alpha * (double)p->signal.alpha;
         check("spins: second signal", near((double)x.signal.omega_2, kept * omega, 1e-4));
+    }
+}
+
+/* LOCK injects along its axis, half a period on, and shows one angle; then POLE takes the EMF's speed. */
+static void tracks(void) {
+    const drive_params_t *p = &PARAMS[4];
+    drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
+    for (int j = 0; j < 40; j++) {
+        drive_state_t x = seeking(p, START_LOCK, 1);
+        x.start.n = j % 2 ? 0 : p->start.n_lock - 1;
+        x.hfi.pll.theta = draw_f(-3, 3), x.hfi.pll.omega = draw_f(-90, 90);
+        x.start.e_f.a = draw_f(-9, 9), x.start.e_f.b = draw_f(-9, 9);
+        float was = x.hfi.pll.theta;
+        drive_step(p, &x, &in);
+        check("tracks: angles", x.est.theta == was && x.theta_hfi == was && x.theta_smo == was);
+        if (x.start.phase == START_POLE) {
+            vec_t e = of_ab(x.start.e_f) * cexp(-I * (double)x.hfi.pll.theta);
+            double speed = fabs(cimag(e)) / (double)p->control.psi_f;
+            check("pole: speed", near(fabs((double)x.hfi.pll.omega), speed, 1e-4));
+            continue;
+        }
+        ab_t hold = start_turned(x.start.e_f, 1.5f * p->T_s * x.start.omega);
+        double at = (double)x.hfi.pll.theta + 0.5 * (double)p->T_s * (double)x.hfi.pll.omega;
+        vec_t inj = (of_ab(x.u_1) - of_ab(hold)) * cexp(-I * at) / (double)p->hfi.u_inj;
+        check("tracks: injection", fabs(fabs(creal(inj)) - 1.0) < 1e-4 && fabs(cimag(inj)) < 1e-4);
     }
 }
 
@@ -177,6 +203,7 @@ void check_seek(void) {
     compensated();
     injects();
     spins();
+    tracks();
     guesses();
     unsound();
     seen();
