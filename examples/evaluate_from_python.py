@@ -9,6 +9,7 @@ import argparse
 
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.words import scenario_from
+from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.trace import outcome, trace
 from sensorless.machine.motor import Motor
@@ -47,4 +48,4 @@ def main(words: list[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

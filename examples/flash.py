@@ -1,4 +1,4 @@
-"""From a rule to a folder of C99: judged, exported, self-tested, and what to call from where.
+"""From a rule to a folder of C99: exported, self-tested, with --judge judged, and what to call.
 
     python examples/flash.py --out firmware_eq25
     cc -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -c firmware_eq25/core/*.c
@@ -10,6 +10,7 @@ import argparse
 from pathlib import Path
 
 from sensorless.design.drive import DriveDesign
+from sensorless.errors import in_one_line
 from sensorless.export.export import export, table_of
 from sensorless.export.judge import judge_export, verdict
 from sensorless.machine.motor import Motor
@@ -40,4 +41,4 @@ def main(words: list[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

@@ -12,6 +12,7 @@ from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.design.new_motor import new_motor
 from sensorless.envs.scenarios.words import plan_from
+from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.trace import outcome, trace
 from sensorless.machine.datasheet import Datasheet
@@ -63,4 +64,4 @@ def main(words: list[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

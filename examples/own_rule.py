@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.signals import SIGNALS
+from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -60,4 +61,4 @@ def main(words: list[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

@@ -10,6 +10,7 @@ import argparse
 from pathlib import Path
 
 from sensorless.design.drive import DriveDesign
+from sensorless.errors import in_one_line
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.replay.replay import SAMPLE, load, replay
@@ -35,4 +36,4 @@ def main(words: list[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

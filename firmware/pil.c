@@ -38,7 +38,11 @@ static __attribute__((noinline)) float nothing(const ks_table_t *t, const void *
 static uint32_t info(void) {
     pil_info_t *y = &answer.info;
     y->drive_state = sizeof(drive_state_t);
-    y->schedule_state = sizeof(ks_schedule_state_t);
+#if KS_TABLE_GAINS
+    y->schedule_state = sizeof gains[0] + sizeof live[0]; /* it writes to the latter */
+#else
+    y->schedule_state = sizeof schedule[0];
+#endif
     y->drive_params = sizeof(drive_params_t);
     uint32_t t = port_ticks();
     y->ticks_0 = port_since(t);

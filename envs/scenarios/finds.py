@@ -127,6 +127,22 @@ def load(path: Path) -> list[Find]:
         ) from None
 
 
+def require_finds(out: Path) -> None:
+    """Raise UserError if a file that a search would replace is of something else."""
+    try:
+        load(out)
+    except UserError:
+        raise UserError(
+            f"out: {str(out)!r} is not a file of sensorless falsify; give another name"
+        ) from None
+
+
+def searched_on(path: Path) -> tuple[str, str]:
+    """Names of motor and estimator of the search in a file that ``load`` reads; empty: unknown."""
+    facts = json.loads(path.read_text(encoding="utf-8"))
+    return str(facts.get("motor", "")), str(facts.get("estimator", ""))
+
+
 def _plausible(
     units: list[float], seed: int, machine: list[int] | None = None, **other: object
 ) -> bool:

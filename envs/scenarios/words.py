@@ -7,7 +7,7 @@ import numpy as np
 
 from sensorless.core.api import PROFILE_N
 from sensorless.envs.counter_random import check_seed, combine
-from sensorless.envs.scenarios.finds import Find, load, scenarios_of, without
+from sensorless.envs.scenarios.finds import Find, load, scenarios_of, searched_on, without
 from sensorless.envs.scenarios.machines_suite import is_on_machines, machine, on_machine
 from sensorless.envs.scenarios.scenario import RUNAWAY, Scenarios
 from sensorless.envs.scenarios.suites import suite
@@ -66,6 +66,20 @@ def own_machine(word: str) -> tuple[Motor | None, str]:
         own = _find(Path(found[1]), int(found[2])).machine
         return (machine(*own) if own is not None else None), word
     return None, word
+
+
+def found_elsewhere(word: str, motor: Motor, estimator: str) -> str:
+    """Say that a find is of another motor or estimator than this run's, or nothing."""
+    found = FOUND.fullmatch(word)
+    if found is None or _find(Path(found[1]), int(found[2])).machine is not None:
+        return ""
+    on = searched_on(Path(found[1]))
+    if on in (("", ""), (motor.name, estimator)):
+        return ""
+    return (
+        f"{found[1]}: found on motor {on[0]} with estimator={on[1]}; this run is on {motor.name} "
+        f"with estimator={estimator}; give --motor and --set to have the drive of the search"
+    )
 
 
 def _found(path: Path, index: int, minimal: bool, motor: Motor) -> Scenarios:

@@ -15,6 +15,7 @@ from sensorless.cli.options import (
     describe,
     errors,
     say_json,
+    say_wrote,
 )
 from sensorless.errors import UserError
 
@@ -148,7 +149,8 @@ def distill_command(
     )
     if as_json:
         say_json({"table": str(folder / TABLE), **found.facts()})
-    console.print(f"k_s differs by {found.rms:.4f} RMS\nwrote {folder / TABLE}", highlight=False)
+    console.print(f"k_s differs by {found.rms:.4f} RMS", highlight=False)
+    say_wrote(folder / TABLE)
 
 
 def _teacher(

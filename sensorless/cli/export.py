@@ -12,6 +12,7 @@ from sensorless.cli.options import (
     SetOption,
     bench_of,
     console,
+    errors,
     say_json,
     say_verdict,
 )
@@ -97,7 +98,8 @@ def export_command(
         fit=fit,
         judged=judged,
     )
-    console.print(f"wrote {len(done.files)} files to {done.folder}\n{done.self_test.message}")
+    errors.print(f"wrote {len(done.files)} files to {done.folder}", highlight=False, soft_wrap=True)
+    console.print(done.self_test.message)
     say_verdict(verdict(judged))
     if as_json:
         facts = {"folder": str(done.folder), "files": list(done.files), **judged.facts()}

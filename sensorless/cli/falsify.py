@@ -52,7 +52,7 @@ def falsify_command(
         sensorless falsify eq25 --set estimator=smo --out finds.json
         sensorless simulate --policy eq25 --set estimator=smo --scenario finds.json:0
     """
-    from sensorless.envs.scenarios.finds import REMOVABLE, SEARCHED, text_of
+    from sensorless.envs.scenarios.finds import REMOVABLE, SEARCHED, require_finds, text_of
     from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
     from sensorless.envs.scenarios.machines_suite import refuse_motor
     from sensorless.envs.scenarios.scenario import SimFactory
@@ -64,6 +64,8 @@ def falsify_command(
     from sensorless.versions import versions
 
     check_writable(out)
+    if out.exists():
+        require_finds(out)
     if suite not in (*SEARCHED, MACHINES):
         raise UserError(
             f"suite: {suite!r} cannot be searched; choose from {', '.join(SEARCHED)}, {MACHINES}"

@@ -13,6 +13,7 @@ from sensorless.cli.options import (
     SetOption,
     bench_of,
     console,
+    errors,
     say_json,
     say_wrote,
     typed,
@@ -171,7 +172,13 @@ def simulate_command(
         simulate_plant(plant, inputs, out)
         say_wrote(out)
         return
-    from sensorless.envs.scenarios.words import fig9, own_machine, plan_from, scenario_from
+    from sensorless.envs.scenarios.words import (
+        fig9,
+        found_elsewhere,
+        own_machine,
+        plan_from,
+        scenario_from,
+    )
     from sensorless.evaluation.trace import cut_short, outcome, trace, write_csv
     from sensorless.evaluation.trace_summary import plateaus, summary_table
 
@@ -195,6 +202,8 @@ def simulate_command(
             spin=spin,
         )
     )
+    if foreign := found_elsewhere(scenario or "", machine, made.design.estimator):
+        errors.print(f"note: {foreign}", highlight=False, soft_wrap=True)
     run = trace(rule, case, machine, made.design, go_on=True)
     short = cut_short(run, float(case.duration[0]))
     if as_json:

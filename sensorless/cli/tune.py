@@ -22,6 +22,7 @@ from sensorless.cli.options import (
     say_if_unsuited,
     say_json,
     say_verdict,
+    say_wrote,
 )
 
 if TYPE_CHECKING:
@@ -113,7 +114,8 @@ def tune_command(
     known = found.provenance
     for label in ("start", "best"):
         console.print(f"{label:5}: {describe(known[label])}", highlight=False)
-    console.print(f"policy: {known['policy']}\nwrote {out}", highlight=False, soft_wrap=True)
+    console.print(f"policy: {known['policy']}", highlight=False, soft_wrap=True)
+    say_wrote(out)
     if not known["interrupted"]:
         found = judged(found, machine, design, machines, seed)
         found.save(out)

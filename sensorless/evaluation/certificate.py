@@ -94,4 +94,4 @@ def result(run: dict[str, Any], tally: Tally) -> dict[str, Any]:
 
 def write(out: Path, run: dict[str, Any], tally: Tally) -> None:
     """Write the file as a whole or not at all; errors as ``write_atomic``."""
-    write_atomic(out, json.dumps(result(run, tally), indent=1) + "\n")
+    write_atomic(out, json.dumps(result(run, tally), indent=1, allow_nan=False) + "\n")

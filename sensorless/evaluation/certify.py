@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from sensorless.core.api import SIGNAL_N
+from sensorless.design.carried import plain
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machine_family import NAME as FAMILY
 from sensorless.envs.scenarios.machines_suite import EACH, NAME, SCENARIOS, machine
@@ -190,6 +191,6 @@ def _identity(
         "seed": seed,
         "motor": motor.name,
         "motor_digest": motor.digest,
-        "design": asdict(design_for(policy, design)),
+        "design": plain(asdict(design_for(policy, design))),
         "versions": {name: known[name] for name in ("sensorless", "core")},
     }

@@ -48,7 +48,7 @@ def table(report: dict[str, Any]) -> PlainTable:
     for name, part in report["memory"].items():
         sizes = ", ".join(f"{section} {n:,}" for section, n in part.items() if n)
         out.add_row(f"  {name}: {sizes}")
-    out.add_row("RAM: state of a drive", "", "", f"{report['ram_state']:,}")
+    out.add_row("RAM: state of a drive and its schedule", "", "", f"{report['ram_state']:,}")
     out.add_row("  stack of a period", "", "", f"{report['stack']:,}")
     return out
 

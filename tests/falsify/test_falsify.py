@@ -13,7 +13,7 @@ from sensorless.envs.scenarios.finds import HARD, REMOVABLE, load, scenarios_of
 from sensorless.envs.scenarios.machines_suite import machine
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
-from sensorless.envs.scenarios.words import own_machine, scenario_from
+from sensorless.envs.scenarios.words import found_elsewhere, own_machine, scenario_from
 from sensorless.errors import UserError
 from sensorless.falsify.search import search, severity
 from sensorless.machine.motor import Motor
@@ -40,6 +40,10 @@ def test_what_a_search_finds_comes_back_by_its_word(tmp_path: Path) -> None:
     assert set(find.nominal) < set(REMOVABLE) and len(find.nominal) > 5
     with pytest.raises(UserError, match="has 1 scenarios"):
         scenario_from(f"{out}:1", PAPER)
+    assert found_elsewhere(f"{out}:0", PAPER, "smo") == found_elsewhere("hold:1:2", PAPER, "") == ""
+    done = CliRunner().invoke(app, ["simulate", "--scenario", f"{out}:0"])
+    said = "found on motor paper with estimator=smo; this run is on paper with estimator=coupled"
+    assert done.exit_code == 0 and said in " ".join(done.output.split())
 
 
 def test_a_find_on_a_random_machine_comes_back_on_it(tmp_path: Path) -> None:
@@ -101,3 +105,11 @@ def test_a_mistake_is_named_and_writes_no_file(words: list[str], said: str, tmp_
     done = CliRunner().invoke(app, ["falsify", *words, "--size", "128", "--out", str(out)])
     assert isinstance(done.exception, UserError) and said in str(done.exception)
     assert not out.exists()
+
+
+def test_a_file_of_something_else_is_not_replaced(tmp_path: Path) -> None:
+    out = tmp_path / "rule.json"
+    out.write_text('{"rule": "linear"}', encoding="utf-8")
+    done = CliRunner().invoke(app, ["falsify", "eq25", "--size", "200", "--out", str(out)])
+    assert done.exit_code != 0 and isinstance(done.exception, UserError | SystemExit)
+    assert out.read_text(encoding="utf-8") == '{"rule": "linear"}'
