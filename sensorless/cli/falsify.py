@@ -44,8 +44,9 @@ def falsify_command(
 
     Many searches by CMA-ES, each from the worst of 128 random scenarios, move towards larger angle
     errors. The file has the worst scenario of each search. If it was lost, the file also says which
-    of its deviations from nominal that takes. `sensorless simulate --scenario FILE.json:INDEX`
-    draws the scenario, `FILE.json:INDEX:min` the same with all other numbers nominal.
+    of its deviations from nominal that takes. Ctrl-C keeps the searches that have ended.
+    `sensorless simulate --scenario FILE.json:INDEX` draws the scenario, `FILE.json:INDEX:min` the
+    same with all other numbers nominal.
 
     For example:
 
@@ -122,3 +123,6 @@ def falsify_command(
     if as_json:
         say_json({**facts, "file": str(out), "finds": len(lost) + len(kept)})
     say_wrote(out)
+    if found.interrupted:
+        errors.print(f"interrupted after {found.scenarios} of {size} scenarios", highlight=False)
+        raise typer.Exit(130)

@@ -29,7 +29,13 @@ def search_machines(
         i = all_of.searches
         motor = machine(seed, i)
         policy, factory = policy_on(motor), SimFactory(motor, design)
-        found = search(policy, factory, EACH, seed, budget - all_of.scenarios, most=1)
+        try:
+            found = search(policy, factory, EACH, seed, budget - all_of.scenarios, most=1)
+        except KeyboardInterrupt:
+            if not all_of.searches:
+                raise
+            all_of.interrupted = True
+            break
         for name in ("scenarios", "lost", "sampled", "sampled_lost", "searches"):
             setattr(all_of, name, getattr(all_of, name) + getattr(found, name))
         finds = [dataclasses.replace(find, machine=(seed, i)) for find in found.finds]

@@ -46,6 +46,8 @@ class Search:
     searches: int = 0
     finds: list[Find] = field(default_factory=list)
     """worst of each search"""
+    interrupted: bool = False
+    """by Ctrl-C, which keeps the searches that had ended"""
 
     @property
     def gain(self) -> float:
@@ -99,44 +101,62 @@ def search(
     require_runnable(policy)
     SuiteRows(suite, factory.motor, seed, budget)  # raises where these are no rows of a suite
     found, dims = Search(), len(keys(suite, factory.motor))
-    while found.scenarios + SAMPLES <= budget and (most is None or found.searches < most):
-        noise = int(combine(seed, found.searches)[0])
-        rng = np.random.default_rng([seed, found.searches])
-
-        def run(units: Floats, noise: int = noise) -> tuple[Floats, Floats]:
-            seeds = np.full(len(units), noise, dtype=np.uint64)
-            score, when = severity(policy, drawn(suite, factory.motor, seeds, units), factory)
-            found.scenarios += len(units)
-            found.lost += int(np.isfinite(when).sum())
-            return score, when
-
-        units = rng.random((SAMPLES, dims)).round(DIGITS).clip(0.0, 1.0 - 10.0**-DIGITS)
-        before = found.lost
-        score, when = run(units)
-        found.sampled += SAMPLES
-        found.sampled_lost += found.lost - before
-        best = int(np.argmax(score))
-        worst = score[best], when[best], units[best]
-        evolution = cma.CMAEvolutionStrategy(units[best], SPREAD, _options(rng))
-        for _ in range(GENERATIONS):
-            if found.scenarios + POPULATION > budget:
-                break
-            asked = evolution.ask()
-            units = np.clip(np.round(asked, DIGITS), 0.0, 1.0 - 10.0**-DIGITS)
-            score, when = run(units)
-            evolution.tell(asked, (-score).tolist())
-            best = int(np.argmax(score))
-            if score[best] > worst[0]:
-                worst = score[best], when[best], units[best]
-            if np.isfinite(when).sum() >= ENOUGH:
-                break
-        found.searches += 1
-        found.finds.append(
-            Find(suite, noise, tuple(worst[2].tolist()), float(worst[0]), _time(worst[1]))
-        )
-        if progress is not None:
-            progress(found)
+    try:
+        while found.scenarios + SAMPLES <= budget and (most is None or found.searches < most):
+            _one(found, policy, factory, suite, seed, budget, dims)
+            if progress is not None:
+                progress(found)
+    except KeyboardInterrupt:
+        if not found.searches:
+            raise
+        found.interrupted = True
     return found
+
+
+def _one(
+    found: Search,
+    policy: Policy,
+    factory: SimFactory,
+    suite: str,
+    seed: int,
+    budget: int,
+    dims: int,
+) -> None:
+    """One search: the worst of random scenarios, and from there by evolution."""
+    noise = int(combine(seed, found.searches)[0])
+    rng = np.random.default_rng([seed, found.searches])
+
+    def run(units: Floats, noise: int = noise) -> tuple[Floats, Floats]:
+        seeds = np.full(len(units), noise, dtype=np.uint64)
+        score, when = severity(policy, drawn(suite, factory.motor, seeds, units), factory)
+        found.scenarios += len(units)
+        found.lost += int(np.isfinite(when).sum())
+        return score, when
+
+    units = rng.random((SAMPLES, dims)).round(DIGITS).clip(0.0, 1.0 - 10.0**-DIGITS)
+    before = found.lost
+    score, when = run(units)
+    found.sampled += SAMPLES
+    found.sampled_lost += found.lost - before
+    best = int(np.argmax(score))
+    worst = score[best], when[best], units[best]
+    evolution = cma.CMAEvolutionStrategy(units[best], SPREAD, _options(rng))
+    for _ in range(GENERATIONS):
+        if found.scenarios + POPULATION > budget:
+            break
+        asked = evolution.ask()
+        units = np.clip(np.round(asked, DIGITS), 0.0, 1.0 - 10.0**-DIGITS)
+        score, when = run(units)
+        evolution.tell(asked, (-score).tolist())
+        best = int(np.argmax(score))
+        if score[best] > worst[0]:
+            worst = score[best], when[best], units[best]
+        if np.isfinite(when).sum() >= ENOUGH:
+            break
+    found.searches += 1
+    found.finds.append(
+        Find(suite, noise, tuple(worst[2].tolist()), float(worst[0]), _time(worst[1]))
+    )
 
 
 def _time(when: float) -> float | None:

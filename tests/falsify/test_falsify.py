@@ -15,7 +15,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.envs.scenarios.words import found_elsewhere, own_machine, scenario_from
 from sensorless.errors import UserError
-from sensorless.falsify.search import search, severity
+from sensorless.falsify.search import Search, search, severity
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 
@@ -61,6 +61,14 @@ def test_a_find_on_a_random_machine_comes_back_on_it(tmp_path: Path) -> None:
         factory = SimFactory(motor, DriveDesign(estimator="smo"))
         score, _ = severity(make_policy("eq25", motor), scenario_from(word, motor), factory)
         assert score[0] == pytest.approx(find.severity)
+
+
+def test_ctrl_c_keeps_the_searches_that_have_ended() -> None:
+    def stop(found: Search) -> None:
+        raise KeyboardInterrupt
+
+    found = search(EQ25, SMO, "low-inertia", 1, 2000, stop)
+    assert found.interrupted and len(found.finds) == found.searches == 1
 
 
 def test_a_search_climbs() -> None:
