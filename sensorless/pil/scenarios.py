@@ -47,7 +47,7 @@ def pil_scenarios(motor: Motor, seed: int = 5, size: int = 16) -> tuple[tuple[st
     planned.omega_rate[:] = RATE * rated
     resting, spinning = (list(PLANS).index(name) for name in ("unknown angle", "spinning shaft"))
     planned.seek[[resting, spinning]] = knows_poles(motor)
-    planned.theta_err_0[resting] = 2.5
+    planned.theta_err_0[resting] = 2.5 * knows_poles(motor)  # else nothing finds the pole at rest
     planned.omega_0[spinning] = PLANS["spinning shaft"][0][1] * rated
     planned.offset[-1, 0] = BROKEN * motor.i_rated
     random = suite("stress-1", motor, seed, size - len(PLANS))
