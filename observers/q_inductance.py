@@ -1,8 +1,8 @@
 """The q inductance of the coupled observer over the apparent one: how low, and why.
 
 One too large feeds back positively through the torque current, and sensors and iron are uncertain
-by more than a tenth, so it is low on purpose. Where the rotor turns far in a PWM period, or where
-the EMF leans far and injection is slow, one too low swings: docs/coupled-observer.md.
+by more than a tenth, so it is low on purpose. One too low deviates more where the rotor turns far
+in a PWM period, and swings where the EMF leans far and injection is slow: docs/coupled-observer.md.
 """
 
 import numpy as np
@@ -14,8 +14,8 @@ from sensorless.observers.tracking import HAND_OVER, injection_bandwidth
 LOW = 0.85
 """The q inductance over the apparent one where nothing asks for more."""
 TURN, BY_TURN, MOST = 0.16, 1.25, 0.95
-"""Angle by which the rotor turns in a PWM period at rated speed beyond which one too low swings
-[rad], the rise with it, and the most."""
+"""Angle by which the rotor turns in a PWM period at rated speed beyond which one too low deviates
+more [rad], the rise with it, and the most."""
 HELD = 0.8
 """Lean that injection holds, over its bandwidth as a share of the hand-over's frequency."""
 LEAN, BY_LEAN, RISE = 0.3, 0.5, 0.1

@@ -65,7 +65,7 @@ def falsify_command(
     from sensorless.versions import versions
 
     check_writable(out)
-    if out.exists():
+    if out.is_file():
         require_finds(out)
     if suite not in (*SEARCHED, MACHINES):
         raise UserError(

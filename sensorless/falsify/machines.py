@@ -31,6 +31,8 @@ def search_machines(
         policy, factory = policy_on(motor), SimFactory(motor, design)
         try:
             found = search(policy, factory, EACH, seed, budget - all_of.scenarios, most=1)
+            finds = [dataclasses.replace(find, machine=(seed, i)) for find in found.finds]
+            lost += minimise(policy, factory, finds)
         except KeyboardInterrupt:
             if not all_of.searches:
                 raise
@@ -38,9 +40,7 @@ def search_machines(
             break
         for name in ("scenarios", "lost", "sampled", "sampled_lost", "searches"):
             setattr(all_of, name, getattr(all_of, name) + getattr(found, name))
-        finds = [dataclasses.replace(find, machine=(seed, i)) for find in found.finds]
         all_of.finds += finds
-        lost += minimise(policy, factory, finds)
         if progress is not None:
             progress(all_of)
     return all_of, lost
