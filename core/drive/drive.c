@@ -86,14 +86,10 @@ static float init_angle(float theta) {
     return wrap_pi(t - TWO_PI_F * (float)(int32_t)(t / TWO_PI_F));
 }
 
-static float init_speed(float omega, float most) {
-    return finite_f(omega) ? bound_f(omega, most) : 0.0f;
-}
-
 void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float omega_0,
                 float k_s_0) {
     float at = init_angle(theta_0);
-    float omega = init_speed(omega_0, p->guard.omega);
+    float omega = guard_speed(omega_0, p->guard.omega);
     float k_s = ks_limit(k_s_0);
     hfi_clear(&x->hfi);
     emf_clear(&x->emf);

@@ -4,6 +4,11 @@
 
 #include "drive_types.h"
 
+/* A speed within the limit: the limit beyond it, 0 if it is not finite. */
+CORE_INLINE float guard_speed(float omega, float most) {
+    return finite_f(omega) ? bound_f(omega, most) : 0.0f;
+}
+
 /* Replaces bad values and sets their fault bits. */
 CORE_INLINE drive_in_t drive_guard(const guard_params_t *p, drive_state_t *x,
                                    const drive_in_t *in) {
@@ -21,7 +26,7 @@ CORE_INLINE drive_in_t drive_guard(const guard_params_t *p, drive_state_t *x,
     y.i_a = a ? in->i_a : 0.0f;
     y.i_b = b ? in->i_b : 0.0f;
     y.u_dc = max_f(sane_f(in->u_dc, p->u_dc_max), 0.0f);
-    y.omega_ref = speed ? in->omega_ref : 0.0f;
+    y.omega_ref = guard_speed(in->omega_ref, p->omega);
     y.k_s_ref = weight ? in->k_s_ref : ks_limit(x->k_s);
     x->fault |= (a ? 0 : FAULT_CURRENT) | (b ? 0 : FAULT_CURRENT) | (link ? 0 : FAULT_U_DC) |
                 (speed ? 0 : FAULT_COMMAND) | (weight ? 0 : FAULT_COMMAND);

@@ -38,7 +38,7 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
 
 /* Second part. */
 CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
-    lock_judge(&p->lock, &x->lock, x->est.omega);
+    lock_judge(&p->lock, &x->lock, x->est.omega, p->coupled.omega_max);
     x->lock.wait = p->lock.n;
     x->fault |= x->lock.alarm != 0 ? FAULT_LOCK : 0;
 }

@@ -37,7 +37,7 @@ typedef struct {
     float i_step_sq; /* square of the largest change of the current vector in a period [A^2] */
     float u_dc_min;  /* least DC-link voltage that sets no fault [V] */
     float u_dc_max;  /* largest plausible DC-link voltage [V] */
-    float omega;     /* largest plausible speed, electrical [rad/s] */
+    float omega;     /* largest speed reference, electrical [rad/s] */
     float u_out;     /* largest voltage of a component that the drive can compute [V] */
 } guard_params_t;
 

@@ -7,7 +7,8 @@
  *            On the d axis u_d - R_s i_d - L_d d i_d/dt + omega L_q i_q is 0 at the true angle;
  *            with what is left there, the auxiliary flux's EMF has a direction
  *   SPEED    an estimate that slips moves faster than torque and load can move the shaft: the
- *            estimated speed leaves its own low-pass
+ *            estimated speed leaves its own low-pass. And an estimate at its bound no longer tells
+ *            how fast the shaft is
  *   CURRENT  in a frame that is not the rotor's the EMF turns, and the torque current misses its
  *            reference
  *   ANSWER   an injected voltage moves the current along its axis, least where the axis is far off.
@@ -150,12 +151,13 @@ CORE_INLINE void lock_current(const lock_params_t *p, lock_state_t *x, float off
     x->i_off += p->alpha * (abs_f(off) - x->i_off);
 }
 
-/* Second part, a period later: the speed, and the verdict. omega: estimated speed [rad/s]. */
-CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega) {
+/* Second part, a period later: the speed, and the verdict. omega: estimated speed [rad/s];
+ * omega_max: its bound [rad/s]. */
+CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega, float omega_max) {
     x->omega += p->alpha * (omega - x->omega);
     int32_t grace = x->bad > LOCK_GRACE;
-    int32_t found = (lock_emf_fails(p, x, omega) ? LOCK_EMF : 0) |
-                    (abs_f(omega - x->omega) > p->jump ? LOCK_SPEED : 0) |
+    int32_t moves = abs_f(omega - x->omega) > p->jump || abs_f(omega) >= omega_max;
+    int32_t found = (lock_emf_fails(p, x, omega) ? LOCK_EMF : 0) | (moves ? LOCK_SPEED : 0) |
                     (x->i_off > p->i_off ? LOCK_CURRENT : 0) | (x->answer < 0.0f ? LOCK_ANSWER : 0);
     int32_t failed = grace ? 0 : found;
     int32_t calm = x->calm < p->n_calm ? x->calm + 1 : x->calm;

@@ -46,6 +46,10 @@ SHARE, LEAST_DEAD_TIME = 0.75, 0.25
 """Share of the file's dead time that is compensated, and the least that an inverter may have."""
 TOO_MUCH = 0.2
 """Voltage that may be compensated too much, over the EMF at the hand-over."""
+SIGNAL_HZ, SIGNAL_LAG = 30.0, 0.25
+"""Least bandwidth of the signals that a schedule sees [Hz], and the most that the speed among them
+lags at rated torque and no load, over rated speed: a shaft that crosses zero within the lag does so
+without injection."""
 FLOOR_MOST = 0.1
 """Largest speed floor over rated speed: half of the speed at which Eq. 25 leaves injection."""
 
@@ -66,6 +70,7 @@ class Derived:
     coupled_injection_hz: float
     coupled_L_q_bias: float
     smo_floor_rpm: float
+    signal_hz: float
     dead_time_share: float
 
 
@@ -91,6 +96,7 @@ def derive(motor: Motor, design: DriveDesign) -> Derived:
         "coupled_injection_hz": coupled.injection / (2.0 * math.pi),
         "coupled_L_q_bias": coupled_L_q_bias(motor),
         "smo_floor_rpm": speed_floor(motor),
+        "signal_hz": signal_bandwidth(motor),
         "dead_time_share": dead_time_share(motor),
     }
     return Derived(**{name: _first(given[name], formulas[name]) for name in formulas})
@@ -124,6 +130,15 @@ def speed_floor(motor: Motor) -> float:
     unknown = LEFT_DEAD_TIME * voltage_drift(motor)
     unknown += LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
     return min(unknown, FLOOR_MOST * motor.omega_rated) / motor.n_p / RPM_TO_RAD_S
+
+
+def signal_bandwidth(motor: Motor) -> float:
+    """Low-pass on a schedule's signals [Hz]: ``SIGNAL_HZ``, more where ``SIGNAL_LAG`` asks for it.
+
+    A speed that rises by a rad/s^2 is a / (2 pi f) ahead of its low-pass.
+    """
+    fast = rated_acceleration(motor) / (SIGNAL_LAG * motor.omega_rated)
+    return max(SIGNAL_HZ, fast / (2.0 * math.pi))
 
 
 def dead_time_share(motor: Motor) -> float:

@@ -63,7 +63,7 @@ class DriveDesign:
     injection_hold: float = number(
         0.02, "s", 0, 10, "time the injection stays on after k_s reached zero"
     )
-    signal_hz: float = number(30.0, "Hz", 1, 1000, "low-pass on the signals that a schedule sees")
+    signal_hz: float | None = derived("Hz", 1, 1000, "low-pass on the signals that a schedule sees")
     dead_time_share: float | None = derived("1", 0, 1, "share of the dead time that is compensated")
     hfi_scheme: str = word(
         "rotating",

@@ -1,8 +1,10 @@
 """What the drive accepts as an input: ``guard_params_t`` from the machine."""
 
+import math
 from typing import Any
 
 from sensorless.machine.motor import Motor
+from sensorless.observers.tracking import rated_acceleration
 
 ABOVE_RANGE = 1.1
 """Largest plausible sample over the converter's range: calibrated gain and offset of a channel move
@@ -21,15 +23,34 @@ its power and no voltage for injection at load."""
 OUTPUT = 1.5
 """Bound on a component of the voltage over the largest DC link: the control stays within 0.58 of
 the link, and injection and dead-time compensation, each less than the link, come on top."""
-SPEED = 2.5
-"""Largest speed over rated, where the setting ``speed_bound`` is less; a reference beyond the bound
-of the estimators cannot be followed."""
+HEADROOM = 0.5
+"""Largest speed reference over the bound of the speed estimates, where a rated load that goes takes
+the shaft farther than the rest."""
 SPEED_MOST = 1e5
 """Electrical [rad/s]; beyond, an angle moves by more than a turn in a period of most drives."""
 
 
-def design_guard(motor: Motor, omega_max: float) -> dict[str, Any]:
-    """Fields of ``guard_params_t``; omega_max: bound of the speed estimates [rad/s]."""
+def reference_bound(motor: Motor, omega_max: float, speed_hz: float) -> float:
+    """Largest speed reference, electrical [rad/s].
+
+    An estimate at its bound no longer tells how fast the shaft is, which then runs away. So the
+    bound of the reference is less by what a rated load that goes makes of the speed, tau / (J w e)
+    with the speed loop's natural frequency w (``sensorless.design.derived.DIP``).
+    """
+    rise = rated_acceleration(motor) / (math.e * 2.0 * math.pi * speed_hz)
+    return min(max(omega_max - rise, HEADROOM * omega_max), SPEED_MOST)
+
+
+def design_guard(motor: Motor, omega_max: float, speed_hz: float) -> dict[str, Any]:
+    """Fields of ``guard_params_t``.
+
+    Parameters
+    ----------
+    omega_max : float
+        Bound of the speed estimates, electrical [rad/s].
+    speed_hz : float
+        Natural frequency of the speed loop [Hz].
+    """
     return {
         "i_sample": ABOVE_RANGE * motor.adc_range,
         "i_over_sq": min(motor.i_trip, IN_RANGE * motor.adc_range) ** 2,
@@ -37,5 +58,5 @@ def design_guard(motor: Motor, omega_max: float) -> dict[str, Any]:
         "u_dc_min": LINK[0] * motor.u_dc,
         "u_dc_max": LINK[1] * motor.u_dc,
         "u_out": OUTPUT * LINK[1] * motor.u_dc,
-        "omega": min(max(omega_max, SPEED * motor.omega_rated), SPEED_MOST),
+        "omega": reference_bound(motor, omega_max, speed_hz),
     }

@@ -118,21 +118,21 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
     )
     own_bias = {"flux": design.flux_L_q_bias, "coupled": by.coupled_L_q_bias}
     bias = own_bias.get(design.estimator, design.L_q_bias)
-    alpha = 2.0 * math.pi * design.signal_hz
+    alpha = 2.0 * math.pi * by.signal_hz
     fill(
         record,
         {
             "T_s": motor.T_s,
             "k_s_step": design.k_s_slew * motor.T_s,
             "estimator": ESTIMATORS[design.estimator],
-            "guard": design_guard(motor, omega_max),
+            "guard": design_guard(motor, omega_max, by.speed_hz),
             "hfi": hfi,
             "smo": smo,
             "flux": flux,
             "coupled": coupled,
             "control": {**control, "i_d_mtpa": {"y": i_d}},
             "signal": {
-                "alpha": low_pass(design.signal_hz, motor.T_s),
+                "alpha": low_pass(by.signal_hz, motor.T_s),
                 "alpha_per_s": alpha,
                 "inv_omega": 1.0 / motor.omega_rated,
                 "inv_i": 1.0 / motor.i_rated,

@@ -266,15 +266,15 @@ void t_curve(const curve_t *c, const float *i_q, float inv_step, float *y, int n
     }
 }
 
-/* n evaluations; rows of in: omega, u_d, u_q, i_d, i_q, L_d, L_q, psi_d, psi_a, i_q less its
- * reference. */
+/* n evaluations of an estimate without bound; rows of in: omega, u_d, u_q, i_d, i_q, L_d, L_q,
+ * psi_d, psi_a, i_q less its reference. */
 void t_lock(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
     for (int j = 0; j < n; j++) {
         const float *v = &in[10 * j];
         lock_in_t now = {v[0], {v[1], v[2]}, {v[3], v[4]}, {v[3], v[4]}, v[5], v[6], v[7], v[8]};
         lock_emf(p, x, &now);
         lock_current(p, x, v[9]);
-        lock_judge(p, x, v[0]);
+        lock_judge(p, x, v[0], 1e30f);
     }
 }
 
@@ -284,6 +284,6 @@ void t_lock_answer(const lock_params_t *p, lock_state_t *x, const float *in, int
         const float *v = &in[5 * j];
         x->i.q = v[4];
         lock_answer(p, x, v[0], v[1], v[2], v[3]);
-        lock_judge(p, x, 0.0f);
+        lock_judge(p, x, 0.0f, 1e30f);
     }
 }

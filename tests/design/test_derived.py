@@ -17,7 +17,8 @@ from sensorless.machine.motor import MOTORS, Motor
 from sensorless.observers.tracking import LEAST_DEAD_TIME
 
 PAPER = Motor.load("paper")
-MACHINES = [*(Motor.load(path.stem) for path in sorted(MOTORS.glob("*.toml"))), *family(1, 16)]
+SHIPPED = sorted(path.stem for path in MOTORS.glob("*.toml"))
+MACHINES = [*map(Motor.load, SHIPPED), *family(1, 16)]
 PAGE = Path(__file__).parents[2] / "docs/gains.md"
 
 
@@ -86,3 +87,22 @@ def test_an_inverter_without_dead_time_has_gains() -> None:
     )
     assert none["inv_layer"] == least["inv_layer"] and math.isfinite(none["inv_layer"])
     assert none["drift"]["k"] == least["drift"]["k"] > 0.0
+
+
+def test_a_light_shaft_gets_faster_signals() -> None:
+    """At rated torque the speed signal lags a quarter of rated speed, less where 30 Hz makes less."""
+    for start, hz in ((100e-3, 30.0), (10e-3, 4.0 / (2.0 * math.pi * 10e-3))):
+        motor = replace(PAPER, J=start * PAPER.n_p * PAPER.tau_rated / PAPER.omega_rated)
+        assert derive(motor, DriveDesign()).signal_hz == pytest.approx(hz)
+    assert all(derive(m, DriveDesign()).signal_hz == 30.0 for m in map(Motor.load, SHIPPED))
+
+
+@pytest.mark.parametrize("motor", MACHINES, ids=lambda m: m.name)
+def test_a_load_that_goes_leaves_the_speed_within_the_estimate_s_bound(motor: Motor) -> None:
+    """At the largest reference: the rise is that of the IP loop, J dw/dt against its torque."""
+    design = DriveDesign()
+    record, w = control_record(motor, design), 2.0 * math.pi * derive(motor, design).speed_hz
+    rise = motor.n_p * motor.tau_rated / (math.e * motor.J * w)
+    most, bound = float(record["guard"]["omega"]), float(record["coupled"]["omega_max"])
+    assert most + rise <= 1.0001 * bound or most == pytest.approx(0.5 * bound)
+    assert most >= 0.499 * bound

@@ -17,11 +17,26 @@ static void speed(void) {
         double was = (double)x.omega, now = was + draw(-2, 2) * (double)p.jump;
         double to = was + (double)p.alpha * ((double)(float)now - was);
         double beyond = fabs((double)(float)now - to) / (double)p.jump - 1.0;
-        lock_judge(&p, &x, (float)now);
+        lock_judge(&p, &x, (float)now, 1e9f);
         check("speed: low-pass", near((double)x.omega, to, 1e-5));
         if (fabs(beyond) > 0.01) {
             check("speed: told", x.alarm == (beyond > 0.0) && x.reason == (beyond > 0.0 ? 2 : 0));
         }
+    }
+}
+
+/* An estimate at its bound, of either sign, does not tell how fast the shaft is. */
+static void bound(void) {
+    lock_params_t p = PARAMS[4].lock;
+    p.e_floor = 1e9f;
+    const float at[4] = {300.0f, -300.0f, 299.9f, -299.9f};
+    for (int j = 0; j < 4; j++) {
+        lock_state_t x;
+        memset(&x, 0, sizeof x);
+        lock_begin(&p, &x, at[j]);
+        x.bad = p.n_alarm;
+        lock_judge(&p, &x, at[j], 300.0f);
+        check("speed: bound", x.reason == (j < 2 ? LOCK_SPEED : 0));
     }
 }
 
@@ -50,7 +65,7 @@ static void injected(void) {
         lock_state_t x;
         memset(&x, 0, sizeof x);
         x.bad = p.n_alarm, x.answer = limit[j];
-        lock_judge(&p, &x, 0.0f);
+        lock_judge(&p, &x, 0.0f, 1e9f);
         check("answer: told", x.reason == (j == 0 ? LOCK_ANSWER : 0));
         lock_begin(&p, &x, 0.0f);
         check("answer: anew", x.answer == 0.0f);
@@ -163,19 +178,19 @@ static void told_once(void) {
     lock_state_t x;
     memset(&x, 0, sizeof x);
     for (int k = 0; k < 60; k++) {
-        lock_judge(&p, &x, 0.0f);
+        lock_judge(&p, &x, 0.0f, 1e9f);
         check("alarm: none", x.alarm == 0 && x.bad == 0 && x.alarms == 0);
     }
     for (int n = 1; n <= 3; n++) {
         for (int k = 0; k < 9; k++) {
             x.residual = 2.0f * p.e_floor;
-            lock_judge(&p, &x, 0.0f);
+            lock_judge(&p, &x, 0.0f, 1e9f);
             check("alarm: begins",
                   x.alarm == (k + 1 >= p.n_alarm) && x.reason == LOCK_EMF * x.alarm);
         }
         x.residual = 0.0f;
         for (int k = 1; k <= p.n_clear + 9; k++) {
-            lock_judge(&p, &x, 0.0f);
+            lock_judge(&p, &x, 0.0f, 1e9f);
             check("alarm: ends", x.alarm == (k < p.n_clear));
         }
         check("alarm: counted", x.alarms == n);
@@ -184,13 +199,13 @@ static void told_once(void) {
     for (int n = 1; n <= p.n_grace + 1; n++) { /* counts down, nothing is judged; damage ends it */
         memset(&x, 0, sizeof x);
         x.bad = LOCK_GRACE + n, x.residual = 2.0f * p.e_floor;
-        lock_judge(&p, &x, 0.0f);
+        lock_judge(&p, &x, 0.0f, 1e9f);
         check("grace", x.bad == (n == 1 || n > p.n_grace ? 0 : LOCK_GRACE + n - 1) && !x.alarm);
     }
     for (int n = -2; n <= 1; n++) { /* restarts are forgotten once it was calm for n_calm */
         memset(&x, 0, sizeof x);
         x.calm = p.n_calm + n, x.restarts = 2;
-        lock_judge(&p, &x, 0.0f);
+        lock_judge(&p, &x, 0.0f, 1e9f);
         check("restarts: forgotten", x.restarts == (n >= -1 ? 0 : 2));
     }
     for (int n = -1; n <= 1; n++) {
@@ -210,6 +225,7 @@ static void told_once(void) {
 
 void check_lock(void) {
     speed();
+    bound();
     injected();
     direction();
     sums();

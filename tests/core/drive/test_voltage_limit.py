@@ -1,4 +1,4 @@
-"""The drive where its DC link ends: a load that drives a reluctance machine beyond rated speed."""
+"""The drive where its DC link ends: loads and references beyond rated speed."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,10 @@ import pytest
 from sensorless.core.api import TRACE_NAMES, sim_trace
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.envs.scenarios.words import plan_from
+from sensorless.evaluation.trace import trace
 from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
 
 
 @pytest.mark.parametrize("inertia", [0.55, 0.7, 1.0, 1.7])
@@ -31,3 +34,24 @@ def test_braking_beyond_rated_speed_does_not_slip(inertia: float, way: float) ->
     assert sim["lost"][0] == 0
     for who in ("tau", "tau_twin"):
         assert np.max(np.abs(column[who])) < 2.0 * motor.tau_rated
+
+
+@pytest.mark.parametrize(("name", "share", "load"), [("paper", 2.0, 0.2), ("ebike_hub", 2.2, 0.0)])
+def test_a_reference_beyond_what_the_voltage_allows(name: str, share: float, load: float) -> None:
+    """A step to it ends where a slow ramp ends, in lock and without an alarm.
+
+    A torque current that only waits for field weakening, which is at its end, leaves the drive at a
+    lower speed for good, with a current far from its reference.
+    """
+    motor = Motor.load(name)
+    ends = []
+    for ramp in (None, motor.n_rated_rpm):
+        plan = plan_from(
+            f"0:{share * motor.n_rated_rpm}", f"0:{load * motor.tau_rated}", ramp, 5.0, motor, 1
+        )
+        run = trace(make_policy("eq25", motor), plan, motor, DriveDesign())
+        assert not run["lost"].any() and not run["alarm"].any()
+        assert np.degrees(np.abs(run["theta_e_err"])).max() < 20.0
+        ends.append(run["omega_m"][-1] * motor.n_p / motor.omega_rated)
+    assert ends[0] == pytest.approx(ends[1], abs=0.01)
+    assert ends[0] < share - 0.1
