@@ -123,6 +123,8 @@ c-lint:
 	@echo "==> C format and lint"
 	@for tool in clang-format cppcheck; do command -v $$tool >/dev/null || { \
 	  echo "$$tool: not found"; [ "$$CI" != true ] || exit 1; }; done
-	@! command -v clang-format >/dev/null || clang-format --dry-run --Werror core/*/*.[ch] firmware/*.[ch] web/*.c
+	@! command -v clang-format >/dev/null || clang-format --dry-run --Werror core/*/*.[ch] firmware/*.[ch] firmware/*/*.c web/*.c
 	@! command -v cppcheck >/dev/null || cppcheck --quiet --std=c99 --error-exitcode=1 \
 	  --enable=warning,portability,performance -Icore -Icore/drive -Ibuild/generated core firmware
+	@! command -v cppcheck >/dev/null || cppcheck --quiet --std=c99 --error-exitcode=1 \
+	  --enable=style -Icore/drive core/drive # what ships

@@ -22,14 +22,14 @@ CORE_INLINE drive_in_t drive_guard(const guard_params_t *p, drive_state_t *x,
     int b = abs_f(in->i_b) <= p->i_sample;
     int link = in->u_dc >= p->u_dc_min && in->u_dc <= p->u_dc_max;
     int speed = abs_f(in->omega_ref) <= p->omega;
-    int weight = in->k_s_ref <= 1.0f && in->k_s_ref >= 0.0f;
+    int k_s = in->k_s_ref <= 1.0f && in->k_s_ref >= 0.0f;
     y.i_a = a ? in->i_a : 0.0f;
     y.i_b = b ? in->i_b : 0.0f;
     y.u_dc = max_f(sane_f(in->u_dc, p->u_dc_max), 0.0f);
     y.omega_ref = guard_speed(in->omega_ref, p->omega);
-    y.k_s_ref = weight ? in->k_s_ref : ks_limit(x->k_s);
+    y.k_s_ref = k_s ? in->k_s_ref : ks_limit(x->k_s);
     x->fault |= (a ? 0 : FAULT_CURRENT) | (b ? 0 : FAULT_CURRENT) | (link ? 0 : FAULT_U_DC) |
-                (speed ? 0 : FAULT_COMMAND) | (weight ? 0 : FAULT_COMMAND);
+                (speed ? 0 : FAULT_COMMAND) | (k_s ? 0 : FAULT_COMMAND);
     return y;
 }
 

@@ -73,11 +73,11 @@ CORE_INLINE void match_offset(const match_params_t *p, match_state_t *x, int now
         return;
     }
     dq_t mirrored = {aux.d, -aux.q};
-    ab_t ahead = dq_to_ab(mirrored, r);
+    ab_t lead = dq_to_ab(mirrored, r);
     float k = abs_f(omega) >= p->omega_offset ? times_sign_f(p->k_offset, omega) : 0.0f;
     float step = k * inv * bound_f(eps, p->err_max);
-    float to_b = HALF_SQRT3_F * ahead.b - 0.5f * ahead.a;
-    float a = bound_f(x->offset_a + step * ahead.a, p->offset_max);
+    float to_b = HALF_SQRT3_F * lead.b - 0.5f * lead.a;
+    float a = bound_f(x->offset_a + step * lead.a, p->offset_max);
     float b = bound_f(x->offset_b + step * to_b, p->offset_max);
     x->offset_a = now ? a : x->offset_a;
     x->offset_b = now ? b : x->offset_b;
