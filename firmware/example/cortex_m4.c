@@ -4,6 +4,7 @@
  * half-bridges on TIM1, and a comparator at MOTOR_I_TRIP on PB12, active low. Your start-up file
  * has set the clock to 168 MHz, enabled the FPU, and has adc_interrupt as the ADC's vector. Compiled
  * in the tests of the exporter, not run on a board: pins and scales are yours to adapt. No library.
+ * Dead time and current range are those of the motor file: the board must have the same.
  *
  *   make cortex_m4
  */
@@ -13,10 +14,20 @@
 #define REG(address) (*(volatile uint32_t *)(address))
 
 /* ---- what belongs to the board ---- */
-#define TIMER_HZ 168000000.0f
-#define AMPERES_PER_STEP (2.0f * 10.0f / 4096.0f) /* full range of -10 to 10 A */
+#define TIMER_MHZ 168u
+#define AMPERES_PER_STEP (2.0f * MOTOR_ADC_RANGE / 4096.0f) /* of -range to range, 12 bits */
 #define VOLTS_PER_STEP (800.0f / 4096.0f)
-#define DEAD_TIME_STEPS 168u /* 1 us of TIM1's clock, coded by itself below 128 */
+#define DEAD_TIME_STEPS ((MOTOR_DEAD_TIME_NS * TIMER_MHZ + 999u) / 1000u) /* of TIM1's clock */
+#if DEAD_TIME_STEPS < 1 || DEAD_TIME_STEPS > 1008
+#error "TIM1 inserts a dead time of 1 to 1008 steps: slow its clock down with CKD, or set it here"
+#endif
+/* The same as DTG of TIM1_BDTR: in steps of 1, 2, 8 and 16, rounded up, for too short a dead time
+ * shorts the DC link. */
+#define DEAD_TIME_CODE(steps)                                                                      \
+    ((steps) < 128u   ? (steps)                                                                    \
+     : (steps) < 255u ? 0x80u + ((steps) + 1u) / 2u - 64u                                          \
+     : (steps) < 505u ? 0xC0u + ((steps) + 7u) / 8u - 32u                                          \
+                      : 0xE0u + ((steps) + 15u) / 16u - 32u)
 
 #define RCC_AHB1ENR REG(0x40023830u)
 #define RCC_APB2ENR REG(0x40023844u)
@@ -44,6 +55,8 @@
 #define ADC_IRQ 18u
 
 enum { MODE_CHECK, MODE_RUN, MODE_TRIPPED };
+/* Faults at which the bridge opens: no voltage shorts the phases of a motor that spins. */
+enum { OPEN_AT = FAULT_OVER_CURRENT | FAULT_STOPPED };
 
 static drive_state_t drive;
 #if KS_TABLE_GAINS
@@ -137,7 +150,7 @@ void adc_interrupt(void) {
             drive_trip(&drive);
         }
         reported |= drive.fault;
-        mode = (drive.fault & FAULT_OVER_CURRENT) != 0 ? MODE_TRIPPED : MODE_RUN;
+        mode = (drive.fault & OPEN_AT) != 0 ? MODE_TRIPPED : MODE_RUN;
     }
     if (mode == MODE_TRIPPED) {
         bridge_off();
@@ -160,15 +173,14 @@ static void pins(void) {
  * 1), at the top, by starting to count down from a first update at the bottom. */
 static void timer(void) {
     TIM1_CR1 = 1u << 7 | 1u << 5; /* ARPE, centre-aligned mode 1 */
-    TIM1_ARR = (uint32_t)(0.5f * TIMER_HZ * MOTOR_T_S + 0.5f);
+    TIM1_ARR = (uint32_t)(0.5e6f * (float)TIMER_MHZ * MOTOR_T_S + 0.5f);
     TIM1_CCMR1 = 0x6868u; /* PWM 1, preload, channels 1 and 2 */
     TIM1_CCMR2 = 0x7868u; /* channel 3; channel 4 triggers */
     TIM1_CCR(3) = TIM1_ARR - 1u;
     TIM1_CR2 = 7u << 4;  /* OC4REF as trigger output */
     TIM1_CCER = 0x1555u; /* outputs and complements on */
     /* the break input opens the bridge in hardware */
-    TIM1_BDTR = 1u << 12 |
-                (DEAD_TIME_STEPS < 128u ? DEAD_TIME_STEPS : 0x80u + (DEAD_TIME_STEPS / 2u - 64u));
+    TIM1_BDTR = 1u << 12 | DEAD_TIME_CODE(DEAD_TIME_STEPS);
     TIM1_RCR = 1u;
     TIM1_EGR = 1u;
 }

@@ -1,5 +1,6 @@
 """C text of an export: the numbers of the drive and of the schedule. No logic is generated."""
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any, SupportsFloat
 
@@ -85,6 +86,8 @@ def params_header(motor: Motor, start: str, gains: bool = False) -> str:
 #define MOTOR_HASH 0x{motor_hash(motor):08X}UL /* first 32 bits of the motor's SHA-256 */
 #define MOTOR_POLE_PAIRS {motor.n_p} /* electrical turns in a turn of the shaft */
 #define MOTOR_I_TRIP {c_float(motor.i_trip)} /* over-current: switch the inverter off [A], peak */
+#define MOTOR_ADC_RANGE {c_float(motor.adc_range)} /* largest current that is measured [A] */
+#define MOTOR_DEAD_TIME_NS {_nanoseconds(motor.dead_time)}u /* of a leg [ns], at least */
 #define MOTOR_T_S {c_float(motor.T_s)} /* PWM period [s] */
 {start}
 
@@ -104,6 +107,11 @@ extern const bring_up_params_t bring_up_params;
 
 #endif
 """
+
+
+def _nanoseconds(time: float) -> int:
+    """Whole ns, so that the preprocessor can compute with them; rounded up."""
+    return math.ceil(round(1e9 * time, 3))
 
 
 def params_source(

@@ -15,7 +15,8 @@ DO = {
     "FAULT_POLE": "stop and start again at less load; if it repeats, start from a known angle",
     "FAULT_OVER_CURRENT": "open the bridge at once, find out why, then start as after a trip",
     "FAULT_LOCK": "let the drive recover if it does so; stop what needs speed or torque meanwhile",
-    "FAULT_STOPPED": "find out why angle or bridge were lost, then start as after a trip",
+    "FAULT_STOPPED": "open the bridge at once: zero voltage shorts a motor that spins; find out "
+    "why, then start as after a trip",
     "FAULT_STATE": "let it start anew; if it repeats, look for what overwrites memory",
     "KS_FAULT_TABLE": "run on, the linear rule decides; write the table to flash again",
     "KS_FAULT_INPUT": "run on; the sample behind it has a bit of its own, but in a "

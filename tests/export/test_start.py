@@ -50,6 +50,7 @@ def test_all_files_say_the_same(name: str, finds: bool, tmp_path: Path) -> None:
     stubs = """
 float adc_current_a(void); float adc_current_b(void); float adc_dc_link(void);
 float speed_reference(void); void pwm_set_next(float a, float b); void report(int a, int b);
+void bridge_off(void);
 float known_angle(void); float known_speed(void);
 void control_start(void); void control_isr(void);
 """
