@@ -27,7 +27,10 @@ def check_command(
         typer.Option(help="Write findings and figures as one HTML page. Default: no page."),
     ] = None,
     size: Annotated[
-        int, typer.Option(min=0, metavar="N", help="Simulate this many scenarios; 0: none.")
+        int,
+        typer.Option(
+            min=0, metavar="N", help="Simulate this many scenarios of each suite; 0: none."
+        ),
     ] = 100,
     settings: SetOption = None,
     as_json: JsonOption = False,
@@ -37,7 +40,8 @@ def check_command(
     The check looks for implausible numbers, compares the rated point with current and voltage,
     follows saliency and cross-coupling over the current, compares injection's signal with noise,
     and suggests settings. Unless the answer is no already, it then simulates Eq. 25, the source
-    paper's rule, on scenarios of the suite stress-1. Exit status 1: the answer is no.
+    paper's rule, on scenarios of the suite stress-1 and on as many of the suite unload. Exit
+    status 1: the answer is no.
 
     For example:
 

@@ -167,6 +167,10 @@ def _inverter(m: Motor) -> Iterator[Finding]:
     elif m.i_trip > m.adc_range:
         text = f"i_trip = {m.i_trip:g} A is above adc_range = {m.adc_range:g} A: trip in hardware"
         yield Finding(NOTE, "i_trip", text)
+    if m.psi_f > m.L_d * m.i_trip:
+        text = f"a shorted motor that spins drives about psi_f / L_d = {m.psi_f / m.L_d:.3g} A, "
+        text += f"above i_trip = {m.i_trip:g} A; zero voltage shorts it: open the bridge to stop"
+        yield Finding(NOTE, "i_trip", text)
     if m.u_inj >= m.u_dc / math.sqrt(3.0):
         text = f"u_inj = {m.u_inj:g} V is beyond the DC link, {m.u_dc / math.sqrt(3.0):.4g} V"
         yield Finding(NO, "u_inj", text)

@@ -13,7 +13,7 @@ from sensorless.observers.injection_signal import (
     injection_signal,
     suggested_injection,
 )
-from sensorless.suitability.finding import LIMIT, NO, Finding
+from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 from sensorless.suitability.plausible import TURN
 
 RATIO = (1.3, 1.05)
@@ -78,9 +78,10 @@ def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
 def suggestions(motor: Motor, seen: Seen, pll_hz: float) -> dict[str, float]:
     """Suggested values of ``u_inj``, ``i_trip``, ``adc_range`` and ``T_s``.
 
-    The trip is above the limit by the rise of the current in two periods, until control reacts. The
-    converter measures the limit with the injected current on top. An electrical turn at rated speed
-    has at least ``TURN[0]`` periods.
+    The trip is above the limit by the injected current and its rise in two periods, until control
+    reacts; twice the limit is enough. The converter measures what control may reach, the limit with
+    the injected current on top: to trip belongs to hardware. An electrical turn at rated speed has
+    at least ``TURN[0]`` periods.
     """
     u_inj = suggested_injection(motor, pll_hz)
     ripple = seen.signal.amplitude * u_inj / motor.u_inj
@@ -88,10 +89,19 @@ def suggestions(motor: Motor, seen: Seen, pll_hz: float) -> dict[str, float]:
     rise = 2.0 * (2.0 / 3.0) * motor.u_dc * motor.T_s / small
     return {
         "u_inj": u_inj,
-        "i_trip": _two(motor.i_max + ripple + min(rise, motor.i_max)),
+        "i_trip": _two(min(motor.i_max + ripple + rise, 2.0 * motor.i_max)),
         "adc_range": _two(1.15 * (motor.i_max + ripple)),
         "T_s": min(motor.T_s, _two(2.0 * np.pi / (TURN[0] * motor.omega_rated))),
     }
+
+
+def low_trip(motor: Motor, suggested: dict[str, float]) -> Iterator[Finding]:
+    """A note if ``i_trip`` is below what is suggested, both in two digits."""
+    least = suggested["i_trip"]
+    if _two(motor.i_trip) < least:
+        text = f"i_trip = {motor.i_trip:g} A is below {least:g} A, which the current may reach "
+        text += "from i_max before control reacts: such a swing trips"
+        yield Finding(NOTE, "i_trip", text)
 
 
 def _two(value: float) -> float:

@@ -143,6 +143,36 @@ def test_suggestions_of_the_papers_machine_lie_near_its_choices() -> None:
     assert e.suggested["T_s"] == PAPER.T_s
 
 
+@pytest.mark.parametrize(("i_trip", "low"), [(10.0, True), (12.6, False), (18.2, False)])
+def test_a_trip_that_the_current_reaches_is_said(i_trip: float, low: bool) -> None:
+    """12.6 A is the suggested 13 A in two digits: who takes the suggestion has no note."""
+    e = changed(LINEAR, i_trip=i_trip)
+    assert e.suggested is not None and e.suggested["i_trip"] == 13.0
+    texts = [f.text for f in e.findings if "before control reacts" in f.text]
+    assert bool(texts) == low and e.verdict.word == "yes"
+    assert not low or texts[0].startswith("i_trip = 10 A is below 13 A")
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_no_machine_needs_more_than_three_times_rated(name: str) -> None:
+    """What `motor new` writes, twice its current limit, is never below the suggestion."""
+    motor = Motor.load(name)
+    for i_rated in (motor.i_rated, 0.8 * motor.i_rated):
+        new = replace(motor, i_rated=i_rated, i_max=1.5 * i_rated, i_trip=3.0 * i_rated)
+        assert not any("before control" in f.text for f in examine(new, 15.0).findings)
+
+
+def test_a_short_circuit_above_the_trip_is_said() -> None:
+    short = LINEAR.psi_f / LINEAR.L_d
+    said = {
+        i_trip: [f.weight for f in changed(LINEAR, i_trip=i_trip).findings if "shorted" in f.text]
+        for i_trip in (0.99 * short, 1.01 * short)
+    }
+    assert list(said.values()) == [[NOTE], []]
+    hub = [f.text for f in examine(Motor.load("ebike_hub"), 15.0).findings]
+    assert any("about psi_f / L_d = 205 A, above i_trip = 100 A" in text for text in hub)
+
+
 def test_the_heaviest_finding_decides() -> None:
     a, b, c = (Finding(w, "x", w) for w in (NOTE, LIMIT, NO))
     assert str(verdict([a])) == "suitable: yes"
