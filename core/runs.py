@@ -80,8 +80,11 @@ class Recording:
         self._n += n
         return n
 
-    def status(self) -> tuple[bool, bool, int]:
-        """Whether the drive has an alarm of lost lock, is out of control by it; its fault bits."""
+    def status(self) -> tuple[bool, bool, int, int]:
+        """Whether the drive has an alarm of lost lock, is out of control by it; fault bits; tests.
+
+        The tests are those that failed in all alarms so far, bits as in ``lock_state_t.reason``.
+        """
         x = self._x
         out = x.start.phase != lib.START_DONE and x.fault & lib.FAULT_LOCK != 0
-        return x.lock.alarm != 0, out, x.fault
+        return x.lock.alarm != 0, out, x.fault, x.lock.reason

@@ -140,8 +140,8 @@ def simulate_command(
     """Run one drive and look at it, or run the machine alone under given voltages.
 
     Prints how the drive followed its speed reference, how far its angle was off, and whether it
-    kept lock; if not, when the drive itself noticed and what it did. The run goes on after that,
-    and all numbers of the table are up to there.
+    kept lock, narrowly or with an alarm of its own; if not, when the drive itself noticed and what
+    it did. The run goes on after that, and all numbers of the table are up to there.
     Without options it runs the speeds of Fig. 9 of the source paper under its Eq. 25: 200, 350 and
     600 r/min without load, which crosses from injection to the observer.
     `--policy sliding_mode` puts that rule on the paper's observers.

@@ -1,6 +1,6 @@
 """Runs one drive under a policy and records every PWM period."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +9,14 @@ from sensorless.core.api import (
     SIGNAL_N,
     TRACE_NAMES,
     Array,
+    lib,
     sim_set_due,
 )
 from sensorless.core.gains import gain_records
 from sensorless.core.runs import Recording
 from sensorless.decision import decision_periods, decision_time
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.lock import EARLY
 from sensorless.evaluation.rollout import CAUSES, twins_alone
@@ -28,8 +29,15 @@ Trace = dict[str, Array]
 Beside them ``lost``, bits of the verdict in every row, for a lost drive with its twin's to the end
 of the scenario; ``twin_fails``, when the twin trips or runs away [s], else infinity; ``judged``, 1
 after the verdict; ``alarm``, 1 while the drive's own tests tell lost lock; ``recovering``, 1 while
-it seeks its rotor after that or has stopped; ``fault``, the drive's fault bits. The last three are
-as of the end of a decision."""
+it seeks its rotor after that or has stopped; ``fault``, the drive's fault bits; ``reason``, bits of
+the tests that failed in alarms so far. The last four are as of the end of a decision."""
+TESTS = {
+    "EMF": lib.LOCK_EMF,
+    "speed": lib.LOCK_SPEED,
+    "current": lib.LOCK_CURRENT,
+    "answer": lib.LOCK_ANSWER,
+}
+"""Tests of lost lock, ``docs/lock.md``: word and bit of ``reason``."""
 
 MOST_PERIODS = 5_000_000
 
@@ -97,7 +105,7 @@ def trace(
     out["lost"], out["twin_fails"] = np.full(len(table), lost), np.full(len(table), fails)
     out["judged"] = np.arange(len(table)) >= (sim["k_lost"][0] or len(table))
     out["alarm"], out["recovering"] = of_rows[:, 0] != 0, of_rows[:, 1] != 0
-    out["fault"] = of_rows[:, 2]
+    out["fault"], out["reason"] = of_rows[:, 2], of_rows[:, 3]
     return out
 
 
@@ -108,14 +116,26 @@ def lost_cause(t: Trace) -> str | None:
 
 
 def outcome(t: Trace) -> str:
-    """How the run ended, in words: kept lock, lost and why, or not feasible."""
+    """How the run ended, in words: kept lock, perhaps narrowly, lost and why, or not feasible."""
     cause = lost_cause(t)
     if cause is None:
-        return "kept lock"
+        doubts = " and ".join(_doubts(t))
+        return f"kept lock, but {doubts}" if doubts else "kept lock"
     if int(t["lost"][-1]) & CAUSES["twin"]:
         fails = f"the drive with an encoder trips or runs away after {t['twin_fails'][-1]:.2f} s"
         return f"not feasible: {fails}"
     return f"lost ({cause}){_noticed(t)}"
+
+
+def _doubts(t: Trace) -> Iterator[str]:
+    """What speaks against a drive that kept lock, in words: its angle, and its own alarm."""
+    far = (np.abs(t["theta_e_err"]) > np.deg2rad(LOST_ANGLE_DEG)) & (t["starting"] == 0.0)
+    if far.any():
+        ms = 1e3 * int(far.sum()) * float(t["t"][-1] - t["t"][0]) / (len(far) - 1)
+        yield f"the angle error passed {LOST_ANGLE_DEG:g}° for {ms:.2g} ms in all"
+    if t["alarm"].any():
+        failed = ", ".join(name for name, bit in TESTS.items() if int(t["reason"][-1]) & bit)
+        yield f"its own alarm came at {t['t'][t['alarm']][0]:.3f} s ({failed})"
 
 
 def cut_short(t: Trace, duration: float) -> str | None:

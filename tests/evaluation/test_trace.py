@@ -10,7 +10,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.words import fig9, plan_from
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.rollout import CAUSES
-from sensorless.evaluation.trace import Trace, cut_short, lost_cause, outcome, trace
+from sensorless.evaluation.trace import TESTS, Trace, cut_short, lost_cause, outcome, trace
 from sensorless.evaluation.trace_summary import plateaus
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -64,3 +64,28 @@ def test_a_summary_counts_up_to_the_verdict_alone(overloaded: Trace) -> None:
 def test_errors_are_of_half_a_turn_at_most(overloaded: Trace) -> None:
     for name in ("theta_e_err", "theta_e_err_hfi", "theta_e_err_smo"):
         assert np.abs(overloaded[name]).max() <= np.pi + 1e-6
+
+
+def test_a_narrow_escape_is_said() -> None:
+    """Time beyond 60 degrees, less than the judge's 10 ms, and the drive's own alarm."""
+    motor = Motor.load("paper")
+    plan = plan_from("0:100", "0:0", None, 0.1, motor, 0)
+    t = trace(make_policy("eq25", motor), plan, motor, DriveDesign())
+    assert outcome(t) == "kept lock"
+    t["theta_e_err"][100:120] = -np.deg2rad([59.0] * 5 + [61.0] * 15)
+    assert outcome(t) == "kept lock, but the angle error passed 60° for 3 ms in all"
+    t["alarm"][110:200], t["reason"][110:] = True, TESTS["EMF"] | TESTS["current"]
+    assert outcome(t).endswith("3 ms in all and its own alarm came at 0.022 s (EMF, current)")
+    t["starting"][:150] = 1.0
+    assert outcome(t) == "kept lock, but its own alarm came at 0.022 s (EMF, current)"
+    t["alarm"][:] = False
+    assert outcome(t) == "kept lock"
+
+
+def test_the_tests_that_failed_are_recorded() -> None:
+    motor = Motor.load("paper")
+    for degrees, gone in ((70.0, False), (100.0, True)):
+        plan = plan_from("0:600", "0:0", None, 0.3, motor, 0, theta_err=degrees)
+        t = trace(make_policy("eq25", motor), plan, motor, DriveDesign(), go_on=True)
+        assert outcome(t).startswith("lost (angle)" if gone else "kept lock, but the angle")
+        assert t["alarm"].any() == bool(t["reason"][-1]) == gone
