@@ -9,13 +9,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-import cma
 import numpy as np
 
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.finds import Find, drawn, keys
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
+from sensorless.errors import UserError
 from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.evaluation.rollout import CAUSES, Floats, rollout, with_twin_to_the_end
 from sensorless.policy import Policy, require_runnable
@@ -96,7 +96,7 @@ def search(
     Raises
     ------
     UserError
-        The policy knows the truth, or as ``SuiteRows``.
+        The policy knows the truth, the library cma is missing, or as ``SuiteRows``.
     """
     require_runnable(policy)
     SuiteRows(suite, factory.motor, seed, budget)  # raises where these are no rows of a suite
@@ -123,6 +123,11 @@ def _one(
     dims: int,
 ) -> None:
     """One search: the worst of random scenarios, and from there by evolution."""
+    try:
+        import cma
+    except ImportError:
+        text = "falsify needs the library cma; run: pip install 'sensorless[tune]'"
+        raise UserError(text) from None
     noise = int(combine(seed, found.searches)[0])
     rng = np.random.default_rng([seed, found.searches])
 

@@ -1,6 +1,7 @@
 """A search finds losses, each comes back by its word, and what it needs is enough to lose it."""
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -121,3 +122,9 @@ def test_a_file_of_something_else_is_not_replaced(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["falsify", "eq25", "--size", "200", "--out", str(out)])
     assert isinstance(done.exception, UserError) and "not a file of" in str(done.exception)
     assert out.read_text(encoding="utf-8") == '{"rule": "linear"}'
+
+
+def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cma", None)
+    with pytest.raises(UserError, match=r"falsify needs .* pip install 'sensorless\[tune\]'"):
+        search(EQ25, SMO, "low-inertia", 1, 128)
