@@ -57,7 +57,7 @@ def readme(
         T_s_us=f"{motor.T_s * 1e6:g}",
         n_p=motor.n_p,
         i_trip=f"{motor.i_trip:g}",
-        i_short=f"{motor.psi_f / motor.L_d:.3g}",
+        i_short=f"{motor.psi_f / motor.L_d:.4g}",
         u_dt=f"{float(drive['control']['u_dt']):.3g}",
         check_of="delay, signs, phases"
         + (", duty formula and dead time" if judged else " and duty formula"),

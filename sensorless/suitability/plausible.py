@@ -168,7 +168,7 @@ def _inverter(m: Motor) -> Iterator[Finding]:
         text = f"i_trip = {m.i_trip:g} A is above adc_range = {m.adc_range:g} A: trip in hardware"
         yield Finding(NOTE, "i_trip", text)
     if m.psi_f > m.L_d * m.i_trip:
-        text = f"a shorted motor that spins drives about psi_f / L_d = {m.psi_f / m.L_d:.3g} A, "
+        text = f"a shorted motor that spins drives about psi_f / L_d = {m.psi_f / m.L_d:.4g} A, "
         text += f"above i_trip = {m.i_trip:g} A; zero voltage shorts it: open the bridge to stop"
         yield Finding(NOTE, "i_trip", text)
     if m.u_inj >= m.u_dc / math.sqrt(3.0):

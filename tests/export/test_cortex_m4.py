@@ -108,4 +108,4 @@ def test_params_have_dead_time_and_range_of_the_motor_file() -> None:
 def test_the_readme_opens_the_bridge(exported: Exported) -> None:
     text = (exported.folder / "README.md").read_text()
     assert "(FAULT_OVER_CURRENT | FAULT_STOPPED)) != 0) {\n        bridge_off();" in text
-    assert "psi_f / L_d = 15.8 A" in text and "limited to 0 ... 1" in text
+    assert "psi_f / L_d = 15.76 A" in text and "limited to 0 ... 1" in text

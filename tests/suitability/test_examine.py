@@ -170,7 +170,7 @@ def test_a_short_circuit_above_the_trip_is_said() -> None:
     }
     assert list(said.values()) == [[NOTE], []]
     hub = [f.text for f in examine(Motor.load("ebike_hub"), 15.0).findings]
-    assert any("about psi_f / L_d = 205 A, above i_trip = 100 A" in text for text in hub)
+    assert any("about psi_f / L_d = 205.4 A, above i_trip = 100 A" in text for text in hub)
 
 
 def test_the_heaviest_finding_decides() -> None:
