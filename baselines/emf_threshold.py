@@ -1,7 +1,7 @@
 """Hard switch at a threshold of the estimated back-EMF, in per cent of the DC-link voltage.
 
     k_s = 0       |e_hat| >= (threshold + band) u_dc
-    k_s = 1       |e_hat| <= (threshold - band) u_dc
+    k_s = 1       |e_hat| <= max(threshold - band, threshold / 10) u_dc
     k_s = unchanged   in the gap between the two
 
 The MESC firmware compares |u_q - R_s i_q| with 5 % of u_dc, with a gap of 1 V (2 % of 48 V). Here

@@ -2,8 +2,8 @@
 #ifndef SENSORLESS_COMPILER_H
 #define SENSORLESS_COMPILER_H
 
-/* With compilers other than gcc and clang, define CORE_SQRTF as their square root of a float. Of
- * CORE_FABSF, the magnitude of a float, even the magnitude of -0 is 0. */
+/* With compilers other than gcc and clang, define CORE_SQRTF as their square root of a float.
+ * CORE_FABSF is the magnitude of a float: 0 also for -0. */
 #if defined(__GNUC__)
 #ifndef CORE_INLINE
 #define CORE_INLINE static inline __attribute__((always_inline))

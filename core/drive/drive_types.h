@@ -71,8 +71,8 @@ typedef struct {
     estimate_t est;  /* blended estimate at k */
     ab_t u_1;        /* voltage that acts over [k, k+1], stator frame [V] */
     ab_t u_2;        /* voltage that acted over [k-1, k] [V] */
-    float theta_hfi; /* compensated angle of the injection estimator at k [rad] */
-    float theta_smo; /* angle of the observer in use at k [rad] */
+    float theta_hfi; /* compensated angle of injection at k; coupled: est plus err_hfi [rad] */
+    float theta_smo; /* angle of the observer in use at k; coupled: est plus eps [rad] */
     float k_s;       /* weight in force */
     int32_t check;   /* word of the state from which the next period checks, see drive_check.h */
     int fault;       /* FAULT_* bits, kept until the caller clears them */

@@ -4,7 +4,7 @@
  * dq: a rotor frame, d on the magnet flux. Angles are electrical [rad] in [-pi, pi]; an angle
  * error is always truth minus estimate, wrapped.
  *
- * Everything here is branch-free (selects), see vector.h.
+ * Choices are selects, but for the short cuts that firmware takes, see vector.h.
  */
 #ifndef SENSORLESS_FRAMES_H
 #define SENSORLESS_FRAMES_H

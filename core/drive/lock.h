@@ -68,7 +68,7 @@ typedef struct {
     float emf;        /* low-passed magnitude of the auxiliary flux's EMF [V] */
     float omega;      /* low-passed estimated speed [rad/s] */
     float i_off;      /* mean distance of the torque current from its reference [A] */
-    float answer;     /* low-passed answer to the injection, less the least one [A] */
+    float answer;     /* low-passed margin of the injection's answer, below 0 beyond a bound [A] */
     int32_t wait;     /* periods until the second part; the first comes at 1 */
     int32_t bad;      /* evaluations since the first failed one, 0 without; see LOCK_GRACE */
     int32_t calm;     /* passed evaluations in a row */

@@ -4,8 +4,8 @@
  *   CATCH   current held at zero; the sliding-mode observer's EMF shows whether the shaft spins
  *   FLY     it does: the EMF's direction gives angle and polarity, its rotation the signed speed;
  *           the observer's loop settles
- *   SCAN    it does not, or slowly: injection along alpha, then along beta. The responses are rows
- *           of the inverse inductance in the stator frame; their anisotropic part points along
+ *   SCAN    it does not, or slowly: injection along alpha, then along beta. The responses are
+ *           the columns of the inverse inductance in the stator frame; their anisotropic part points along
  *           twice the rotor angle. So the axis is found at every angle, without machine parameters
  *   LOCK    the injection estimator settles on that axis
  *   POLE    current pulses along the axis, forwards and backwards with equal volt-seconds: the iron

@@ -161,7 +161,7 @@ CORE_INLINE dq64_t plant_current(const plant_state_t *x, int detail) {
 }
 
 /* Slope of the stator current: di/dt = gamma u + drift, in the stator frame at the present
- * instant. */
+ * instant. With detail it leaves out k_iron and how the harmonics change as the rotor turns. */
 typedef struct {
     float aa, ab, bb; /* gamma, the inverse of the incremental inductance [1/H] */
     float drift_a;    /* [A/s] */
