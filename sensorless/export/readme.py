@@ -15,6 +15,15 @@ from sensorless.observers.bring_up_design import plan_bring_up
 from sensorless.table.ks_table import KsTable
 
 
+TWO = """\
+The drive has two estimators of the rotor angle: high-frequency injection and the {observer}. The
+schedule gives the weight `k_s` (1: injection leads, 0: the {observer} leads)"""
+ONE = """\
+The drive has one estimate of the rotor, that of the {observer}, from voltages and high-frequency
+injection together. The schedule gives `k_s`, the weight with which injection corrects it (1: fully,
+0: voltages alone)"""
+
+
 def readme(
     table: KsTable,
     motor: Motor,
@@ -43,6 +52,9 @@ def readme(
         Verdict, and what is said about the two thresholds.
     """
     plan = plan_bring_up(motor)
+    leads = (ONE if observer == "coupled" else TWO).format(
+        observer=observer_name(observer).replace("SMO", "sliding-mode observer")
+    )
     judged = plan.u_lost > 0.0
     tables = fault_tables(bool(table.gains), judged)
     if plan.limits:
@@ -63,7 +75,7 @@ def readme(
         + (", duty formula and dead time" if judged else " and duty formula"),
         check_ms=f"{1e3 * check_time:.0f}",
         periods=periods,
-        observer=observer_name(observer).replace("SMO", "sliding-mode observer"),
+        leads=leads,
         axes=axes,
         drive_vectors=vectors[1],
         table_bytes=20 * vectors[0],

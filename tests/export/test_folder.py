@@ -72,6 +72,16 @@ def test_the_readme_names_the_observer_that_leads(
 
 
 @pytest.mark.usefixtures("without_selftest")
+def test_the_readme_of_a_coupled_drive_knows_one_estimate(
+    tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
+) -> None:
+    done = export(table, motor, replace(design, estimator="coupled"), tmp_path / "out")
+    said = (done.folder / "README.md").read_text(encoding="utf-8")
+    assert "one estimate of the rotor, that of the coupled observer" in said
+    assert "two estimators" not in said
+
+
+@pytest.mark.usefixtures("without_selftest")
 @pytest.mark.usefixtures("whole_run")
 def test_the_same_policy_gives_the_same_files(
     exported: Exported, tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
