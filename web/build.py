@@ -40,7 +40,7 @@ def main() -> None:
     parser.add_argument("page", type=Path, nargs="?", default=BUILD / "playground.html")
     path = parser.parse_args().page
     try:
-        print(f"wrote {path}, {build(path) / 1000:.0f} KB")
+        print(f"wrote {path}, {build(path) / 1000:.0f} kB")
     except UserError as error:
         sys.exit(f"error: {error}")
 

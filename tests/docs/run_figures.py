@@ -35,7 +35,7 @@ def test_losses_of_the_weakest_motor(monkeypatch: pytest.MonkeyPatch) -> None:
             outcomes(make_policy("eq25", motor), [made], "stress", 1, 200).lost.sum()
         )
     (worst,) = (name for name in lost if lost[name])
-    told = f"on six of the seven motors, and {lost[worst]} ({lost[worst] / 2:.0f} %) on `{worst}`"
+    told = f"on six of the seven motors, and {lost[worst]} ({lost[worst] / 2:g} %) on `{worst}`"
     assert len(lost) == 7 and told in text(DOCS / "index.md")
 
 

@@ -43,8 +43,8 @@ def test_sizes_of_a_drive_and_of_a_block() -> None:
     size = SIM.itemsize
     page = text(DOCS / "performance.md")
     assert f"A drive is {size} bytes, {size // 8} units" in page
-    assert f"a block is {LANES * size / 1000:.0f} KB" in page
-    assert f"of which {size / 1000:.1f} KB are the drive with its twin" in page
+    assert f"a block is {LANES * size / 1000:.0f} kB" in page
+    assert f"of which {size / 1000:.1f} kB are the drive with its twin" in page
 
 
 @pytest.mark.parametrize("name", ["README.md", "docs/index.md"])
