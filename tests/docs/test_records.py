@@ -151,6 +151,24 @@ def test_drives_that_know_that_they_are_lost() -> None:
     assert f"`restart` keeps {kept} of the {of} drives that `report` loses" in flat
 
 
+def test_returns_of_three_rules() -> None:
+    policies = record("returns")["policies"]
+    page = text("how-it-learns.md")
+    labels = {
+        "logistic-tuned": "`logistic-tuned`",
+        "eq25": "Eq. 25",
+        "gated-tuned": "`gated-tuned`",
+    }
+    for name, found in policies.items():
+        (row,) = re.findall(rf"^\| {labels[name]} \| (−.*)\|$", page, re.MULTILINE)
+        slow = found["5 ms"]
+        values = [-slow["return"], -found["1 ms"]["return"], slow["lost"]]
+        values += [100.0 * found[x] for x in ("torque_dev_rms", "torque_ripple_rms")]
+        assert all(map(near, re.findall(r"[\d.]+", row), values)), name
+    worst = min(x["5 ms"]["worst"] for x in policies.values())
+    assert f"what the worst survivor pays ({-worst:.0f})" in page
+
+
 def test_share_of_the_headroom() -> None:
     found = record("clairvoyant")
     page = text("judge-a-schedule.md")
