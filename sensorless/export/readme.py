@@ -14,7 +14,6 @@ from sensorless.machine.motor import Motor
 from sensorless.observers.bring_up_design import plan_bring_up
 from sensorless.table.ks_table import KsTable
 
-
 TWO = """\
 The drive has two estimators of the rotor angle: high-frequency injection and the {observer}. The
 schedule gives the weight `k_s` (1: injection leads, 0: the {observer} leads)"""
