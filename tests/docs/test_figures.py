@@ -16,8 +16,9 @@ from sensorless.evaluation.trace_summary import plateaus
 from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import LEAST
 from sensorless.observers.coupled_design import LAYER_SPEED, Bandwidths, bandwidths
+from sensorless.observers.lock_design import most_answer
 from sensorless.observers.start_design import peaks, polarity_pulse
-from sensorless.observers.tracking import voltage_drift
+from sensorless.observers.tracking import dead_time_noise, flux_noise, voltage_drift
 from sensorless.policies.registry import make_policy
 from sensorless.suitability import seen
 from tests.helpers.documentation import ROOT, text
@@ -45,6 +46,32 @@ def test_sizes_of_a_drive_and_of_a_block() -> None:
     assert f"A drive is {size} bytes, {size // 8} units" in page
     assert f"a block is {LANES * size / 1000:.0f} kB" in page
     assert f"of which {size / 1000:.1f} kB are the drive with its twin" in page
+
+
+def test_units_that_a_block_leaves_out() -> None:
+    header = (ROOT / "build" / "generated" / "sim_fields.h").read_text(encoding="utf-8")
+    (runs,) = re.findall(r"#define SIM_UNIT_RUNS \{(.*)\}", header)
+    copied = sum(int(end) - int(first) for first, end in re.findall(r"\{(\d+), (\d+)\}", runs))
+    left = SIM.itemsize // 8 - copied
+    assert f"leaves out the {left} units" in text(DOCS / "performance.md")
+
+
+def test_trust_near_zero_current() -> None:
+    page = text(DOCS / "coupled-observer.md")
+    told = re.findall(r"`(\w+)` with ([\d.]+)(?: σ)? and `(\w+)` with ([\d.]+),", page)[0]
+    for name, value in (told[:2], told[2:]):
+        motor = Motor.load(name)
+        assert near(value, dead_time_noise(motor) / flux_noise(motor)), name
+
+
+def test_bounds_on_the_answer_of_the_injection() -> None:
+    page = text(DOCS / "lock-trials.md")
+    out = re.findall(
+        r"at ([\d.]+) times the answer .* on `(\w+)` and at ([\d.]+) times on `(\w+)`", page
+    )
+    value, name, other_value, other = out[0]
+    for told, motor in ((value, Motor.load(name)), (other_value, Motor.load(other))):
+        assert near(told, most_answer(motor) / (0.5 * motor.T_s / motor.L_d)), motor.name
 
 
 @pytest.mark.parametrize("name", ["README.md", "docs/index.md"])
