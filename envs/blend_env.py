@@ -103,7 +103,7 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     settings_type: type[BlendSettings] = BlendSettings
 
     def __init__(self, *, render_mode: str | None = None, **settings: Any) -> None:
-        self.batch = BlendBatch(1, self.settings_type(**settings))
+        self.batch = BlendBatch(1, self.settings_type.by_name(settings))
         self.render_mode = checked_render_mode(render_mode, self.metadata["render_modes"])
         decision = self.batch.periods * self.batch.motor.T_s
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / decision))}

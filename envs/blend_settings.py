@@ -24,7 +24,7 @@ from sensorless.settings import check, number
 Sampler = Callable[[Motor, Seeds], Scenarios]
 KINDS: dict[str, tuple[Any, str]] = {
     "motor": (Motor | str | Path, "the name of a shipped machine, a TOML file, or a Motor"),
-    "design": (DriveDesign, "a DriveDesign"),
+    "design": (DriveDesign, "a DriveDesign, such as DriveDesign(estimator='flux')"),
     "scenarios": (Callable, "a function of (motor, seeds) that draws Scenarios"),
     "weights": (RewardWeights | WindowWeights, "RewardWeights or WindowWeights"),
 }
@@ -52,6 +52,26 @@ class BlendSettings:
     """Gains that the agent sets besides k_s, by name, in the order of the action."""
     gain_ranges: Mapping[str, Gain] = field(default_factory=dict)
     """Ranges other than those of ``gains.DEFAULT``, a `core.gains.Gain` by name."""
+
+    @classmethod
+    def by_name(cls, settings: Mapping[str, Any]) -> "BlendSettings":
+        """Settings from the keywords of an environment.
+
+        Raises
+        ------
+        UserError
+            A name is unknown, or as for the fields.
+        """
+        for name, value in settings.items():
+            if name in DriveDesign.__dataclass_fields__:
+                raise UserError(
+                    f"{name}: {shown(value)}: is a setting of the drive; give "
+                    f"design=DriveDesign({name}={shown(value)}) of sensorless.design.drive"
+                )
+            if name not in cls.__dataclass_fields__:
+                known = ", ".join(cls.__dataclass_fields__)
+                raise UserError(f"{name}: {shown(value)}: is unknown; choose from {known}")
+        return cls(**settings)
 
     @property
     def ranges(self) -> dict[str, Gain]:

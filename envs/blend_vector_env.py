@@ -74,7 +74,7 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
     ) -> None:
         mode = _checked_mode(autoreset_mode)
         self.num_envs = checked_count(num_envs)
-        self.batch = BlendBatch(num_envs, self.settings_type(**settings))
+        self.batch = BlendBatch(num_envs, self.settings_type.by_name(settings))
         self.render_mode = checked_render_mode(render_mode, ())
         self.metadata = {"render_modes": [], "autoreset_mode": mode}
         self.single_observation_space, self.single_action_space = spaces(self.batch.n_actions)
