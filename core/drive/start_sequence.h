@@ -5,8 +5,9 @@
  *   FLY     it does: the EMF's direction gives angle and polarity, its rotation the signed speed;
  *           the observer's loop settles
  *   SCAN    it does not, or slowly: injection along alpha, then along beta. The responses are
- *           the columns of the inverse inductance in the stator frame; their anisotropic part points along
- *           twice the rotor angle. So the axis is found at every angle, without machine parameters
+ *           columns of the inverse inductance in the stator frame; their anisotropic part points
+ *           along twice the rotor angle. So the axis is found at every angle, without
+ *           machine parameters
  *   LOCK    the injection estimator settles on that axis
  *   POLE    current pulses along the axis, forwards and backwards with equal volt-seconds: the iron
  *           saturates in one of them, which draws more current (the flux map says which)
