@@ -113,7 +113,7 @@ def resume(
         or the run has other settings than those ``given`` or ``asked`` for.
     """
     old, known, table = reopen(folder)
-    refuse_settings(known, asked, str(folder), "train anew")
+    refuse_settings(known.settings, asked, str(folder), known.motor, "train anew")
     _refuse_given(old, given, folder)
     design = DriveDesign(**known.settings)
     motor = None if "motor" in given else known.motor

@@ -183,21 +183,25 @@ def _difference(then: Motor, now: Motor) -> str:
 
 
 def refuse_settings(
-    known: Carried, asked: Mapping[str, Any], word: str, way_out: str = "add --override"
+    brought: Mapping[str, Any],
+    asked: Mapping[str, Any],
+    word: str,
+    motor: Motor | None = None,
+    way_out: str = "add --override",
 ) -> None:
-    """Refuse settings that a schedule was not made with.
+    """Refuse settings that contradict those that a policy made for ``motor`` brings.
 
     Raises
     ------
     UserError
-        Names the schedule by ``word``, its value and the one asked for.
+        Names the policy by ``word``, its value and the one asked for.
     """
-    settings = numbers(known.settings, known.motor)
+    settings = numbers(brought, motor)
     for name, value in asked.items():
-        if name not in settings or value == known.settings[name]:
+        if name not in settings or value == brought[name]:
             continue
         if not same(settings[name], value):
             raise UserError(
-                f"set: {name}={text_of(value)} was asked for, but {word} was made with "
+                f"set: {name}={text_of(value)} was asked for, but {word} brings "
                 f"{name}={text_of(settings[name])}: leave it out, or {way_out}"
             )

@@ -1,7 +1,8 @@
 """The machine, the drive and the policies of one command, from its words and what policies carry.
 
-A trained or tuned policy brings its machine and its settings. What a command asks for must agree
-with them, unless it overrides; a rule by its name takes what is asked for, or else the defaults.
+A trained or tuned policy brings its machine and its settings, a rule or a Python policy those that
+it names. What a command asks for must agree with them, unless it overrides; what is not brought is
+as the command asks, or else the default.
 """
 
 import dataclasses
@@ -14,7 +15,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.design.words import asked_for, text_of
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
-from sensorless.policies.registry import carried_by, make_policies
+from sensorless.policies.registry import carried_by, make_policies, make_policy
 from sensorless.policy import Policy
 
 DEFAULT_MOTOR = "paper"
@@ -40,9 +41,8 @@ class Bench:
         """Policies by name, as ``make_policies``."""
         made = make_policies(specs, self.motor, override=self.override)
         if self.override:
-            for spec, policy in zip(specs, made.values(), strict=True):
-                if carried_by(spec) is not None:
-                    policy.settings = {**policy.settings, **self.asked}
+            for policy in made.values():
+                policy.settings = {**policy.settings, **self.asked}
         return made
 
     def on(self, motor: Motor) -> "Bench":
@@ -87,7 +87,10 @@ def bench(
         why = "was asked for" if motor is not None else "comes with the first policy"
         for spec, known in brought.items():
             refuse_other(known, machine, spec, why)
-            refuse_settings(known, asked, spec)
+            refuse_settings(known.settings, asked, spec, known.motor)
+        for spec in specs if asked else ():
+            if spec not in brought:
+                refuse_settings(make_policy(spec, machine).settings, asked, spec)
     notes = (_changed(spec, known, asked) for spec, known in brought.items())
     design = dataclasses.replace(DriveDesign(), **asked)
     return Bench(machine, design, asked, override, tuple(filter(None, notes)))

@@ -122,7 +122,7 @@ def make_policy(spec: str, motor: Motor, *, override: bool = False) -> Policy:
 
 
 def carried_by(spec: str) -> Carried | None:
-    """Machine and settings that a policy brings along; None for a rule by its name.
+    """Machine and settings that a file brings along; None for a rule by its name, or Python.
 
     Raises
     ------

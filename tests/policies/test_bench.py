@@ -98,8 +98,25 @@ def test_override_wins_for_that_setting_alone(tmp_path: Path) -> None:
     found = bench([spec], "ipmsm_2200w", ["hfi_pll_hz=20"], override=True)
     assert found.motor == Motor.load("ipmsm_2200w")
     assert design_for(found.policy(spec), found.design) == replace(FAST, hfi_pll_hz=20.0)
-    rule = bench(["sliding_mode"], None, ["estimator=flux"], override=True)
-    assert design_for(rule.policy("sliding_mode"), rule.design).estimator == "smo"
+
+
+@pytest.mark.parametrize("spec", ["sliding_mode", "bench_own:OnSmo"])
+def test_a_rule_and_python_keep_what_they_name(
+    spec: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What contradicts their estimator is refused, or overrides, as with a file."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bench_own.py").write_text(
+        'class OnSmo:\n    settings = {"estimator": "smo"}\n'
+        "    def __init__(self, motor):\n        pass\n"
+        "    def act(self, obs):\n        return [0.5] * len(obs)\n"
+    )
+    with pytest.raises(UserError, match=rf"set: estimator=flux .* {spec} brings estimator=smo: .*"):
+        bench(["eq25", spec], None, ["estimator=flux"])
+    same = bench([spec], None, ["estimator=smo", "hfi_pll_hz=20"])
+    assert design_for(same.policy(spec), same.design).hfi_pll_hz == 20.0
+    found = bench([spec], None, ["estimator=flux"], override=True)
+    assert design_for(found.policy(spec), found.design).estimator == "flux"
 
 
 def test_policies_of_two_machines_are_refused(tmp_path: Path) -> None:
