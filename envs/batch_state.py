@@ -29,12 +29,17 @@ class BatchState:
 
 def made_on(n: int, motor: Motor, settings: BlendSettings) -> dict[str, Any]:
     """What must be equal, by name, where a state is restored."""
+    draw, weights = settings.scenarios, settings.weights
+    name = getattr(draw, "__qualname__", type(draw).__qualname__)
     return {
         "num_envs": n,
         "motor": f"{motor.name}, digest {motor.digest[:16]}",
+        "scenarios": f"{draw.__module__}.{name}",
         "decision_period": settings.decision_period,
+        "max_episode_steps": settings.max_episode_steps,
         "gains": settings.ranges,
-        "weights": type(settings.weights).__name__,
+        "weights": type(weights).__name__,
+        **{f"weights.{name}": value for name, value in asdict(weights).items()},
         **asdict(settings.design),
     }
 
@@ -50,9 +55,10 @@ def checked_state(state: object, made: Mapping[str, Any]) -> BatchState:
     if not isinstance(state, BatchState):
         raise UserError(f"state: {shown(state)}; restore what state() gave")
     for name, own in made.items():
-        if state.made[name] != own:
+        then = state.made.get(name)
+        if then != own:
             raise UserError(
-                f"state: {name}: it was made with {shown(state.made[name])}, this environment with "
+                f"state: {name}: it was made with {shown(then)}, this environment with "
                 f"{shown(own)}; restore it where they are equal"
             )
     return state

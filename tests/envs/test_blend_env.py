@@ -15,6 +15,7 @@ from sensorless.envs.blend_env import BlendEnv
 from sensorless.envs.privileged import N_PRIVILEGED, PRIVILEGED
 from sensorless.envs.reward import TERMS, RewardWeights
 from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.envs.scenarios.stress import nominal_scenarios
 from sensorless.envs.window_reward import WindowWeights
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -164,6 +165,9 @@ def test_restore_goes_back() -> None:
         ({"design": DriveDesign(speed_hz=3.0)}, "state: speed_hz: .*; restore it where they are"),
         ({"gains": ("l_q",)}, "state: gains: it was made with {}, this environment with {'l_q': "),
         ({"weights": WindowWeights()}, "state: weights: .*'RewardWeights', .*'WindowWeights'"),
+        ({"weights": RewardWeights(lost=5.0)}, r"state: weights\.lost: .* 1000.0, .* with 5.0"),
+        ({"scenarios": nominal_scenarios}, "state: scenarios: .*stress_1_scenarios', .*nominal"),
+        ({"max_episode_steps": 7}, "state: max_episode_steps: it was made with None, .* with 7"),
     ],
 )
 def test_a_state_of_other_settings_is_refused(settings: dict[str, Any], message: str) -> None:
