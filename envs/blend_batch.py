@@ -21,7 +21,7 @@ from sensorless.core.api import (
 from sensorless.core.gains import gain_records, ranks
 from sensorless.decision import whole_periods
 from sensorless.envs.batch_state import BatchState, checked_state, made_on
-from sensorless.envs.blend_settings import BlendSettings
+from sensorless.envs.blend_settings import BlendSettings, checked_actions
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.privileged import FIXED, Values, fixed, privileged
 from sensorless.envs.reward import Term, terms, total
@@ -51,9 +51,6 @@ class Outcome:
     ended: Flags
     """The scenario is over, or even its sensored twin tripped: the episode is truncated."""
 
-
-ROUNDING = np.float32(1.000001)
-"""Largest magnitude of an action: rounding may carry one past 1, where it is clipped."""
 
 AT_ONCE = 512
 """Drives made or copied at a time, to bound the memory that this takes."""
@@ -186,24 +183,12 @@ class BlendBatch:
         Raises
         ------
         UserError
-            An action is not a number from -1 to 1; the message names the first one.
+            As ``checked_actions``.
         """
-        n, m = len(self), self.n_actions
-        action = np.asarray(actions, dtype=np.float32)
-        if action.shape != (n, m) and not (1 in (n, m) and action.shape == (n * m,)):
-            wanted = (n, m) if n > 1 else (m,)
-            raise UserError(f"action: shape {action.shape}; give shape {wanted}")
-        action = action.reshape(n, m)
-        good = np.abs(action) <= ROUNDING
-        if np.count_nonzero(good) < n * m:
-            bad = int(np.argmin(good.all(axis=1)))
-            value = np.reshape(actions, (n, m))[bad]
-            shown = value[0] if m == 1 else value
-            raise UserError(f"action[{bad}]: {shown}; give -1 to 1, which is k_s from 0 to 1")
-        action = np.clip(action, np.float32(-1.0), np.float32(1.0))
+        action = checked_actions(actions, len(self), self.n_actions)
         k_s = np.float32(0.5) * action[:, 0] + np.float32(0.5)
         if self._columns:
-            self._gains["wanted"][:, : m - 1] = action[:, self._columns]
+            self._gains["wanted"][:, : len(self._columns)] = action[:, self._columns]
         gains = self._gains if self._columns else None
         sim_run(self._sims, self.periods, k_s, self._signals, gains)
         self._sums = self._copied_sums()

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, SupportsIndex
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from sensorless.core.gains import DEFAULT, GAIN_NAMES, Gain
 from sensorless.decision import RUNNING, TRAINING
@@ -29,6 +30,8 @@ KINDS: dict[str, tuple[Any, str]] = {
     "weights": (RewardWeights | WindowWeights, "RewardWeights or WindowWeights"),
 }
 """Types of fields that are no numbers, and those types in words."""
+ROUNDING = np.float32(1.000001)
+"""Largest magnitude of an action: rounding may carry one past 1, where it is clipped."""
 
 
 @dataclass(frozen=True)
@@ -171,6 +174,35 @@ def checked_seeds(seed: object, n: int) -> list[int | None]:
     if not isinstance(seed, Sequence | np.ndarray) or len(seed) != n:
         raise UserError(f"seed: {seed!r}; give None, a whole number, or a list of {n}")
     return [None if s is None else _seed(s) for s in seed]
+
+
+def checked_actions(actions: ArrayLike, n: int, m: int) -> NDArray[np.float32]:
+    """Return the actions of n drives, (n, m) within -1 to 1.
+
+    Parameters
+    ----------
+    actions : array, shape (n, m), or flat for one drive or k_s alone
+    n, m : int
+        Drives, and numbers in an action.
+
+    Raises
+    ------
+    UserError
+        The shape is another, or an action is not a number from -1 to 1; the message names the
+        first one.
+    """
+    action = np.asarray(actions, dtype=np.float32)
+    if action.shape != (n, m) and not (1 in (n, m) and action.shape == (n * m,)):
+        wanted = (n, m) if n > 1 else (m,)
+        raise UserError(f"action: shape {action.shape}; give shape {wanted}")
+    action = action.reshape(n, m)
+    good = np.abs(action) <= ROUNDING
+    if np.count_nonzero(good) < n * m:
+        bad = int(np.argmin(good.all(axis=1)))
+        value = np.reshape(actions, (n, m))[bad]
+        text = value[0] if m == 1 else value
+        raise UserError(f"action[{bad}]: {text}; give -1 to 1, which is k_s from 0 to 1")
+    return np.clip(action, np.float32(-1.0), np.float32(1.0))
 
 
 def checked_scenario(options: dict[str, Any] | None, n: int) -> Scenarios | None:

@@ -8,9 +8,10 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike
 
+from sensorless.envs.blend_settings import checked_actions, checked_seeds
 from sensorless.envs.blend_vector_env import BlendVectorEnv, Step
 from sensorless.envs.signals import Observation
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 
 FINAL = ("final_obs", "_final_obs", "final_info", "_final_info")
 
@@ -24,12 +25,12 @@ class SeveralMachines(VectorEnv[Observation, ArrayLike, Any]):
     Parameters
     ----------
     envs : sequence of BlendVectorEnv
-        One or more, all with ``autoreset_mode="SameStep"``.
+        One or more, all with ``autoreset_mode="SameStep"``, one decision period and the same gains.
 
     Raises
     ------
     UserError
-        There is no environment, or one with another autoreset mode.
+        There is no environment, or one with another autoreset mode, decision period or gains.
     """
 
     envs: tuple[BlendVectorEnv, ...] = ()  # what was refused is closed, too, when it is deleted
@@ -39,6 +40,12 @@ class SeveralMachines(VectorEnv[Observation, ArrayLike, Any]):
         if modes != {AutoresetMode.SAME_STEP}:
             found = ", ".join(sorted(mode.value for mode in modes)) or "no environment"
             raise UserError(f"envs: {found}; give one or more with autoreset_mode 'SameStep'")
+        first = envs[0].batch.settings
+        for settings in (env.batch.settings for env in envs):
+            for name in ("decision_period", "gains", "ranges"):
+                one, other = getattr(first, name), getattr(settings, name)
+                if one != other:
+                    raise UserError(f"envs: {name}: {shown(one)} and {shown(other)}; give one")
         self.envs = tuple(envs)
         self.num_envs = sum(env.num_envs for env in envs)
         self.render_mode = None
@@ -61,20 +68,19 @@ class SeveralMachines(VectorEnv[Observation, ArrayLike, Any]):
         Raises
         ------
         UserError
-            There are options: scenarios belong to one machine.
+            There are options, since scenarios belong to one machine, or as ``checked_seeds``.
         """
         if options:
             raise UserError(f"options: {', '.join(options)}; several machines take no options")
-        seeds = range(seed, seed + self.num_envs) if isinstance(seed, int) else seed
+        seeds = checked_seeds(seed, self.num_envs)
         parts = [
-            env.reset(seed=None if seeds is None else list(seeds[rows]))
-            for env, rows in zip(self.envs, self._rows, strict=True)
+            env.reset(seed=seeds[rows]) for env, rows in zip(self.envs, self._rows, strict=True)
         ]
         return np.concatenate([obs for obs, _ in parts]), _joined([info for _, info in parts])
 
     def step(self, actions: ArrayLike) -> Step:
         """Advance every drive by one decision; as in ``BlendVectorEnv``."""
-        action = np.asarray(actions)
+        action = checked_actions(actions, self.num_envs, self.envs[0].batch.n_actions)
         parts = [env.step(action[rows]) for env, rows in zip(self.envs, self._rows, strict=True)]
         obs, reward, terminated, truncated, infos = zip(*parts, strict=True)
         return (

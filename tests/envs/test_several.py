@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sensorless.envs.blend_v1 import GainVectorEnv
 from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import Seeds
 from sensorless.envs.scenarios.machine_family import family
@@ -84,5 +85,40 @@ def test_what_cannot_be_joined_is_refused() -> None:
         SeveralMachines(envs("NextStep"))
     with pytest.raises(UserError, match="no environment"):
         SeveralMachines([])
+    slow = BlendVectorEnv(2, autoreset_mode="SameStep", decision_period=2e-3)
+    with pytest.raises(UserError, match=r"envs: decision_period: 0\.001 and 0\.002; give one"):
+        SeveralMachines([*envs(), slow])
+    gains = GainVectorEnv(2, autoreset_mode="SameStep", decision_period=1e-3)
+    with pytest.raises(UserError, match=r"envs: gains: \(\) and \('observer', "):
+        SeveralMachines([*envs(), gains])
     with pytest.raises(UserError, match="options: scenario; several machines take no options"):
         SeveralMachines(envs()).reset(seed=1, options={"scenario": None})
+
+
+@pytest.mark.parametrize(
+    ("seed", "message"),
+    [([1, 2], r"seed: \[1, 2\]; give .* a list of 6"), ([1] * 7, "a list of 6"), (-1, "seed: -1")],
+)
+def test_wrong_seeds_are_named(seed: Any, message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        SeveralMachines(envs()).reset(seed=seed)
+
+
+def test_a_seed_of_numpy_is_a_seed() -> None:
+    seeds: list[Any] = [1, np.int64(1)]
+    whole, again = (SeveralMachines(envs()).reset(seed=seed)[0] for seed in seeds)
+    np.testing.assert_array_equal(whole, again)
+
+
+def test_wrong_actions_are_named_and_nothing_moves() -> None:
+    several = SeveralMachines(envs())
+    several.reset(seed=1)
+    before = [env.state().sims.tobytes() for env in several.envs]
+    for n in (5, 7):
+        with pytest.raises(UserError, match=rf"action: shape \({n}, 1\); give shape \(6, 1\)"):
+            several.step(np.zeros((n, 1)))
+    action = np.zeros((6, 1))
+    action[4] = np.nan
+    with pytest.raises(UserError, match=r"action\[4\]: nan; give -1 to 1"):
+        several.step(action)
+    assert before == [env.state().sims.tobytes() for env in several.envs]
