@@ -6,6 +6,7 @@
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,12 @@ GAIN_NAMES = tuple(enumeration("GAIN_"))
 Values = NDArray[np.float32]
 """Values (n, GAIN_N) from -1 to 1; 0 is the static gain."""
 
+RANGE = (
+    "sensorless.core.gains.Gain(low, high, settle): factors on the static gain, low above 0 and at "
+    "most 1, high at least 1, and settle above 0 [s], all finite"
+)
+"""A usable ``Gain``, for messages."""
+
 
 @dataclass(frozen=True)
 class Gain:
@@ -31,6 +38,13 @@ class Gain:
     settle: float = 0.01
     """Time constant with which the value follows the one wanted [s]; twice as fast as the signals
     of a schedule change."""
+
+    @property
+    def usable(self) -> bool:
+        """Whether the range holds the static gain, and a value ever arrives."""
+        if not all(isinstance(x, Real) for x in (self.low, self.high, self.settle)):
+            return False
+        return 0.0 < self.low <= 1.0 <= self.high < math.inf and 0.0 < self.settle < math.inf
 
     def limits(self, decision: float) -> dict[str, float]:
         """Fields of ``gain_limits_t`` with ``decision`` seconds from one decision to the next.

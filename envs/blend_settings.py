@@ -1,6 +1,5 @@
 """What a user hands to the environments, and the checks on it."""
 
-import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,7 +9,7 @@ from typing import Any, SupportsIndex
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sensorless.core.gains import DEFAULT, GAIN_NAMES, Gain
+from sensorless.core.gains import DEFAULT, GAIN_NAMES, RANGE, Gain
 from sensorless.decision import RUNNING, TRAINING
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import Seeds
@@ -111,11 +110,8 @@ class BlendSettings:
         for name, x in self.gain_ranges.items():
             if name not in names:
                 raise UserError(f"gain_ranges: {name!r} is not in gains = {names}; add it there")
-            if not isinstance(x, Gain) or not 0.0 < x.low <= 1.0 <= x.high < math.inf:
-                raise UserError(
-                    f"gain_ranges: {name}: {shown(x)}; give sensorless.core.gains.Gain(low, high), "
-                    "factors on the static gain, low above 0 and at most 1, high at least 1"
-                )
+            if not isinstance(x, Gain) or not x.usable:
+                raise UserError(f"gain_ranges: {name}: {shown(x)}; give {RANGE}")
         object.__setattr__(self, "gains", names)
 
 

@@ -5,8 +5,8 @@
     sensorless certify examples.own_policy:Model --size 20000
 
 NAME is a class or a function of the motor. What it gives must have ``act``; ``name``, ``settings``
-(of the drive, for example ``{"estimator": "smo"}``) and ``reset(n)`` are optional, and so are
-``ranges`` and ``act_gains`` of a policy that sets gains besides.
+(of the drive, for example ``{"estimator": "smo"}``) and ``reset(n)`` are optional. A policy that
+sets gains besides has ``ranges`` and ``act_gains`` both: one without the other is refused.
 """
 
 from pathlib import Path

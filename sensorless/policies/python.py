@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.core.gains import GAIN_N, GAIN_NAMES, Gain, Values
+from sensorless.core.gains import GAIN_N, GAIN_NAMES, RANGE, Gain, Values
 from sensorless.design.drive import DriveDesign
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Settings, Signals, gains_of
 
@@ -63,12 +63,18 @@ class PythonPolicy:
             raise self._error(f"settings: {_kind(self.settings)}; give settings by name")
         with self._told("settings"):
             dataclasses.replace(DriveDesign(), **self.settings)
-        kinds = isinstance(self.ranges, Mapping) and all(
-            name in GAIN_NAMES and isinstance(x, Gain) for name, x in self.ranges.items()
-        )
-        if not kinds or (self.ranges and not callable(getattr(own, "act_gains", None))):
-            names = ", ".join(GAIN_NAMES)
-            raise self._error(f"ranges: give a Gain to some of {names}, and act_gains(obs)")
+        sets = callable(getattr(own, "act_gains", None))
+        if not isinstance(self.ranges, Mapping):
+            raise self._error(f"ranges: {shown(self.ranges)}; give a Gain by name")
+        if (sets and not hasattr(own, "ranges")) or (self.ranges and not sets):
+            has, lacks = ("act_gains", "ranges") if sets else ("ranges", "act_gains(obs)")
+            raise self._error(f"has {has} without {lacks}; give both, or neither for k_s alone")
+        for gain, x in self.ranges.items():
+            if gain not in GAIN_NAMES:
+                known = ", ".join(GAIN_NAMES)
+                raise self._error(f"ranges: {shown(gain)} is unknown; choose from {known}")
+            if not isinstance(x, Gain) or not x.usable:
+                raise self._error(f"ranges: {gain}: {shown(x)}; give {RANGE}")
 
     def reset(self, n: int) -> None:
         """Forget the past before n drives start, if it has any."""

@@ -7,6 +7,7 @@ import pytest
 
 from sensorless.core.api import SIGNAL_N
 from sensorless.core.gains import GAIN_N, Gain
+from sensorless.envs.blend_settings import GainSettings
 from sensorless.errors import UserError
 from sensorless.evaluation.certify import certify
 from sensorless.machine.motor import Motor
@@ -127,14 +128,36 @@ def test_rounding_beyond_the_range_is_clipped() -> None:
         ({"settings": ["smo"]}, "settings: an object of type list"),
         ({"settings": {"observer": "smo"}}, "fails in settings: TypeError"),
         ({"settings": {"estimator": "best"}}, "estimator: 'best'"),
-        ({"ranges": {"l_q": Gain(0.8, 1.25)}}, "and act_gains(obs)"),
-        ({"ranges": {"l_q": (0.8, 1.25)}}, "give a Gain"),
+        ({"ranges": {"l_q": Gain(0.8, 1.25)}}, "has ranges without act_gains(obs); give both"),
+        ({"act_gains": lambda self, obs: obs}, "has act_gains without ranges; give both"),
+        ({"ranges": [Gain(0.8, 1.25)]}, "ranges: [Gain(low=0.8, "),
     ],
 )
 def test_parts_of_the_wrong_kind(parts: dict[str, object], said: str) -> None:
     with pytest.raises(UserError) as caught:
         own(**parts)
     assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("ranges", "said"),
+    [
+        ({"l_q": (0.8, 1.25)}, "ranges: l_q: (0.8, 1.25); give sensorless.core.gains.Gain(low, "),
+        ({"L_q": Gain(0.8, 1.25)}, "ranges: 'L_q' is unknown; choose from observer"),
+        ({"l_q": Gain(0.0, 1.0)}, "ranges: l_q: Gain(low=0.0, high=1.0"),
+        ({"l_q": Gain(-1.0, np.inf)}, "high=inf"),
+        ({"l_q": Gain(2.0, 3.0)}, "low above 0 and at most 1"),
+        ({"l_q": Gain(3.0, 0.3)}, "high at least 1"),
+        ({"l_q": Gain(0.8, 1.25, 0.0)}, "settle above 0"),
+        ({"l_q": Gain("low", 1.25)}, "Gain(low='low'"),  # type: ignore[arg-type]
+    ],
+)
+def test_ranges_are_those_that_the_environment_takes(ranges: dict[str, Gain], said: str) -> None:
+    with pytest.raises(UserError) as caught:
+        own(ranges=ranges, act_gains=lambda self, obs: np.zeros((len(obs), GAIN_N)))
+    assert said in str(caught.value)
+    with pytest.raises(UserError, match=r"give sensorless\.core\.gains\.Gain|is unknown; choose"):
+        GainSettings(gains=tuple(ranges), gain_ranges=ranges)
 
 
 def test_it_may_set_gains() -> None:
