@@ -25,6 +25,7 @@ from sensorless.envs.blend_settings import BlendSettings, checked_actions
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.privileged import FIXED, Values, fixed, privileged
 from sensorless.envs.reward import Term, terms, total
+from sensorless.envs.scenarios.checked import checked_scenarios
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.signals import Observation, bounded
 from sensorless.envs.window_reward import Window, WindowWeights, window_terms
@@ -142,8 +143,7 @@ class BlendBatch:
         drawn = self.settings.scenarios(self.motor, combine(self._seeds[rows], self._episode[rows]))
         if not isinstance(drawn, Scenarios):
             raise UserError(f"scenarios: gave {shown(drawn)} for {len(rows)} seeds; give Scenarios")
-        if len(drawn) != len(rows):
-            raise UserError(f"scenarios: {len(drawn)} for {len(rows)} seeds; draw one per seed")
+        drawn = checked_scenarios(drawn, len(rows), "scenarios")
         for first in range(0, len(rows), AT_ONCE):
             some = slice(first, first + AT_ONCE)
             fresh = self._prepared(drawn[some])

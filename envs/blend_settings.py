@@ -14,6 +14,7 @@ from sensorless.decision import RUNNING, TRAINING
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import Seeds
 from sensorless.envs.reward import RewardWeights
+from sensorless.envs.scenarios.checked import checked_scenarios
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.envs.window_reward import WindowWeights
@@ -207,7 +208,8 @@ def checked_scenario(options: dict[str, Any] | None, n: int) -> Scenarios | None
     Raises
     ------
     UserError
-        No options by name, an unknown one, or a scenario that is not `Scenarios` of n rows.
+        No options by name, an unknown one, or a scenario that is not `Scenarios` of n rows, or as
+        ``checked_scenarios``.
     """
     if not isinstance(options, Mapping | None):
         raise UserError(f"options: {shown(options)}; give None or {{'scenario': Scenarios}}")
@@ -217,13 +219,10 @@ def checked_scenario(options: dict[str, Any] | None, n: int) -> Scenarios | None
         raise UserError(f"options: {shown(name)} is unknown; the only option is 'scenario'")
     if scenario is None:
         return None
-    if not isinstance(scenario, Scenarios) or len(scenario) != n:
-        raise UserError(f"options['scenario']: {_size(scenario)}; give Scenarios with {n} rows")
-    return scenario
-
-
-def _size(value: object) -> str:
-    return f"{len(value)} rows" if isinstance(value, Scenarios) else shown(value)
+    where = "options['scenario']"
+    if not isinstance(scenario, Scenarios):
+        raise UserError(f"{where}: {shown(scenario)}; give Scenarios with {n} rows")
+    return checked_scenarios(scenario, n, where)
 
 
 def _index(value: object) -> int | None:

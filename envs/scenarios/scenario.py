@@ -112,8 +112,9 @@ class Scenarios:
         """Return the number of scenarios."""
         return len(self.seed)
 
-    def __getitem__(self, rows: slice | Array) -> "Scenarios":
-        """Rows of every field."""
+    def __getitem__(self, rows: int | slice | Array) -> "Scenarios":
+        """Rows of every field; of one row by its number, too."""
+        rows = rows if isinstance(rows, slice) else np.atleast_1d(rows)
         return Scenarios(**{f.name: getattr(self, f.name)[rows] for f in dataclasses.fields(self)})
 
     @classmethod

@@ -189,7 +189,10 @@ def test_gymnasium_wrappers_accept_it() -> None:
         (lambda: make(2).reset(seed=[1]), r"seed: \[1\]; give .* a list of 2"),
         (lambda: make(2).reset(seed=[1, NOT_A_SEED]), "seed: 'x'; give"),
         (lambda: make(0), "num_envs: 0; give"),
-        (lambda: make(2, scenarios=lambda m, s: brief(m, s)[:1]).reset(), "scenarios: 1 for 2"),
+        (
+            lambda: make(2, scenarios=lambda m, s: brief(m, s)[:1]).reset(),
+            "scenarios: 1 rows; .* 2 rows",
+        ),
         (lambda: make(2, scenarios=lambda m, s: None).reset(), "scenarios: gave None for 2 seeds"),
         (lambda: make(2).restore(make(3).state()), "state: num_envs: it was made with 3, .* 2"),
     ],
