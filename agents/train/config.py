@@ -215,6 +215,8 @@ class TrainConfig:
             Names the setting, its value and what it must be.
         """
         check(self)
+        if not self.minutes and not self.steps:
+            raise UserError("minutes, steps: 0 and 0: give one of them above 0")
         if self.monotone and self.policy_kind != "table":
             raise UserError("monotone: True: only a table can be: use policy_kind table")
         if self.gains and self.policy_kind != "table":

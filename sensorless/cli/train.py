@@ -101,6 +101,17 @@ def _train(
     folder = existing(resume) if resume is not None else named_run(str(name))
     given = {k: v for k, v in fields.items() if was_given(context, k)}
     config = TrainConfig(**fields)
+    if given.get("steps") and given.get("minutes"):
+        raise UserError(
+            f"steps, minutes: {config.steps} and {config.minutes:g}: give one of the two: a run "
+            "of --steps takes whatever time that takes"
+        )
+    samples = config.n_envs * config.n_steps
+    if given.get("batch_size", 0) > samples:
+        raise UserError(
+            f"batch_size: {config.batch_size}: an update has {samples} samples, n_envs times "
+            "n_steps; give at most that"
+        )
     run_training(config, asked_for(settings), folder, resume=None if resume is None else given)
     if as_json:
         say_json(json.loads((folder / VERDICT).read_text(encoding="utf-8")))
