@@ -20,6 +20,8 @@ from sensorless.core.api import Array
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
+from sensorless.envs.signals import HIGH, LOW
+from sensorless.errors import UserError
 from sensorless.evaluation.objective import Cost
 from sensorless.evaluation.rollout import rollouts
 from sensorless.policy import Policy, Signals, TablePolicy
@@ -27,6 +29,9 @@ from sensorless.table.ks_table import Axis, KsTable
 
 STRIDE = 5
 """Decisions between two samples of a drive."""
+
+PROBES = 33
+"""Drives with which a teacher is tried for a memory, from the least signals to the largest."""
 
 Progress = Callable[[int, float, Cost], None]
 """Called after a round with its number, the RMS difference of k_s and the table's cost."""
@@ -109,7 +114,7 @@ def distill(
     Parameters
     ----------
     teacher : Policy
-        It must have no memory and set k_s alone.
+        It must have no memory, see ``refuse_memory``, and set k_s alone.
     axes : tuple of Axis
         Axes of the table.
     factory : SimFactory
@@ -156,3 +161,26 @@ def _visit(
     for _ in rollouts(taught, suite(SUITE, factory.motor, drawn, size, "train"), factory):
         pass
     return taught.rms
+
+
+def refuse_memory(teacher: Policy) -> None:
+    """Refuse a policy that answers the same signals otherwise after another past.
+
+    Raises
+    ------
+    UserError
+        Names the policy.
+    """
+    low, high = np.clip(LOW, -1.0, 1.0), np.clip(HIGH, -1.0, 1.0)
+    signals = np.linspace(low, high, PROBES, dtype=np.float32)
+    answers = []
+    for past, decisions in ((low, 3), (high, 20)):
+        teacher.reset(PROBES)
+        for _ in range(decisions):
+            teacher.act(np.tile(past, (PROBES, 1)).astype(np.float32))
+        answers.append(teacher.act(signals))
+    if np.abs(answers[0] - answers[1]).max() > 1e-5:
+        raise UserError(
+            f"policy: {teacher.name} answers the same signals with other weights after another "
+            "past, which no table can; distill one without memory"
+        )

@@ -144,7 +144,7 @@ def distill_command(
         write_atomic(folder / CONFIG, json.dumps(facts, indent=1) + "\n")
         found.table.save(folder / TABLE, {**facts, **found.facts()})
     console.print(
-        f"network: {describe(vars(found.network))}\ntable:   {describe(vars(found.cost))}",
+        f"{teacher.name}: {describe(vars(found.network))}\ntable: {describe(vars(found.cost))}",
         highlight=False,
     )
     if as_json:
@@ -161,8 +161,9 @@ def _teacher(
     Raises
     ------
     UserError
-        It is no network and no policy in Python, or it sets gains.
+        It is no network and no policy in Python, or it sets gains or has a memory.
     """
+    from sensorless.agents.distill import refuse_memory
     from sensorless.agents.loading import load_run
     from sensorless.agents.mlp.schedule import MlpSchedule
     from sensorless.agents.train.run_folder import design_and_motor
@@ -177,6 +178,7 @@ def _teacher(
         own = python_policy(word, motor)
         if gains_of(own):
             raise UserError(f"run: {word!r} sets gains; distill a policy that sets k_s alone")
+        refuse_memory(own)
         return own, design_for(own, DriveDesign()), motor, None, {"policy": word}
     design, motor = design_and_motor(Path(word))
     teacher = load_run(word, motor)

@@ -156,6 +156,13 @@ class Slower:
 class Louder(Slower):
     from sensorless.core.gains import DEFAULT as ranges
     def act_gains(self, obs): return 0
+
+class Lagging(Slower):
+    k_s = 1.0
+    def reset(self, n): self.k_s = 1.0
+    def act(self, obs):
+        self.k_s = 0.9 * self.k_s + 0.1 * Slower.act(self, obs)
+        return self.k_s
 """
 
 
@@ -175,8 +182,11 @@ def test_a_policy_in_python_becomes_a_table(
     assert isinstance(none.exception, UserError) and "give --axes, for" in str(none.exception)
     gains = run("Louder", "--axes", "speed:0:1:17")
     assert isinstance(gains.exception, UserError) and "sets k_s alone" in str(gains.exception)
+    lagging = run("Lagging", "--axes", "speed:0:1:17")
+    assert isinstance(lagging.exception, UserError) and "Lagging" in str(lagging.exception)
+    assert "without memory" in str(lagging.exception) and not (tmp_path / "runs/table").exists()
     done = run("Slower", "--axes", "speed:0:1:17")
-    assert done.exit_code == 0, done.output
+    assert done.exit_code == 0 and "Slower: lost" in done.output, done.output
     policy = make_policy("runs/table", MOTOR)
     assert isinstance(policy, TablePolicy) and policy.settings["estimator"] == "flux"
     np.testing.assert_allclose(policy.table.values[4:9], 1.5 - np.arange(4, 9) / 8, atol=0.05)
