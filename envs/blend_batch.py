@@ -98,7 +98,8 @@ class BlendBatch:
         self._sums = self._copied_sums()
         self._decision = self.periods * self.motor.T_s
         # Column of the action that has each gain, in the order in which they come into force.
-        self._columns = [1 + settings.gains.index(name) for name in ranks(settings.gains)]
+        names = list(settings.ranges)
+        self._columns = [1 + names.index(name) for name in ranks(names)]
         self._gains = gain_records(
             self._sims if self._columns else self._sims[:0], settings.ranges, self._decision
         )

@@ -51,10 +51,6 @@ class BlendSettings:
     )
     max_episode_steps: int | None = None
     """Decisions until truncation; None: run to the scenario's end."""
-    gains: tuple[str, ...] = ()
-    """Gains that the agent sets besides k_s, by name, in the order of the action."""
-    gain_ranges: Mapping[str, Gain] = field(default_factory=dict)
-    """Ranges other than those of ``gains.DEFAULT``, a `core.gains.Gain` by name."""
 
     @classmethod
     def by_name(cls, settings: Mapping[str, Any]) -> "BlendSettings":
@@ -78,8 +74,8 @@ class BlendSettings:
 
     @property
     def ranges(self) -> dict[str, Gain]:
-        """Range of each gain that the agent sets."""
-        return {name: self.gain_ranges.get(name, DEFAULT[name]) for name in self.gains}
+        """Range of each gain that the agent sets besides k_s, in the order of the action: none."""
+        return {}
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -97,6 +93,29 @@ class BlendSettings:
         steps = self.max_episode_steps
         if steps is not None and (_index(steps) or 0) < 1:
             raise UserError(f"max_episode_steps: {steps!r}: must be None or a whole number above 0")
+
+
+@dataclass(frozen=True)
+class GainSettings(BlendSettings):
+    """The same with the defaults of ``sensorless/Blend-v1``, whose agent also sets gains."""
+
+    weights: RewardWeights | WindowWeights = field(default_factory=WindowWeights)
+    decision_period: float = number(
+        TRAINING, "s", 1e-6, 1, "time between decisions, rounded to whole PWM periods"
+    )
+    gains: tuple[str, ...] = tuple(DEFAULT)
+    """Gains that the agent sets besides k_s, by name, in the order of the action."""
+    gain_ranges: Mapping[str, Gain] = field(default_factory=dict)
+    """Ranges other than those of ``gains.DEFAULT``, a `core.gains.Gain` by name."""
+
+    @property
+    def ranges(self) -> dict[str, Gain]:
+        """Range of each gain that the agent sets, in the order of the action."""
+        return {name: self.gain_ranges.get(name, DEFAULT[name]) for name in self.gains}
+
+    def __post_init__(self) -> None:
+        """Check every field; errors as in ``BlendSettings``."""
+        super().__post_init__()
         if not isinstance(self.gains, Sequence):
             raise UserError(f"gains: {shown(self.gains)}; give a tuple of names, () for none")
         if not isinstance(self.gain_ranges, Mapping):
@@ -114,17 +133,6 @@ class BlendSettings:
             if not isinstance(x, Gain) or not x.usable:
                 raise UserError(f"gain_ranges: {name}: {shown(x)}; give {RANGE}")
         object.__setattr__(self, "gains", names)
-
-
-@dataclass(frozen=True)
-class GainSettings(BlendSettings):
-    """The same with the defaults of ``sensorless/Blend-v1``."""
-
-    weights: RewardWeights | WindowWeights = field(default_factory=WindowWeights)
-    decision_period: float = number(
-        TRAINING, "s", 1e-6, 1, "time between decisions, rounded to whole PWM periods"
-    )
-    gains: tuple[str, ...] = tuple(DEFAULT)
 
 
 def checked_render_mode(mode: object, known: Sequence[str]) -> str | None:

@@ -41,9 +41,11 @@ class SeveralMachines(VectorEnv[Observation, ArrayLike, Any]):
             found = ", ".join(sorted(mode.value for mode in modes)) or "no environment"
             raise UserError(f"envs: {found}; give one or more with autoreset_mode 'SameStep'")
         first = envs[0].batch.settings
-        for settings in (env.batch.settings for env in envs):
-            for name in ("decision_period", "gains", "ranges"):
-                one, other = getattr(first, name), getattr(settings, name)
+        for own in (env.batch.settings for env in envs):
+            for name, one, other in (
+                ("decision_period", first.decision_period, own.decision_period),
+                ("gains", list(first.ranges.items()), list(own.ranges.items())),
+            ):
                 if one != other:
                     raise UserError(f"envs: {name}: {shown(one)} and {shown(other)}; give one")
         self.envs = tuple(envs)

@@ -9,7 +9,7 @@ from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_settings import Sampler
-from sensorless.envs.blend_vector_env import BlendVectorEnv
+from sensorless.envs.blend_v1 import GainVectorEnv
 from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.reward import RewardWeights
 from sensorless.envs.scenarios.scenario import Scenarios
@@ -70,7 +70,7 @@ def training_env(config: TrainConfig, design: DriveDesign, motors: Sequence[Moto
     if ranges:
         weights = WindowWeights(**{**asdict(weights), "torque_ripple": config.ripple_cost})
     envs = [
-        BlendVectorEnv(
+        GainVectorEnv(
             2 * (share + (i < more)),
             autoreset_mode="SameStep",
             motor=motor,

@@ -15,6 +15,7 @@ API = {
             "envs.blend_env.BlendEnv",
             "envs.blend_vector_env.BlendVectorEnv",
             "envs.blend_settings.BlendSettings",
+            "envs.blend_settings.GainSettings",
             "envs.blend_v1.GainEnv",
             "envs.blend_v1.GainVectorEnv",
             "envs.reward",

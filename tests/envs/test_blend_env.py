@@ -9,7 +9,6 @@ import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env, data_equivalence
 
-from sensorless.core.gains import Gain
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_env import BlendEnv
 from sensorless.envs.privileged import N_PRIVILEGED, PRIVILEGED
@@ -163,7 +162,6 @@ def test_restore_goes_back() -> None:
             "state: decision_period: .* with 0.001, .* with 0.002",
         ),
         ({"design": DriveDesign(speed_hz=3.0)}, "state: speed_hz: .*; restore it where they are"),
-        ({"gains": ("l_q",)}, "state: gains: it was made with {}, this environment with {'l_q': "),
         ({"weights": WindowWeights()}, "state: weights: .*'RewardWeights', .*'WindowWeights'"),
         ({"weights": RewardWeights(lost=5.0)}, r"state: weights\.lost: .* 1000.0, .* with 5.0"),
         ({"scenarios": nominal_scenarios}, "state: scenarios: .*stress_1_scenarios', .*nominal"),
@@ -225,11 +223,6 @@ def test_step_before_reset_is_refused() -> None:
         ({"colour": 3}, "colour: 3: is unknown; choose from motor, design"),
         ({"motor": 3}, "motor: 3; give the name of a shipped machine, a TOML file, or a Motor"),
         ({"scenarios": "stress-1"}, "scenarios: 'stress-1'; give a function"),
-        ({"gains": 3}, "gains: 3; give a tuple of names"),
-        ({"gains": None}, "gains: None; give a tuple of names"),
-        ({"gains": (["l_q"],)}, r"gains: \['l_q'\] is unknown; choose from"),
-        ({"gain_ranges": None}, "gain_ranges: None; give a Gain by name"),
-        ({"gain_ranges": {"l_q": Gain(0.9, 1.1)}}, r"gain_ranges: 'l_q' is not in gains = \(\)"),
     ],
 )
 def test_bad_settings_are_named(settings: dict[str, Any], message: str) -> None:

@@ -104,6 +104,11 @@ def test_a_return_does_not_depend_on_the_decision_period() -> None:
     [
         ({"gains": ("torque",)}, "'torque' is unknown; choose from observer"),
         ({"gains": ("l_q", "l_q")}, "name each gain once"),
+        ({"gains": 3}, "gains: 3; give a tuple of names"),
+        ({"gains": None}, "gains: None; give a tuple of names"),
+        ({"gains": (["l_q"],)}, r"gains: \['l_q'\] is unknown; choose from"),
+        ({"gain_ranges": None}, "gain_ranges: None; give a Gain by name"),
+        ({"gains": (), "gain_ranges": {"l_q": Gain(0.9, 1.1)}}, r"'l_q' is not in gains = \(\)"),
         ({"gain_ranges": {"x": None}}, "'x' is unknown"),
         ({"gain_ranges": {"l_q": (0.9, 1.1)}}, r"gain_ranges: l_q: \(0.9, 1.1\); give .*Gain\(low"),
         ({"gain_ranges": {"l_q": Gain(1.1, 0.9)}}, r"l_q: Gain\(low=1.1, high=0.9.*at most 1"),
@@ -113,6 +118,18 @@ def test_a_return_does_not_depend_on_the_decision_period() -> None:
 def test_unknown_gains_are_refused(settings: dict[str, object], words: str) -> None:
     with pytest.raises(UserError, match=words):
         GainSettings(**settings)  # type: ignore[arg-type]
+
+
+def test_a_state_of_other_gains_is_refused() -> None:
+    env, other = GainEnv(gains=()), GainEnv(gains=("l_q",))
+    env.reset(seed=5)
+    with pytest.raises(UserError, match=r"state: gains: it was made with {}, .* with {'l_q': "):
+        other.restore(env.state())
+
+
+def test_version_0_sets_k_s_alone() -> None:
+    with pytest.raises(TypeError, match="gains"):
+        gymnasium.make("sensorless/Blend-v0", gains=("observer",))
 
 
 @pytest.mark.parametrize("env_id", ["sensorless/Blend-v0", "sensorless/Blend-v1"])

@@ -89,7 +89,7 @@ def test_what_cannot_be_joined_is_refused() -> None:
     with pytest.raises(UserError, match=r"envs: decision_period: 0\.001 and 0\.002; give one"):
         SeveralMachines([*envs(), slow])
     gains = GainVectorEnv(2, autoreset_mode="SameStep", decision_period=1e-3)
-    with pytest.raises(UserError, match=r"envs: gains: \(\) and \('observer', "):
+    with pytest.raises(UserError, match=r"envs: gains: \[\] and \[\('observer', Gain"):
         SeveralMachines([*envs(), gains])
     with pytest.raises(UserError, match="options: scenario; several machines take no options"):
         SeveralMachines(envs()).reset(seed=1, options={"scenario": None})
