@@ -8,6 +8,7 @@ import numpy as np
 
 from sensorless.machine.magnetics import flux
 from sensorless.machine.motor import Motor
+from sensorless.observers.injection_signal import NOISE_AT, SENSOR_NOISE
 
 VOLTAGE = 0.4
 """Of a pulse over the link's, within the circle and with room for a sagging link."""
@@ -21,7 +22,7 @@ HOLD = (9, 3, 2)
 falls fast, and least."""
 CYCLES = (16, 64)
 """Pulses along d: least and most."""
-NOISE = 0.012 / 5.63
+LARGEST_NOISE = SENSOR_NOISE[1] / NOISE_AT
 """Of a current sensor over rated current, RMS."""
 SHARE_NOISE, MOST_NOISE = 0.03, 0.1
 """Noise of the share of lost voltage that is aimed at, and above which it is not judged."""
@@ -102,7 +103,7 @@ def _push(motor: Motor, u_lost: float, enough: tuple[int, int, int]) -> Push:
     short = hold < HOLD[2]
     hold = min(max(hold, HOLD[2]), enough[0])
     lsb = 2.0 * motor.adc_range / 2.0**motor.adc_bits
-    noise = math.hypot(NOISE * motor.i_rated, lsb / math.sqrt(12.0))
+    noise = math.hypot(LARGEST_NOISE * motor.i_rated, lsb / math.sqrt(12.0))
     # a fall is a difference of two samples; the level without current follows from two falls
     spread = noise * math.sqrt(10.0) / ((hold - 1) * gain * LEG * max(u_lost, 1e-9))
     cycles = 4 * math.ceil((spread / SHARE_NOISE) ** 2 / 4.0)

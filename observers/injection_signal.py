@@ -9,8 +9,13 @@ from sensorless.machine.magnetics import Floats, mtpa
 from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import principal
 
+SENSOR_NOISE = (0.002, 0.012)
+"""Least and largest noise of a current sensor on a machine rated at ``NOISE_AT``, RMS [A]; every
+other machine's is as large over its rated current."""
+NOISE_AT = 5.63
+"""Rated current of the source paper's machine [A]."""
 NOISE = 0.0012
-"""Current noise expected of a sensor, RMS over rated current: mean of the suite ``stress-1``."""
+"""Current noise expected of a sensor, RMS over rated current: the mean of ``SENSOR_NOISE``."""
 NOISE_SHARE = 0.7
 """Least error of a sample that gains count on, over that noise."""
 NOISE_DEG = 1.0

@@ -3,15 +3,26 @@
 import numpy as np
 
 from sensorless.envs.counter_random import Draws, Floats
+from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.machine.motor import Motor
+from sensorless.observers.injection_signal import NOISE_AT, SENSOR_NOISE
 
 R_S = (0.75, 1.40)
 """Resistance over the controller's value: a winding from cold to hot."""
 PSI_F = (0.94, 1.06)
 """Magnet strength over its nominal value."""
+L_Q_HAT = (0.75, 1.10)
+"""Observer's q inductance over its design value."""
+CROSS_HAT = (0.6, 1.4)
+"""Cross-coupling compensation over its design value."""
 INERTIA = (0.5, 3.0)
 """Over its nominal value, uniform in the logarithm."""
 DEAD_TIME = (0.25, 1.5)
 """Over the motor file's."""
+GAIN = 0.02
+"""Largest error of a current channel's gain, of either sign."""
+OFFSET = 0.005
+"""Largest offset of a current channel over rated current, of either sign."""
 
 R_S_COLD = (0.95, 1.05)
 PSI_F_COLD = (0.97, 1.03)
@@ -36,3 +47,10 @@ RIPPLE = (0.0, 0.03)
 def any_inertia(d: Draws) -> Floats:
     """Inertia over nominal, 0.5 to 3."""
     return np.asarray(np.exp(d.uniform(*np.log(INERTIA))))
+
+
+def add_sensor_errors(s: Scenarios, d: Draws, motor: Motor) -> None:
+    """Draw noise, gains and offsets of the current channels."""
+    s.noise = d.uniform(*SENSOR_NOISE) * (motor.i_rated / NOISE_AT)
+    s.gain = 1.0 + np.stack([d.uniform(-GAIN, GAIN), d.uniform(-GAIN, GAIN)], axis=-1)
+    s.offset = OFFSET * motor.i_rated * np.stack([d.uniform(-1, 1), d.uniform(-1, 1)], axis=-1)

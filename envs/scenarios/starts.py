@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.envs.counter_random import Draws, Seeds
-from sensorless.envs.scenarios.ranges import DEAD_TIME, PSI_F, R_S, any_inertia
+from sensorless.envs.scenarios.ranges import DEAD_TIME, PSI_F, R_S, add_sensor_errors, any_inertia
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.machine.motor import Motor
 
@@ -50,8 +50,6 @@ def starts_scenarios(
     s.psi_f = d.uniform(*PSI_F)
     s.J = any_inertia(d)
     s.dead_time = d.uniform(*DEAD_TIME) * motor.dead_time
-    s.noise = d.uniform(0.002, 0.012) * (motor.i_rated / 5.63)
-    s.gain = 1.0 + np.stack([d.uniform(-0.02, 0.02), d.uniform(-0.02, 0.02)], axis=-1)
-    s.offset = 0.005 * motor.i_rated * np.stack([d.uniform(-1, 1), d.uniform(-1, 1)], axis=-1)
+    add_sensor_errors(s, d, motor)
     s.omega_rate[:] = (0.3 * motor.tau_rated / (motor.J * s.J))[:, None]
     return s

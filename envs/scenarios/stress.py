@@ -5,10 +5,12 @@ import numpy as np
 from sensorless.design.new_motor import LOW_VOLTAGE
 from sensorless.envs.counter_random import Chosen, Draws, Floats, Seeds
 from sensorless.envs.scenarios.ranges import (
+    CROSS_HAT,
     DEAD_TIME,
     EMF_5,
     EMF_7,
     IRON,
+    L_Q_HAT,
     MAGNET_SHARE,
     PSI_F,
     PSI_F_COLD,
@@ -19,6 +21,7 @@ from sensorless.envs.scenarios.ranges import (
     U_DIODE,
     U_TRANSISTOR,
     WINDING_K,
+    add_sensor_errors,
     any_inertia,
 )
 from sensorless.envs.scenarios.scenario import Scenarios
@@ -46,14 +49,12 @@ def stress_1_scenarios(motor: Motor, seeds: Seeds | Chosen) -> Scenarios:
     omega_rated = motor.omega_rated / motor.n_p
 
     s.R_s = d.uniform(*R_S)
-    s.L_q_hat = d.uniform(0.75, 1.10)
+    s.L_q_hat = d.uniform(*L_Q_HAT)
     s.psi_f = d.uniform(*PSI_F)
     s.J = any_inertia(d)
-    s.cross_hat = d.uniform(0.6, 1.4)
+    s.cross_hat = d.uniform(*CROSS_HAT)
     s.dead_time = d.uniform(*DEAD_TIME) * motor.dead_time
-    s.noise = d.uniform(0.002, 0.012) * (motor.i_rated / 5.63)
-    s.gain = 1.0 + np.stack([d.uniform(-0.02, 0.02), d.uniform(-0.02, 0.02)], axis=-1)
-    s.offset = 0.005 * motor.i_rated * np.stack([d.uniform(-1, 1), d.uniform(-1, 1)], axis=-1)
+    add_sensor_errors(s, d, motor)
 
     s.omega_0 = np.where(d.chance(0.5), 0.0, d.uniform(-1.0, 1.0) * omega_rated)
     s.theta_0 = d.uniform(-np.pi, np.pi)
