@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sensorless.core.api import PROFILE_N, SIM, Array, lib, sim_start
 from sensorless.design.drive import DriveDesign
-from sensorless.design.records import control_record, fill, plant_record, sensor_record
+from sensorless.design.records import GOOD_NOISE, control_record, fill, plant_record, sensor_record
 from sensorless.envs.counter_random import Floats, Seeds
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -146,7 +146,7 @@ class Scenarios:
             J=ones.copy(),
             cross_hat=ones.copy(),
             dead_time=motor.dead_time * ones,
-            noise=0.005 * ones,
+            noise=GOOD_NOISE * ones,
             gain=np.ones((n, 2)),
             offset=np.zeros((n, 2)),
             detailed=np.zeros(n, dtype=bool),

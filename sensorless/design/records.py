@@ -30,6 +30,8 @@ from sensorless.observers.tracking import rated_acceleration
 
 SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
+GOOD_NOISE = 0.005
+"""Noise of good current sensors, RMS [A]: of every machine, whatever its rated current."""
 
 
 def control_record(motor: Motor, design: DriveDesign) -> Array:
@@ -178,7 +180,7 @@ def plant_record(motor: Motor) -> Array:
     return record
 
 
-def sensor_record(motor: Motor, noise_rms: float = 0.005) -> Array:
+def sensor_record(motor: Motor, noise_rms: float = GOOD_NOISE) -> Array:
     """``sensor_params_t`` of a motor with noise of ``noise_rms`` [A], shape ()."""
     lsb = adc_step(motor)
     record = np.zeros((), dtype=SENSOR)
