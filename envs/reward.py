@@ -17,8 +17,8 @@ The weights are chosen so that, near good schedules, torque deviation and ripple
 same relative to each other as in ``objective.OBJECTIVE``.
 
 Losing lock ends an episode and with it all running costs. It must never pay to lose lock early, so
-the penalty exceeds the worst running costs of 333 ms. It also exceeds those of a whole scenario of
-2 s without the angle's cost, which only counts on the way to losing lock.
+the penalty exceeds the worst running costs of 929 ms, and those of a whole scenario of 2 s without
+the angle's cost, which only counts on the way to losing lock.
 """
 
 import dataclasses
@@ -37,9 +37,6 @@ from sensorless.settings import check, number
 Term = NDArray[np.float32]
 
 INF = math.inf
-
-HORIZON_MS = 333.0
-"""The default penalty exceeds the worst running costs of this time, the angle's included [ms]."""
 
 SCALE_TORQUE = 0.20
 """Torque deviation at which the cost is one half [rated torque]."""

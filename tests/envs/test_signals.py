@@ -1,3 +1,4 @@
+import math
 import re
 
 import numpy as np
@@ -7,7 +8,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs import reward
 from sensorless.envs.blend_env import BlendEnv
 from sensorless.envs.counter_random import combine
-from sensorless.envs.reward import HORIZON_MS, TERMS, RewardWeights
+from sensorless.envs.reward import TERMS, RewardWeights
 from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, LOST_TIME, SimFactory
 from sensorless.envs.scenarios.stress import DURATION, stress_1_scenarios
 from sensorless.envs.signals import HIGH, LOW, N_SIGNALS, SIGNALS, bounded
@@ -44,7 +45,9 @@ def test_datasheet_states_the_figures_of_the_code() -> None:
 
 def test_reward_states_the_figures_of_the_code() -> None:
     text = " ".join(str(reward.__doc__).split())
-    assert f"worst running costs of {HORIZON_MS:g} ms" in text
+    weights = RewardWeights()
+    alone = math.floor(weights.lost / weights.worst_running)
+    assert f"worst running costs of {alone} ms" in text
     assert f"whole scenario of {DURATION:g} s" in text
 
 
