@@ -15,8 +15,8 @@ from sensorless.machine.motor import Motor
 
 def physics_speed(share: float, motor: Motor) -> float:
     """Threshold omega_1 over rated speed [-]."""
-    u_dt = motor.u_dc * motor.dead_time / motor.T_s
-    return (share * motor.R_s * motor.i_max + u_dt) / (motor.psi_f * motor.omega_rated)
+    unknown = share * motor.R_s * motor.i_max + motor.dead_time_voltage
+    return unknown / (motor.psi_f * motor.omega_rated)
 
 
 def _build(name: str, v: Values, motor: Motor) -> Hysteresis:

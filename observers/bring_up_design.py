@@ -113,7 +113,7 @@ def _push(motor: Motor, u_lost: float, enough: tuple[int, int, int]) -> Push:
 
 def plan_bring_up(motor: Motor) -> Plan:
     """Choose the pulses for a machine; what they do not show of it is not judged."""
-    u_lost = motor.u_dc * motor.dead_time / motor.T_s
+    u_lost = motor.dead_time_voltage
     bipolar = motor.u_dc >= SURELY_MOSFETS
     push = _push(motor, u_lost, HOLD)
     if not push.short and push.clear and (u_lost >= LEAST_VOLTAGE or not bipolar):

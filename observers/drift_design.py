@@ -108,5 +108,5 @@ def design_drift(
         "from_loss": 1.0 / (LEG * motor.psi_f),
         "calm": calm,
         "calm_rise": (1.0 - calm) * motor.i_rated / (CALM * zero_current(motor)),
-        "loss_max": MOST_DEAD_TIME * motor.u_dc * motor.dead_time / motor.T_s,
+        "loss_max": MOST_DEAD_TIME * motor.dead_time_voltage,
     }

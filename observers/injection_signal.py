@@ -106,7 +106,7 @@ def suggested_injection(motor: Motor, pll_hz: float) -> float:
     wanted = max(
         float(one.noise_deg[rated].max()) / NOISE_DEG,
         float(one.step_deg[rated].max()) / STEP_DEG,
-        DEAD_TIME_SHARE * dead_time_voltage(motor),
+        DEAD_TIME_SHARE * motor.dead_time_voltage,
     )
     most = min(LINK_SHARE * motor.u_dc, RIPPLE_SHARE * motor.i_rated / one.amplitude)
     volt = min(wanted, most)
@@ -114,8 +114,3 @@ def suggested_injection(motor: Motor, pll_hz: float) -> float:
     if rounded > most:
         rounded -= 10.0 ** (math.floor(math.log10(volt)) - 1)
     return float(f"{rounded:.2g}")
-
-
-def dead_time_voltage(motor: Motor) -> float:
-    """Mean voltage that a leg loses by dead time [V]."""
-    return motor.u_dc * motor.dead_time / motor.T_s

@@ -13,7 +13,6 @@ from sensorless.machine.magnetics import flux, mtpa
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import USABLE
 from sensorless.machine.saliency import principal
-from sensorless.observers.injection_signal import dead_time_voltage
 from sensorless.observers.tracking import rated_acceleration
 
 ACTIONS = {name: getattr(lib, f"LOCK_{name.upper()}") for name in ("report", "restart", "stop")}
@@ -76,7 +75,7 @@ def least_answer(motor: Motor) -> float:
     """
     small, large = principal(motor, np.stack(mtpa(motor), axis=-1)).T
     beside = np.cos(ANGLE) ** 2 / small + np.sin(ANGLE) ** 2 / large
-    left = max(1.0 - LEFT_DEAD_TIME * dead_time_voltage(motor) / motor.u_inj, ACTS)
+    left = max(1.0 - LEFT_DEAD_TIME * motor.dead_time_voltage / motor.u_inj, ACTS)
     return 0.5 * motor.T_s * float(np.min(np.minimum(beside, left / (LARGER * small))))
 
 
@@ -100,7 +99,7 @@ def most_answer(motor: Motor) -> float:
     and what an iron loss p draws as the conductance p / (1.5 (w psi_f)^2) at rated speed.
     """
     small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
-    acts = 1.0 + LEFT_DEAD_TIME * dead_time_voltage(motor) / motor.u_inj
+    acts = 1.0 + LEFT_DEAD_TIME * motor.dead_time_voltage / motor.u_inj
     p_iron = max(motor.p_iron, IRON * motor.tau_rated * motor.omega_rated / motor.n_p)
     iron = p_iron / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
     return 0.5 * motor.T_s * acts * LARGER / float(np.min(small)) + iron
@@ -165,7 +164,7 @@ def design_lock(
     n = evaluation_periods(motor)
     step = n * motor.T_s
     emf = motor.omega_rated * motor.psi_f
-    unknown = LEFT_DEAD_TIME * dead_time_voltage(motor)
+    unknown = LEFT_DEAD_TIME * motor.dead_time_voltage
     unknown += LEFT_RESISTANCE * motor.R_s * motor.i_rated
     floor, lag = SPEED_LAG * emf + unknown, 2.0 * speed_hz / current_hz
     return {

@@ -85,7 +85,7 @@ def study(motor: Motor, design: DriveDesign, seeds: range) -> dict[str, Any]:
             for name, over in (
                 ("tau", motor.tau_rated),
                 ("tau_twin", motor.tau_rated),
-                ("omega_m", motor.omega_rated / motor.n_p),
+                ("omega_m", motor.omega_m_rated),
             )
         )
         out[f"J x {inertia:g}"] = {

@@ -52,7 +52,7 @@ def stop_scenarios(motor: Motor, seeds: Seeds, indices: NDArray[np.int64], *_: o
     way = np.where(indices % 2 == 0, 1.0, -1.0)
     sign = np.where(indices // 2 % 2 == 0, 1.0, -1.0)
     s.J, s.theta_0 = any_inertia(d), d.uniform(-np.pi, np.pi)
-    rated = motor.omega_rated / motor.n_p
+    rated = motor.omega_m_rated
     s.omega_0 = way * rated
     s.omega[:, :2] = s.omega_0[:, None]
     s.t[:, 1], s.t[:, 2] = 0.2, 0.7

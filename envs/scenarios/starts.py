@@ -30,7 +30,7 @@ def starts_scenarios(
     """
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, 1.2)
-    omega_rated = motor.omega_rated / motor.n_p
+    omega_rated = motor.omega_m_rated
     active, passive, spins = (indices // 2 % 4 == kind for kind in (1, 2, 3))
 
     s.seek[:] = True

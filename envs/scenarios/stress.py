@@ -46,7 +46,7 @@ def stress_1_scenarios(motor: Motor, seeds: Seeds | Chosen) -> Scenarios:
     """
     d = Draws(seeds)
     s = Scenarios.nominal(motor, d.seeds, DURATION)
-    omega_rated = motor.omega_rated / motor.n_p
+    omega_rated = motor.omega_m_rated
 
     s.R_s = d.uniform(*R_S)
     s.L_q_hat = d.uniform(*L_Q_HAT)

@@ -69,7 +69,7 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
         speed_weight=design.speed_weight,
         current_hz=by.current_hz,
         i_q_slew=by.i_q_slew,
-        u_dt=by.dead_time_share * motor.u_dc * motor.dead_time / motor.T_s,
+        u_dt=by.dead_time_share * motor.dead_time_voltage,
     )
     smo = design_smo(
         motor,

@@ -139,7 +139,7 @@ class Schedule:
 
 def _scenario(motor: Motor) -> Scenarios:
     s = Scenarios.nominal(motor, np.array([NOISE_SEED], dtype=np.uint64), DURATION)
-    rated = motor.omega_rated / motor.n_p
+    rated = motor.omega_m_rated
     for j, (t, omega, rate, tau) in enumerate(SEGMENTS):
         s.t[0, j], s.omega[0, j], s.omega_rate[0, j] = t, omega * rated, rate * rated
         s.tau[0, j] = tau * motor.tau_rated

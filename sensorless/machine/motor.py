@@ -108,6 +108,16 @@ class Motor:
         """Rated electrical speed [rad/s]."""
         return rad_per_s(self.n_p * self.n_rated_rpm)
 
+    @property
+    def omega_m_rated(self) -> float:
+        """Rated mechanical speed [rad/s]."""
+        return self.omega_rated / self.n_p
+
+    @property
+    def dead_time_voltage(self) -> float:
+        """Mean voltage that a leg loses to the dead time [V]."""
+        return self.u_dc * self.dead_time / self.T_s
+
     @cached_property
     def digest(self) -> str:
         """SHA-256 over all numbers of the machine, hexadecimal.

@@ -39,7 +39,7 @@ def pil_scenarios(motor: Motor, seed: int = 5, size: int = 16) -> tuple[tuple[st
     planned = Scenarios.nominal(
         motor, np.arange(len(PLANS), dtype=np.uint64) + np.uint64(seed), DURATION
     )
-    rated = motor.omega_rated / motor.n_p
+    rated = motor.omega_m_rated
     for j, plan in enumerate(PLANS.values()):
         for i, (t, omega, tau) in enumerate(plan):
             planned.t[j, i] = t

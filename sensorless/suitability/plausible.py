@@ -12,7 +12,7 @@ from sensorless.machine.rated_point import polar
 from sensorless.machine.saliency import LEAST, principal
 from sensorless.machine.sane import insane
 from sensorless.observers.drift_design import MOST_DEAD_TIME
-from sensorless.observers.injection_signal import LINK_SHARE, dead_time_voltage
+from sensorless.observers.injection_signal import LINK_SHARE
 from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 
 BEYOND = 3.0
@@ -177,8 +177,8 @@ def _inverter(m: Motor) -> Iterator[Finding]:
     elif m.u_inj > 1.01 * LINK_SHARE * m.u_dc:
         text = f"u_inj = {m.u_inj:g} V is above a fifth of the DC link, {LINK_SHARE * m.u_dc:g} V"
         yield Finding(LIMIT, "u_inj", text)
-    elif m.u_inj < MOST_DEAD_TIME * dead_time_voltage(m):
-        least = MOST_DEAD_TIME * dead_time_voltage(m)
+    elif m.u_inj < MOST_DEAD_TIME * m.dead_time_voltage:
+        least = MOST_DEAD_TIME * m.dead_time_voltage
         text = f"u_inj = {m.u_inj:g} V is below {least:.3g} V, which "
         text += f"{MOST_DEAD_TIME:g} times dead_time may take"
         yield Finding(LIMIT, "u_inj", text)

@@ -144,7 +144,7 @@ def test_a_policy_is_reset_and_sees_the_start_before_its_first_answer() -> None:
     r = rollout(policy, scenarios, FACTORY)
     assert policy.drives == 5
     assert len(policy.seen) == len(r.sums) == 20
-    rated = MOTOR.omega_rated / MOTOR.n_p
+    rated = MOTOR.omega_m_rated
     speed = policy.seen[0][:, SIGNAL_NAMES.index("speed")]
     np.testing.assert_allclose(speed, np.abs(scenarios.omega_0) / rated, rtol=1e-5)
     assert not np.shares_memory(policy.seen[0], policy.seen[1])

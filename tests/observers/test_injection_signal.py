@@ -8,7 +8,6 @@ import pytest
 
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.observers.injection_signal import (
-    dead_time_voltage,
     injection_signal,
     suggested_injection,
 )
@@ -66,5 +65,5 @@ def test_limits_of_the_suggestion() -> None:
     assert suggested_injection(replace(PAPER, u_dc=100.0), 15.0) == pytest.approx(20.0)
     assert suggested_injection(replace(PAPER, u_dc=88.0), 15.0) == pytest.approx(17.0)  # not 17.6
     late = replace(PAPER, dead_time=12e-6)
-    assert dead_time_voltage(late) == pytest.approx(32.4)
+    assert late.dead_time_voltage == pytest.approx(32.4)
     assert suggested_injection(late, 15.0) == pytest.approx(65.0)

@@ -43,7 +43,7 @@ def torque_dev_lf_rms(r: Rollout) -> Floats:
 def speed_dev_rms(r: Rollout) -> Floats:
     """sqrt(mean_j (omega_m - omega_m_twin)^2) / omega_m_rated, of the mean speeds of decision j."""
     deviation = np.subtract(r.mean("omega_m"), r.mean("omega_m_twin"), dtype=np.float64)
-    rated = r.motor.omega_rated / r.motor.n_p
+    rated = r.motor.omega_m_rated
     return np.asarray(np.sqrt(_mean_alive(r, deviation**2)) / rated)
 
 

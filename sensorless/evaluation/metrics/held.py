@@ -66,7 +66,7 @@ def not_held(r: Rollout) -> Floats:
 
 def rated_speed(r: Rollout) -> float:
     """Rated speed, mechanical [rad/s]."""
-    return r.motor.omega_rated / r.motor.n_p
+    return r.motor.omega_m_rated
 
 
 def in_blocks(x: Array, size: int) -> Array:

@@ -71,7 +71,7 @@ def by_place(r: Rollout) -> dict[str, Array]:
 def _twin(r: Rollout) -> tuple[Array, Array]:
     """Mean speed and torque of the twin in each decision, over the rated ones; 0 after the end."""
     count = np.maximum(r.sums["n"], 1.0)
-    rated = r.motor.omega_rated / r.motor.n_p
+    rated = r.motor.omega_m_rated
     return r.sums["omega_m_twin"] / count / rated, r.sums["tau_twin"] / count / r.motor.tau_rated
 
 

@@ -45,7 +45,7 @@ def backward_excess_pct(r: Rollout) -> Floats:
         np.where(r.alive, np.maximum(-way * r.mean(name), 0.0), 0.0).max(axis=0, initial=0.0)
         for name in ("omega_m", "omega_m_twin")
     ]
-    rated = r.motor.omega_rated / r.motor.n_p
+    rated = r.motor.omega_m_rated
     judged = _sought(r) & (r.scenarios.omega_0 == 0.0) & (way != 0.0)
     return np.asarray(np.where(judged, 100.0 * (backward[0] - backward[1]) / rated, np.nan))
 

@@ -182,7 +182,7 @@ def _overshoots(r: Rollout, name: str) -> Floats:
 def _dips(r: Rollout, below: Floats) -> Floats:
     """(n, PROFILE_N) dip after each load step [% s], from (d, n) reference minus speed."""
     steps = _load_steps(r)
-    rated = r.motor.omega_rated / r.motor.n_p
+    rated = r.motor.omega_m_rated
     out = np.full(steps.height.shape, np.nan)
     for j in _used(steps):
         sign = np.sign(steps.height[:, j])

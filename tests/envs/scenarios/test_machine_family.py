@@ -53,7 +53,7 @@ def test_numbers_are_in_their_ranges_and_belong_together(
 ) -> None:
     motor = machines[index]
     base = motor.u_dc / math.sqrt(3.0) / motor.omega_rated
-    speed = motor.omega_rated / motor.n_p
+    speed = motor.omega_m_rated
     found = {
         "n_p": motor.n_p,
         "emf": motor.psi_f / base,

@@ -28,7 +28,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Settings
 
 MOTOR = Motor.load("paper")
-RATED = MOTOR.omega_rated / MOTOR.n_p
+RATED = MOTOR.omega_m_rated
 P = 5
 """Periods of a decision."""
 

@@ -15,7 +15,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 
 MOTOR = Motor.load("paper")
-RATED = MOTOR.omega_rated / MOTOR.n_p
+RATED = MOTOR.omega_m_rated
 SMO = DriveDesign(estimator="smo")
 TIME = (np.arange(3000) + 0.5) * 1e-3
 """Middle of each decision [s]."""

@@ -21,7 +21,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 
 MOTOR = Motor.load("paper")
-RATED = MOTOR.omega_rated / MOTOR.n_p
+RATED = MOTOR.omega_m_rated
 FACTORY = SimFactory(MOTOR, DriveDesign(estimator="smo", L_q_motoring=0.7))
 
 

@@ -22,7 +22,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 
 MOTOR = Motor.load("paper")
-RATED = MOTOR.omega_rated / MOTOR.n_p
+RATED = MOTOR.omega_m_rated
 P = 5
 """Periods of a decision."""
 

@@ -11,7 +11,7 @@ from sensorless.evaluation.rollout import Rollout
 from sensorless.machine.motor import Motor
 
 MOTOR = Motor.load("paper")
-RATED = MOTOR.omega_rated / MOTOR.n_p
+RATED = MOTOR.omega_m_rated
 P = 5
 """Periods of a decision."""
 

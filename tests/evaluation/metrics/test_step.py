@@ -23,7 +23,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 
 MOTOR = Motor.load("paper")
-RATED = MOTOR.omega_rated / MOTOR.n_p
+RATED = MOTOR.omega_m_rated
 Floats = NDArray[np.float64]
 
 TIME = (np.arange(2000) + 0.5) * 1e-3
