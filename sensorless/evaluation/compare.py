@@ -15,7 +15,7 @@ from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.aggregate import Bools, Interval, Rows, interval_of
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
-from sensorless.evaluation.objective import LOST_WEIGHT, Cost
+from sensorless.evaluation.objective import Cost, weighted
 from sensorless.evaluation.rollout import Floats, rollouts, with_twin_to_the_end
 from sensorless.policy import Policy
 
@@ -43,8 +43,7 @@ class Outcomes:
 
     def objective(self, rows: Rows) -> Floats:
         """Value of ``OBJECTIVE`` (m,) over each of m draws of k scenarios (m, k)."""
-        lost, dev, ripple = self._parts(rows)
-        return LOST_WEIGHT * lost + dev + ripple
+        return weighted(*self._parts(rows))
 
     def _parts(self, rows: Rows) -> tuple[Floats, Floats, Floats]:
         lost = self.lost[rows]

@@ -2,9 +2,12 @@
 
 import math
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+X = TypeVar("X", float, NDArray[np.float64])
 
 LOST_WEIGHT = 10.0
 OBJECTIVE = (
@@ -28,6 +31,11 @@ def nearness(angle_err: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.clip((angle_err - low) / (high - low), 0.0, 1.0)
 
 
+def weighted(lost_rate: X, torque_dev: X, torque_ripple: X, ripple: float = 1.0) -> X:
+    """Value of ``OBJECTIVE`` with this weight of the ripple: of numbers, or of arrays."""
+    return LOST_WEIGHT * lost_rate + torque_dev + ripple * torque_ripple
+
+
 @dataclass(frozen=True)
 class Cost:
     """One policy on a set of scenarios."""
@@ -45,7 +53,7 @@ class Cost:
 
     def weighted(self, ripple: float) -> float:
         """Return the objective with this weight of the ripple."""
-        return LOST_WEIGHT * self.lost_rate + self.torque_dev + ripple * self.torque_ripple
+        return weighted(self.lost_rate, self.torque_dev, self.torque_ripple, ripple)
 
 
 @dataclass(frozen=True)
