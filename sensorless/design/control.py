@@ -91,6 +91,14 @@ def reference_share(motor: Motor) -> float:
     return min(max((turn - BY_REFERENCE) / RAMP, 0.0), 1.0)
 
 
+def weakening(speed_hz: float, current_hz: float) -> float:
+    """Bandwidth of field weakening at rated speed [rad/s].
+
+    Five times that of the speed loop, which asks for torque, at most a fifth of the current loop's.
+    """
+    return 2.0 * math.pi * min(5.0 * speed_hz, 0.2 * current_hz)
+
+
 def design_control(
     motor: Motor,
     *,
@@ -105,9 +113,8 @@ def design_control(
     Speed: critically damped closed loop of natural frequency ``speed_hz`` [Hz] on the inertia,
     k_p = 2 w J / k_t, k_i = w^2 J / k_t with k_t of ``torque_constant``. Current: internal-model
     control of bandwidth ``current_hz`` [Hz] (doi 10.1109/28.663477) with the q inductance at half
-    the rated current. Field weakening: at rated speed its integrator, du/di_d = w L_d, has five
-    times the bandwidth of the speed loop that asks for torque, at most a fifth of the current
-    loop's.
+    the rated current. Field weakening: at rated speed its integrator, du/di_d = w L_d, has the
+    bandwidth ``weakening``.
 
     Parameters
     ----------
@@ -138,7 +145,7 @@ def design_control(
         "L_q": L_q,
         "psi_f": motor.psi_f,
         "by_reference": reference_share(motor),
-        "k_fw": min(5.0 * w, 0.2 * alpha) * motor.T_s / (motor.omega_rated * motor.L_d),
+        "k_fw": weakening(speed_hz, current_hz) * motor.T_s / (motor.omega_rated * motor.L_d),
         "fw_margin": USABLE,
         "i_d_min": -0.9 * motor.i_max,
         "u_dt": u_dt,

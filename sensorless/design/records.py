@@ -8,7 +8,7 @@ import numpy as np
 
 from sensorless.core.api import CONTROL, PLANT, SENSOR, Array
 from sensorless.core.bring_up import PARAMS as BRING_UP
-from sensorless.design.control import design_control, design_curves, operating_line
+from sensorless.design.control import design_control, design_curves, operating_line, weakening
 from sensorless.design.derived import derive, injection_loop
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.design.guard import design_guard
@@ -151,7 +151,7 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
                 one_axis=design.estimator in ("coupled", "errors"),
                 speed_hz=by.speed_hz,
                 current_hz=by.current_hz,
-                weakening=control["k_fw"] * motor.omega_rated * motor.L_d / motor.T_s,
+                weakening=weakening(by.speed_hz, by.current_hz),
             ),
         },
     )
