@@ -24,8 +24,8 @@ CORE_INLINE ab_t dead_time_to_ab(float u, float a, float b, float c) {
 /* Dead-time voltage of three legs at the current i_ab, to be added to the command [V]; u_dt: that
  * of one leg [V]. */
 CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
-    float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
-    float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
+    float i_b = phase_b(i_ab);
+    float i_c = phase_c(i_ab);
     return dead_time_to_ab(u_dt, dead_time_share(i_ab.a, inv_i), dead_time_share(i_b, inv_i),
                            dead_time_share(i_c, inv_i));
 }
@@ -33,8 +33,8 @@ CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
 /* Voltage that a compensation u adds beyond a loss v [V], both of a leg, with slopes u_i and v_i
  * through zero current [V/A]. */
 CORE_INLINE ab_t dead_time_excess(float u, float u_i, float v, float v_i, ab_t i_ab) {
-    float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
-    float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
+    float i_b = phase_b(i_ab);
+    float i_c = phase_c(i_ab);
     return dead_time_to_ab(1.0f, dead_time_difference(u, u_i, v, v_i, i_ab.a),
                            dead_time_difference(u, u_i, v, v_i, i_b),
                            dead_time_difference(u, u_i, v, v_i, i_c));

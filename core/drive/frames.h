@@ -107,6 +107,10 @@ CORE_INLINE ab_t phases_to_ab(float x_a, float x_b) {
     return y;
 }
 
+/* Phase values b and c of a vector with a + b + c = 0 (inverse Clarke); a is x.a. */
+CORE_INLINE float phase_b(ab_t x) { return -0.5f * x.a + HALF_SQRT3_F * x.b; }
+CORE_INLINE float phase_c(ab_t x) { return -0.5f * x.a - HALF_SQRT3_F * x.b; }
+
 CORE_INLINE float norm_ab(ab_t x) { return sqrt_f(x.a * x.a + x.b * x.b); }
 
 #endif

@@ -27,7 +27,7 @@ int32_t bring_up_run(sim_t *s, const built_t *b, const bring_up_params_t *p, bri
         drive_in_t in = sim_sample(s, &s->drive, 0.0f, s->plant.detail);
         ab_t i_ab = phases_to_ab(in.i_a, in.i_b);
         ab_t got = mapped(b->i_map, i_ab);
-        float i_b = -0.5f * got.a + HALF_SQRT3_F * got.b;
+        float i_b = phase_b(got);
         ab_t wanted = bring_up_step(p, x, got.a, i_b);
         row[BUILT_I_A] = (double)got.a;
         row[BUILT_I_B] = (double)i_b;

@@ -31,8 +31,8 @@ typedef struct {
 /* Leg voltages for the stator voltage u [V], with the common-mode voltage that centres them. */
 CORE_INLINE legs_t inverter_legs(ab_t u) {
     float a = u.a;
-    float b = -0.5f * u.a + HALF_SQRT3_F * u.b;
-    float c = -0.5f * u.a - HALF_SQRT3_F * u.b;
+    float b = phase_b(u);
+    float c = phase_c(u);
     float mid = 0.5f * (max_f(a, max_f(b, c)) + min_f(a, min_f(b, c)));
     legs_t y = {a - mid, b - mid, c - mid};
     return y;
@@ -55,17 +55,14 @@ CORE_INLINE ab_t legs_voltage(legs_t leg) {
 CORE_INLINE ab_t inverter_voltage(const sensor_params_t *p, ab_t u, float u_dc, ab_t i_ab) {
     legs_t leg = inverter_legs(u);
     float u_dt = u_dc * p->dead_time_share;
-    float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
-    float i_c = -0.5f * i_ab.a - HALF_SQRT3_F * i_ab.b;
     float half = 0.5f * u_dc;
-    float leg_a = leg.a - u_dt * clamp_f(i_ab.a * p->inv_i_zero, -1.0f, 1.0f);
-    float leg_b = leg.b - u_dt * clamp_f(i_b * p->inv_i_zero, -1.0f, 1.0f);
-    float leg_c = leg.c - u_dt * clamp_f(i_c * p->inv_i_zero, -1.0f, 1.0f);
-    leg_a = clamp_f(leg_a, -half, half);
-    leg_b = clamp_f(leg_b, -half, half);
-    leg_c = clamp_f(leg_c, -half, half);
-    ab_t y = {0.333333333f * (2.0f * leg_a - leg_b - leg_c), INV_SQRT3_F * (leg_b - leg_c)};
-    return y;
+    leg.a -= u_dt * clamp_f(i_ab.a * p->inv_i_zero, -1.0f, 1.0f);
+    leg.b -= u_dt * clamp_f(phase_b(i_ab) * p->inv_i_zero, -1.0f, 1.0f);
+    leg.c -= u_dt * clamp_f(phase_c(i_ab) * p->inv_i_zero, -1.0f, 1.0f);
+    leg.a = clamp_f(leg.a, -half, half);
+    leg.b = clamp_f(leg.b, -half, half);
+    leg.c = clamp_f(leg.c, -half, half);
+    return legs_voltage(leg);
 }
 
 /* Rounds to the nearest step of the converter and limits to its range. Only positive numbers become

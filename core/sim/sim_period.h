@@ -12,19 +12,22 @@ CORE_INLINE int sim_over(const sim_t *s) {
     return (s->lost != 0 && s->go_on == 0) || s->k >= s->k_end;
 }
 
+/* Current of the machine in the stator frame [A]. */
+CORE_INLINE ab_t stator_current(const plant_state_t *y) {
+    ab_t i = {(float)(y->cos_e * y->i_d - y->sin_e * y->i_q),
+              (float)(y->sin_e * y->i_d + y->cos_e * y->i_q)};
+    return i;
+}
+
 /* Sampled currents and present commands as the controller sees them. Drive and twin have the same
  * noise. */
 CORE_INLINE drive_in_t sim_sample(const sim_t *s, const chain_t *c, float k_s_ref, int detail) {
-    ab_t i_ab = {
-        (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
-        (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
-    };
+    ab_t i_ab = stator_current(&c->y);
     const sensor_params_t *p = &s->sensor;
-    float i_b = -0.5f * i_ab.a + HALF_SQRT3_F * i_ab.b;
     uint32_t k = (uint32_t)s->k;
     drive_in_t in = {
         sensor_read(p, i_ab.a, p->gain_a, p->offset_a, s->seed, k, 0U),
-        sensor_read(p, i_b, p->gain_b, p->offset_b, s->seed, k, 1U),
+        sensor_read(p, phase_b(i_ab), p->gain_b, p->offset_b, s->seed, k, 1U),
         detail ? s->now.u_dc * (1.0f + link_ripple(p, 2 * s->k)) : s->now.u_dc,
         s->now.omega_ref,
         k_s_ref,
@@ -52,10 +55,7 @@ CORE_INLINE void chain_advance(const sim_t *s, chain_t *c, ab_t u_next, int n_su
     if (SCALAR_ONLY(s->sensor.carrier != 0)) {
         carrier_advance(&s->sensor, &s->plant, &c->y, c->u, u_dc, tau_load);
     } else {
-        ab_t i_ab = {
-            (float)(c->y.cos_e * c->y.i_d - c->y.sin_e * c->y.i_q),
-            (float)(c->y.sin_e * c->y.i_d + c->y.cos_e * c->y.i_q),
-        };
+        ab_t i_ab = stator_current(&c->y);
         ab_t u;
         if (detail) {
             plant_slope_t slope = plant_slope(&s->plant, &c->y, extra, detail);
