@@ -62,7 +62,6 @@ class _Taught:
     """Runs one policy and asks the teacher what it would decide in the same states."""
 
     sensored = False
-    privileged = True
 
     def __init__(self, policy: Policy, teacher: Policy, fit: TableFit) -> None:
         self.name, self._policy, self._teacher, self._fit = policy.name, policy, teacher, fit

@@ -43,7 +43,6 @@ class Oracle:
     sensored = False
     settings: Settings = ON_SMO
     """Of a drive that has two angles to choose from."""
-    privileged = True
 
     def __init__(self, name: str, inertia: float, wake: float) -> None:
         self.name = name

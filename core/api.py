@@ -77,7 +77,6 @@ SENSOR = struct_dtype("sensor_params_t")
 PLANT = struct_dtype("plant_params_t")
 PLANT_STATE = struct_dtype("plant_state_t")
 FLUX_MAP = struct_dtype("flux_map_t")
-PROFILE = struct_dtype("profile_t")
 GAINS = struct_dtype("sim_gains_t")
 TABLE = struct_dtype("ks_table_t")
 REPLAY_IN = struct_dtype("replay_in_t")
@@ -173,7 +172,7 @@ def sim_run(
     """
     if threads is None:
         threads = threads_allowed() if len(sims) * periods >= SMALL else 1
-    lib.sim_run_gains(
+    lib.sim_run(
         pointer(sims, "sim_t[]"),
         len(sims),
         periods,

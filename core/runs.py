@@ -33,7 +33,7 @@ class Run:
     def decide(self, k_s: Array) -> None:
         """Advance every drive by one decision under weights (n,)."""
         self._k_s[:] = k_s
-        lib.sim_run_gains(*self._words)
+        lib.sim_run(*self._words)
 
 
 class Recording:

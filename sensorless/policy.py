@@ -49,8 +49,6 @@ class PacedPolicy(Policy, Protocol):
 class PrivilegedPolicy(Policy, Protocol):
     """An upper bound, not a rule for a drive: it sees what no firmware can."""
 
-    privileged: bool
-
     def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
         """Weights wanted (n,) from the signals and the state of the simulated drives (SIM)."""
 

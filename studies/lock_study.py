@@ -111,7 +111,6 @@ class Acting:
     """A policy on drives with this action; with ``truth`` they take control again on the truth."""
 
     sensored = False
-    privileged = True
 
     def __init__(self, inner: Policy, action: str, truth: bool, motor: Motor) -> None:
         self.inner, self.name, self.truth, self.motor = inner, inner.name, truth, motor

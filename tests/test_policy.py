@@ -22,8 +22,6 @@ def test_bilinear_weights_clipped_at_the_edges() -> None:
 
 def test_only_a_privileged_policy_sees_the_drives() -> None:
     class Knowing(TablePolicy):
-        privileged = True
-
         def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
             return np.asarray(sims["drive"]["y"]["omega_m"], dtype=np.float32)
 

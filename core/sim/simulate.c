@@ -75,15 +75,10 @@ static void run_piece(void *job, int32_t piece) {
 
 #define PERIODS_A_THREAD 5000 /* with fewer, a thread takes longer to start than it saves */
 
-void sim_run_gains(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
-                   const float *k_s_ref, sim_gains_t *gains, float *obs) {
+void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
+             const float *k_s_ref, sim_gains_t *gains, float *obs) {
     run_t run = {s, n, periods, simd, k_s_ref, gains, obs};
     int64_t worth = (int64_t)n * periods / PERIODS_A_THREAD;
     workers_run(run_piece, &run, (n + LANES - 1) / LANES,
                 worth < threads ? (int32_t)worth : threads);
-}
-
-void sim_run(sim_t *s, int32_t n, int32_t periods, int32_t simd, int32_t threads,
-             const float *k_s_ref, float *obs) {
-    sim_run_gains(s, n, periods, simd, threads, k_s_ref, 0, obs);
 }

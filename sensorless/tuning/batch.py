@@ -31,7 +31,6 @@ class SideBySide:
 
     name = "side by side"
     sensored = False
-    privileged = True
 
     def __init__(self, policies: Sequence[Policy]) -> None:
         self.policies = policies
