@@ -34,7 +34,7 @@ SURELY_MOSFETS, LEAST_VOLTAGE = 60.0, 2.5
 """Link below which an inverter surely has MOSFETs, without thresholds: the check allows for them at
 all others, also where ``stress`` draws none; least dead-time voltage to tell from a threshold
 [V]."""
-LEG = 4.0 / 3.0
+LEGS = 4.0 / 3.0
 """Voltage along phase a that all three legs lose, over that of one."""
 SCALE, SENSORS = 0.16, 0.1
 """Most difference of the scale from 1, as L_d is not known much better; and what sensors and an
@@ -92,7 +92,7 @@ def _push(motor: Motor, u_lost: float, enough: tuple[int, int, int]) -> Push:
     long, medium, most = (share * motor.i_rated for share in MOST_CURRENT)
     while True:
         rise = _rise(motor, reach)
-        fall = gain * (LEG * u_lost + 0.5 * motor.R_s * reach)
+        fall = gain * (LEGS * u_lost + 0.5 * motor.R_s * reach)
         # from the top: hold, fall by half, hold; all above the knee of the legs with half of it
         room = 0.5 * reach - 2.4 * KNEE * motor.i_rated
         hold = math.floor((room / fall - 0.5 * rise) / 2.0) if fall > 0.0 else HOLD[0]
@@ -105,7 +105,7 @@ def _push(motor: Motor, u_lost: float, enough: tuple[int, int, int]) -> Push:
     lsb = 2.0 * motor.adc_range / 2.0**motor.adc_bits
     noise = math.hypot(LARGEST_NOISE * motor.i_rated, lsb / math.sqrt(12.0))
     # a fall is a difference of two samples; the level without current follows from two falls
-    spread = noise * math.sqrt(10.0) / ((hold - 1) * gain * LEG * max(u_lost, 1e-9))
+    spread = noise * math.sqrt(10.0) / ((hold - 1) * gain * LEGS * max(u_lost, 1e-9))
     cycles = 4 * math.ceil((spread / SHARE_NOISE) ** 2 / 4.0)
     cycles = min(max(cycles, CYCLES[0]), CYCLES[1])
     return Push(reach, rise, hold, cycles, short, spread <= MOST_NOISE * math.sqrt(cycles))
@@ -120,7 +120,7 @@ def plan_bring_up(motor: Motor) -> Plan:
         return Plan(push, u_lost, SCALE, ())
     if push.short:
         why = (
-            f"pulses are short: the {LEG * u_lost:.3g} V that it takes along d, and resistance, "
+            f"pulses are short: the {LEGS * u_lost:.3g} V that it takes along d, and resistance, "
             f"end a current of {push.reach:.3g} A too soon"
         )
     elif not push.clear:
@@ -134,7 +134,7 @@ def plan_bring_up(motor: Motor) -> Plan:
     push = _push(motor, u_lost, (HOLD[2],) * 3)  # the scale alone
     band = SCALE
     if push.short:  # the voltage lost, unknown, is missing in the scale
-        lost = LEG * (MOST_LOST * u_lost + (MOST_THRESHOLD if bipolar else 0.0))
+        lost = LEGS * (MOST_LOST * u_lost + (MOST_THRESHOLD if bipolar else 0.0))
         band = max(SCALE, SENSORS + lost * motor.T_s * push.rise / (push.reach * motor.L_d))
     if band > SCALE:
         limits.append(

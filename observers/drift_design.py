@@ -13,7 +13,7 @@ from sensorless.observers.q_inductance import learned_share
 from sensorless.observers.smo_design import low_pass
 from sensorless.observers.tracking import HAND_OVER, dead_time_noise, flux_noise, voltage_drift
 
-LEG = 0.75
+LEG_SHARE = 0.75
 """Dead-time voltage of a leg over that of the voltage vector: three legs make 4/3 of it."""
 MOST_DEAD_TIME = 1.5
 """Largest dead time over the file's: drivers and switches add delays of their own."""
@@ -104,8 +104,8 @@ def design_drift(
         "res_share": 1.0 - share,
         "u_dt": u_dt,
         "u_dt_i": u_dt * inv_i_comp,
-        "to_loss": LEG * motor.psi_f,
-        "from_loss": 1.0 / (LEG * motor.psi_f),
+        "to_loss": LEG_SHARE * motor.psi_f,
+        "from_loss": 1.0 / (LEG_SHARE * motor.psi_f),
         "calm": calm,
         "calm_rise": (1.0 - calm) * motor.i_rated / (CALM * zero_current(motor)),
         "loss_max": MOST_DEAD_TIME * motor.dead_time_voltage,

@@ -13,7 +13,7 @@ from sensorless.machine.magnetics import flux, mtpa
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import USABLE
 from sensorless.machine.saliency import principal
-from sensorless.observers.tracking import rated_acceleration
+from sensorless.observers.tracking import LEFT_DEAD_TIME, rated_acceleration
 
 ACTIONS = {name: getattr(lib, f"LOCK_{name.upper()}") for name in ("report", "restart", "stop")}
 """Numbers of the C core by the name that the setting ``lost_lock`` takes."""
@@ -27,8 +27,8 @@ ANGLE = math.pi / 3.0
 SPEED_LAG = 0.15
 """Lag of an estimated speed in lock, over rated speed: after a rated load step on half the inertia,
 with the slowest of the estimators."""
-LEFT_DEAD_TIME, LEFT_RESISTANCE = 0.75, 0.5
-"""Voltage that the model lacks: of the dead time's, and of the resistive one at rated current."""
+UNKNOWN_RESISTANCE = 0.5
+"""Resistive voltage that the model lacks at rated current, over all of it."""
 SPEED_SHARE = 3.0
 """Largest acceleration of a shaft, over the rated one: one and a half times rated torque, of drive
 and load together, on half the inertia."""
@@ -165,7 +165,7 @@ def design_lock(
     step = n * motor.T_s
     emf = motor.omega_rated * motor.psi_f
     unknown = LEFT_DEAD_TIME * motor.dead_time_voltage
-    unknown += LEFT_RESISTANCE * motor.R_s * motor.i_rated
+    unknown += UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
     floor, lag = SPEED_LAG * emf + unknown, 2.0 * speed_hz / current_hz
     return {
         "alpha": -math.expm1(-step / TAU),

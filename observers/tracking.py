@@ -21,6 +21,9 @@ SAMPLE_ERRORS = 3.0
 """Error of a current sample by noise, offset and gain, over ``sample_error``. Injection uses second
 differences, whose error is one of it."""
 
+LEFT_DEAD_TIME = 0.75
+"""What is not known of the dead time's voltage: it may be 1.5 times the file's and is
+compensated by 0.75."""
 LEFT_RESISTANCE = 1.0 / 3.0
 """What is not known of the resistance, over the file's: a cold winding's to a hot one's."""
 

@@ -13,6 +13,7 @@ from sensorless.observers.coupled_design import bandwidths
 from sensorless.observers.q_inductance import coupled_L_q_bias
 from sensorless.observers.tracking import (
     HAND_OVER,
+    LEFT_DEAD_TIME,
     LEFT_RESISTANCE,
     flux_noise,
     injection_noise,
@@ -39,10 +40,7 @@ INJECTION_SHARE = 0.87
 and 3 % less deviation (``paper``, ``ipmsm_2200w``, ``pmsyrm_5600w``)."""
 EMF_OVER, ERROR_OVER = 4.0 / 3.0, 5.0 / 3.0
 """PLL on the EMF, and on weighed errors, over injection's: the EMF's angle has less noise."""
-LEFT_DEAD_TIME = 0.75
-"""What is not known of the dead time's voltage: it may be 1.5 times the file's and is
-compensated by 0.75."""
-SHARE, LEAST_DEAD_TIME = 0.75, 0.25
+SHARE, LEAST_SHARE = 0.75, 0.25
 """Share of the file's dead time that is compensated, and the least that an inverter may have."""
 TOO_MUCH = 0.2
 """Voltage that may be compensated too much, over the EMF at the hand-over."""
@@ -144,7 +142,7 @@ def signal_bandwidth(motor: Motor) -> float:
 def dead_time_share(motor: Motor) -> float:
     """Share of the dead time's voltage that is compensated: ``SHARE``, or as ``TOO_MUCH`` says."""
     emf = HAND_OVER * motor.omega_rated
-    return min(SHARE, LEAST_DEAD_TIME + TOO_MUCH * emf / voltage_drift(motor))
+    return min(SHARE, LEAST_SHARE + TOO_MUCH * emf / voltage_drift(motor))
 
 
 def _first(given: float | None, formula: float) -> float:
