@@ -85,15 +85,15 @@ def knows_poles(motor: Motor) -> bool:
 def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict[str, Any]:
     """Fields of ``start_params_t``.
 
+    Without saturation there are no pulses: the core keeps the pole nearer to its first angle and
+    sets a fault bit.
+
     Parameters
     ----------
     hfi, smo : dict
         Estimators of normal operation, ``hfi_params_t`` and ``smo_params_t``. The start sequence
         runs them with loops of ``PLL_HZ``. Its observer always has the sigmoid and no low-pass,
         since it has to read the EMF within a few periods.
-
-    Without saturation there are no pulses: the core keeps the pole nearer to its first angle and
-    sets a fault bit.
     """
     omega_max = smo["pll"]["omega_max"]
     loops = []
