@@ -128,7 +128,7 @@ def test_a_state_of_other_gains_is_refused() -> None:
 
 
 def test_version_0_sets_k_s_alone() -> None:
-    with pytest.raises(UserError, match="gains: .* unknown"):
+    with pytest.raises(UserError, match=r"gains: .* unknown"):
         gymnasium.make("sensorless/Blend-v0", gains=("observer",))
 
 
