@@ -59,6 +59,7 @@ LOCK = (
     "drive.x.lock.",
     "drive.x.control.u_sum.",
     "drive.x.control.i_sum.",
+    "drive.x.coupled.gain_",
     "drive.x.fault",
 )
 """Paths that the tests of lock.h change."""

@@ -44,6 +44,11 @@ RISE_MAX = 0.75
 RISE_OVER_LOAD = 9.0
 """Low-pass of the error that makes the bandwidth rise, over the load's pole: as fast as the flux
 has to be for the speed loop (``LOOP_SHARE`` of ``sensorless.design.derived``)."""
+BRAKED = 0.3
+"""Lean of the angle by a wrong resistance that the flux correction may make in a generator [rad],
+for an error of the whole resistance: for one of a third a third of ``LEAN``."""
+BRAKED_LEAST = 0.4
+"""Least share of the flux correction in a generator: errors of sensors and magnets have to decay."""
 LAYER_SPEED = 0.05
 """Speed, over rated, at which an uncompensated dead time displaces the flux by one boundary layer:
 the sigmoid should saturate on errors that no model explains."""
@@ -95,6 +100,12 @@ def damping(motor: Motor) -> float:
     return max(least, min(most, 0.5 * LEAN * omega / drift - standstill_rate(motor) / omega))
 
 
+def brake(motor: Motor) -> float:
+    """R_s over half of ``BRAKED`` and T_s, where ``LEAN`` bounds the damping, else 0 [ohm/s]."""
+    bound = damping(motor) < DAMPING[1]
+    return motor.R_s / (0.5 * BRAKED * motor.T_s) if bound else 0.0
+
+
 def flux_at_no_d_current(motor: Motor, line: Floats) -> Floats:
     """psi_d - L_d i_d [Vs] along the operating line (CURVE_N, 2) [A]: what is not linear in i_d."""
     return flux(motor.saturation, line)[:, 0] - motor.L_d * line[:, 0]
@@ -143,6 +154,8 @@ def design_coupled(
         "psi_sq_min": (0.25 * motor.psi_f) ** 2,
         "gain_0": standstill_rate(motor) * motor.T_s,
         "gain_w": damping(motor) * motor.T_s,
+        "brake": brake(motor),
+        "brake_least": BRAKED_LEAST if brake(motor) > 0.0 else 0.0,
         "layer": layer,
         "inv_layer": 0.0 if linear else 1.0 / layer,
         "k_p": 2.0 * at.flux + at.load,

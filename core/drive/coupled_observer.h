@@ -28,6 +28,8 @@ typedef struct {
     float psi_sq_min;  /* least square of the auxiliary flux that errors are divided by [(Vs)^2] */
     float gain_0;      /* half the correction of the flux at standstill [1/s] times T_s */
     float gain_w;      /* half its rise with speed, times T_s [s] */
+    float brake;       /* resistance over what braking may lean the angle by and T_s [ohm/s] */
+    float brake_least; /* least share of the correction in braking, without injection */
     float layer;       /* boundary layer of the correction, over the auxiliary flux */
     float inv_layer;   /* its inverse; 0: no sigmoid */
     float k_p;         /* from eps to angle [1/s] */
@@ -53,12 +55,33 @@ typedef struct {
     float load;          /* acceleration by load and friction [rad/s^2] */
     float eps_f;         /* low-passed error across the auxiliary flux [rad] */
     float err_hfi;       /* angle error by injection, truth minus estimate near lock [rad] */
+    float gain_0;        /* correction of the flux at standstill [1/s] times T_s, less in braking */
+    float gain_w;        /* its rise with speed, times T_s [s], less in braking */
     drift_state_t drift; /* what errors of the voltages do to the flux */
     match_state_t match; /* errors of the current sensors, kept by a new start */
 } coupled_state_t;
 
 /* Weight at or below which injection does not lead the flux below omega_floor [1]. */
 #define COUPLED_LED 0.01f
+
+/* Corrects the flux with a share of its rate; 1: all of it. */
+CORE_INLINE void coupled_correct(const coupled_params_t *p, coupled_state_t *x, float share) {
+    x->gain_0 = 2.0f * share * p->gain_0;
+    x->gain_w = 2.0f * share * p->gain_w;
+}
+
+/* Less correction in braking, once an evaluation of lock.h. psi_a: auxiliary flux on d [Vs]; i_q:
+ * mean torque current since the last one [A]; omega: electrical [rad/s]. A generator with little
+ * voltage has no angle at which a wrong resistance comes to rest, if the flux is corrected faster
+ * than that allows: docs/coupled-observer.md. */
+CORE_INLINE void coupled_brake(const coupled_params_t *p, coupled_state_t *x, float k_s,
+                               float psi_a, float i_q, float omega) {
+    float w = abs_f(omega);
+    float takes = p->brake * -times_sign_f(i_q, omega) * (p->gain_0 + p->gain_w * w);
+    float has = w * w * max_f(psi_a, 0.0f);
+    float share = has < takes ? has / takes : 1.0f;
+    coupled_correct(p, x, max_f(share, p->brake_least + (1.0f - p->brake_least) * k_s));
+}
 
 /* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] without
  * dead-time compensation [V]; L_q, L_qq: apparent and incremental inductance [H]; psi_0: d flux
@@ -68,6 +91,7 @@ typedef struct {
 CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
                                  rot_t r, ab_t i_ab, ab_t u_ab, float L_q, float L_qq, float psi_0,
                                  float k_s, float err, int learn, float T_s) {
+    float rate = x->gain_0 + x->gain_w * abs_f(y->pll.omega);
     int led = abs_f(y->pll.omega) >= p->omega_floor || k_s > COUPLED_LED;
     int fresh = !led || !(y->valid > 0.0f);
     ab_t i_m = {0.5f * (i_ab.a + x->i_1.a), 0.5f * (i_ab.b + x->i_1.b)};
@@ -88,7 +112,7 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     float eps = bound_f(inv * (e.d * aux.q - e.q * aux.d), 1.0f);
     float along = inv * (e.d * aux.d + e.q * aux.q);
     float slide = p->inv_layer > 0.0f ? p->layer * tanh_f(along * p->inv_layer) : along;
-    float gain = 2.0f * (p->gain_0 + p->gain_w * abs_f(y->pll.omega)) * slide;
+    float gain = rate * slide;
 
     x->err_hfi = bound_f(p->inv_slope * err, 1.0f);
     float e_h = k_s * x->err_hfi;

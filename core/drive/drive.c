@@ -48,6 +48,7 @@ static void coupled_clear(const coupled_params_t *p, coupled_state_t *x) {
     drift_clear(&p->drift, &x->drift);
     x->eps_f = 0.0f;
     x->err_hfi = 0.0f;
+    coupled_correct(p, x, 1.0f);
     x->match.gain = 0.0f;
     x->match.offset_a = 0.0f;
     x->match.offset_b = 0.0f;

@@ -12,7 +12,7 @@ extern "C" {
 #define DEMAND_HELD 0.75f /* drives that hold want up to a third more voltage than there is */
 
 /* First part of an evaluation, after a period in control. Where voltage is short, the current cannot
- * follow: its distance counts for less. */
+ * follow: its distance counts for less. The flux correction in braking needs the same means. */
 CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     control_state_t *y = &x->control;
     curve_pos_t pos = curve_locate(y->i.q, p->control.curve_inv_step);
@@ -33,6 +33,7 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     lock_emf(&p->lock, &x->lock, &in);
     lock_current(&p->lock, &x->lock, share * share * (in.i.q - y->i_ref.q));
     lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, p->hfi.u_inj, x->k_s);
+    coupled_brake(&p->coupled, &x->coupled, x->k_s, in.psi_a, in.i.q, in.omega);
     control_sum_anew(y);
 }
 

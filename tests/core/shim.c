@@ -114,6 +114,7 @@ void t_flux_observe(const flux_params_t *p, flux_state_t *x, emf_estimate_t *y, 
 void t_coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
                        const float *i, const float *u, const float *err, float L_q, float psi_0,
                        float k_s, float T_s, float *out, int n) {
+    coupled_correct(p, x, 1.0f);
     for (int j = 0; j < n; j++) {
         ab_t i_ab = {i[2 * j], i[2 * j + 1]};
         ab_t u_ab = {u[2 * j], u[2 * j + 1]};

@@ -15,6 +15,7 @@ static coupled_params_t some_coupled(int j) {
     p.drift.u_dt = 6.0f, p.drift.u_dt_i = 18.0f, p.drift.to_loss = j % 5 ? 0.5f : 4.0f;
     p.drift.from_loss = 1.5f, p.drift.loss_max = 11.0f;
     p.drift.calm = 0.3f, p.drift.calm_rise = 1.2f;
+    p.brake = j % 4 ? 6e4f : 0.0f, p.brake_least = j % 3 ? 0.4f : 0.0f;
     p.omega_floor = 30.0f, p.omega_max = j % 6 ? 700.0f : 250.0f;
     return p;
 }
@@ -91,6 +92,8 @@ static void one(int j) {
         vec_t psi = (0.9 + 0.06 * creal(d) + I * 0.25 * cimag(d)) * at;
         x.psi.a = (float)creal(psi), x.psi.b = (float)cimag(psi);
     }
+    float share = j % 2 ? 1.0f : draw_f(0.4, 1);
+    coupled_correct(&p, &x, share);
     coupled_state_t was = x;
     emf_estimate_t old = y;
     coupled_observe(&p, &x, &y, rot_of(y.pll.theta), i, u, L_q, L_qq, psi_0, k_s, err, learn,
@@ -110,7 +113,8 @@ static void one(int j) {
     double eps = bounded(-cimag(e), 1.0), along = creal(e);
     double inv = (double)p.inv_layer;
     double slide = inv > 0.0 ? (double)p.layer * (double)tanh_f((float)(along * inv)) : along;
-    double gain = 2.0 * ((double)p.gain_0 + (double)p.gain_w * fabs((double)w)) * slide;
+    double gain =
+        2.0 * (double)share * ((double)p.gain_0 + (double)p.gain_w * fabs((double)w)) * slide;
     double e_i = bounded((double)p.inv_slope * (double)err, 1.0);
     double e_h = (double)k_s * e_i;
     double part = bounded(cimag(c) * (double)p.drift.inv_i, 1.0);
@@ -143,8 +147,25 @@ static void one(int j) {
     check("coupled: sample", x.i_1.a == i.a && x.i_1.b == i.b);
 }
 
+/* The share of the correction that leans the angle no more than braking allows. */
+static void brake(int j) {
+    coupled_params_t p = some_coupled(j);
+    coupled_state_t x = {0};
+    float k_s = j % 5 ? draw_f(0, 1) * (float)(j % 2) : 0.0f, psi_a = draw_f(-0.1, 1.2);
+    float i_q = draw_f(-5, 5), w = draw_f(-240, 240);
+    coupled_brake(&p, &x, k_s, psi_a, i_q, w);
+    double a = fabs((double)w), against = (w < 0.0f ? 1.0 : -1.0) * (double)i_q;
+    double rate = (double)p.gain_0 + (double)p.gain_w * a;
+    double takes = (double)p.brake * against * rate, has = a * a * fmax((double)psi_a, 0.0);
+    double least = (double)p.brake_least + (1.0 - (double)p.brake_least) * (double)k_s;
+    double share = has < takes ? fmax(has / takes, least) : 1.0;
+    check("brake: standstill", near((double)x.gain_0, 2.0 * share * (double)p.gain_0, 1e-5));
+    check("brake: speed", near((double)x.gain_w, 2.0 * share * (double)p.gain_w, 1e-5));
+}
+
 void check_coupled(void) {
     for (int j = 0; j < 4000; j++) {
         one(j);
+        brake(j);
     }
 }
