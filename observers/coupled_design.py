@@ -48,7 +48,7 @@ BRAKED = 0.3
 """Lean of the angle by a wrong resistance that the flux correction may make in a generator [rad],
 for an error of the whole resistance: for one of a third a third of ``LEAN``."""
 BRAKED_LEAST = 0.4
-"""Least share of the flux correction in a generator: errors of sensors and magnets have to decay."""
+"""Least share of the flux correction in a generator: errors of sensors and magnets must decay."""
 LAYER_SPEED = 0.05
 """Speed, over rated, at which an uncompensated dead time displaces the flux by one boundary layer:
 the sigmoid should saturate on errors that no model explains."""
