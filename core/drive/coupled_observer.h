@@ -70,15 +70,15 @@ CORE_INLINE void coupled_correct(const coupled_params_t *p, coupled_state_t *x, 
     x->gain_w = 2.0f * share * p->gain_w;
 }
 
-/* Less correction in braking, once an evaluation of lock.h. psi_a: auxiliary flux on d [Vs]; i_q:
- * mean torque current since the last one [A]; omega: electrical [rad/s]. A generator with little
- * voltage has no angle at which a wrong resistance comes to rest, if the flux is corrected faster
- * than that allows: docs/coupled-observer.md. */
-CORE_INLINE void coupled_brake(const coupled_params_t *p, coupled_state_t *x, float k_s,
-                               float psi_a, float i_q, float omega) {
+/* Less correction in braking, once an evaluation of lock.h. emf: magnitude of the auxiliary flux's
+ * EMF [V]; i_q: torque current [A]; omega: electrical [rad/s]. A generator with little voltage has
+ * no angle at which a wrong resistance comes to rest, if the flux is corrected faster than that
+ * allows: docs/coupled-observer.md. */
+CORE_INLINE void coupled_brake(const coupled_params_t *p, coupled_state_t *x, float k_s, float emf,
+                               float i_q, float omega) {
     float w = abs_f(omega);
     float takes = p->brake * -times_sign_f(i_q, omega) * (p->gain_0 + p->gain_w * w);
-    float has = w * w * max_f(psi_a, 0.0f);
+    float has = w * emf;
     float share = has < takes ? has / takes : 1.0f;
     coupled_correct(p, x, max_f(share, p->brake_least + (1.0f - p->brake_least) * k_s));
 }

@@ -12,7 +12,7 @@ extern "C" {
 #define DEMAND_HELD 0.75f /* drives that hold want up to a third more voltage than there is */
 
 /* First part of an evaluation, after a period in control. Where voltage is short, the current cannot
- * follow: its distance counts for less. The flux correction in braking needs the same means. */
+ * follow: its distance counts for less. */
 CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     control_state_t *y = &x->control;
     curve_pos_t pos = curve_locate(y->i.q, p->control.curve_inv_step);
@@ -33,13 +33,13 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     lock_emf(&p->lock, &x->lock, &in);
     lock_current(&p->lock, &x->lock, share * share * (in.i.q - y->i_ref.q));
     lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, p->hfi.u_inj, x->k_s);
-    coupled_brake(&p->coupled, &x->coupled, x->k_s, in.psi_a, in.i.q, in.omega);
     control_sum_anew(y);
 }
 
-/* Second part. */
+/* Second part, and how much of its flux the coupled observer corrects until the next. */
 CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
     lock_judge(&p->lock, &x->lock, x->est.omega, p->coupled.omega_max);
+    coupled_brake(&p->coupled, &x->coupled, x->k_s, x->lock.emf, x->lock.i.q, x->est.omega);
     x->lock.wait = p->lock.n;
     x->fault |= x->lock.alarm != 0 ? FAULT_LOCK : 0;
 }

@@ -151,12 +151,12 @@ static void one(int j) {
 static void brake(int j) {
     coupled_params_t p = some_coupled(j);
     coupled_state_t x = {0};
-    float k_s = j % 5 ? draw_f(0, 1) * (float)(j % 2) : 0.0f, psi_a = draw_f(-0.1, 1.2);
+    float k_s = j % 5 ? draw_f(0, 1) * (float)(j % 2) : 0.0f, emf = draw_f(0, 250);
     float i_q = draw_f(-5, 5), w = draw_f(-240, 240);
-    coupled_brake(&p, &x, k_s, psi_a, i_q, w);
+    coupled_brake(&p, &x, k_s, emf, i_q, w);
     double a = fabs((double)w), against = (w < 0.0f ? 1.0 : -1.0) * (double)i_q;
     double rate = (double)p.gain_0 + (double)p.gain_w * a;
-    double takes = (double)p.brake * against * rate, has = a * a * fmax((double)psi_a, 0.0);
+    double takes = (double)p.brake * against * rate, has = a * (double)emf;
     double least = (double)p.brake_least + (1.0 - (double)p.brake_least) * (double)k_s;
     double share = has < takes ? fmax(has / takes, least) : 1.0;
     check("brake: standstill", near((double)x.gain_0, 2.0 * share * (double)p.gain_0, 1e-5));
