@@ -198,7 +198,7 @@ static void begins(void) {
     double ready = fabs((double)x.control.i_int);
     ready += (double)PARAMS[4].coupled.drift.u_dt;              /* lost as the drive compensates */
     ready += fabs((double)PARAMS[4].coupled.drift.ind_0) + 1.0; /* all trust in the flux */
-    ready += 2.0 * (double)PARAMS[4].coupled.gain_0; /* all of the flux correction */
+    ready += 2.0 * (double)PARAMS[4].coupled.gain_0;            /* all of the flux correction */
     ready += 2.0 * (double)PARAMS[4].coupled.gain_w;
     check("init: low inductance", x.coupled.drift.ind == PARAMS[4].coupled.drift.ind_0);
     check("init: nothing else", near(sum, 5.0 * 1.0 + 8.0 * 50.0 + 2.0 * 0.25 + 1.0 + ready, 1e-5));
