@@ -1,8 +1,8 @@
 """Time from one decision of a schedule to the next: one value where it runs, one where it learns.
 
 `RUNNING` applies to firmware, evaluation, replay and environments. A lookup every millisecond, five
-PWM periods of the paper's motor, is fast for the signals that a schedule sees (30 Hz). The metrics
-also sample the torque at this step: in steps of 5 ms, the 20 ms mean that ripple is measured
+PWM periods of the paper's motor, is fast for the signals that a schedule sees (30 Hz there). The
+metrics also sample the torque at this step: in steps of 5 ms, the 20 ms mean that ripple is measured
 against follows the torque less closely, and the ripple of the same run comes out up to a third
 larger.
 

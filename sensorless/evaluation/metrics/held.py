@@ -30,7 +30,9 @@ def away_s(r: Rollout) -> Floats:
 
     Speeds are means over decision j; 0 if the speed was never off while nothing changed.
     """
-    off = np.abs(r.mean("omega_m") - r.mean("omega_m_twin")) > 0.01 * BAND_PCT * rated_speed(r)
+    off = (
+        np.abs(r.mean("omega_m") - r.mean("omega_m_twin")) > 0.01 * BAND_PCT * r.motor.omega_m_rated
+    )
     time = np.where(off, np.maximum(since_change(r), 0.0), 0.0)
     return np.asarray(np.where(r.periods > 0, time.max(axis=0, initial=0.0), np.nan))
 
@@ -52,7 +54,7 @@ def swing_pct(r: Rollout) -> Floats:
     lasting = np.minimum(np.minimum(swing[:-4], swing[2:-2]), swing[4:])
     inside = np.logical_and.reduce([quiet[j : blocks - 5 + j] for j in range(6)])
     most = np.where(inside, lasting, -np.inf).max(axis=0, initial=-np.inf)
-    return np.asarray(np.where(np.isfinite(most), 100.0 * most / rated_speed(r), np.nan))
+    return np.asarray(np.where(np.isfinite(most), 100.0 * most / r.motor.omega_m_rated, np.nan))
 
 
 def not_held(r: Rollout) -> Floats:
@@ -62,11 +64,6 @@ def not_held(r: Rollout) -> Floats:
     """
     away = away_s(r)
     return np.where(np.isnan(away), np.nan, (away > BACK_TIME) | (swing_pct(r) > BAND_PCT))
-
-
-def rated_speed(r: Rollout) -> float:
-    """Rated speed, mechanical [rad/s]."""
-    return r.motor.omega_m_rated
 
 
 def in_blocks(x: Array, size: int) -> Array:

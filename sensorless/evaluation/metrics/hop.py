@@ -5,7 +5,7 @@ The sensored twin tells when a change has passed, so the time is the same for ev
 
 import numpy as np
 
-from sensorless.evaluation.metrics.held import BLOCK, QUIET, in_blocks, rated_speed
+from sensorless.evaluation.metrics.held import BLOCK, QUIET, in_blocks
 from sensorless.evaluation.metrics.profile import reference, since_change
 from sensorless.evaluation.rollout import Floats, Rollout
 
@@ -26,7 +26,7 @@ def k_s_hop(r: Rollout) -> Floats:
     if "k_s_hop" in r.kept:
         return r.kept["k_s_hop"]
     size = max(1, round(BLOCK / r.decision_time))
-    settled = np.abs(r.mean("omega_m_twin") - reference(r)) <= SETTLED * rated_speed(r)
+    settled = np.abs(r.mean("omega_m_twin") - reference(r)) <= SETTLED * r.motor.omega_m_rated
     rest = in_blocks(r.alive & settled & (since_change(r) >= QUIET), size).min(axis=1)
     k_s = in_blocks(r.mean("k_s"), size)
     most, least = (np.full(len(r.lost), fill) for fill in (-np.inf, np.inf))
