@@ -2,9 +2,9 @@
 
 `RUNNING` applies to firmware, evaluation, replay and environments. A lookup every millisecond, five
 PWM periods of the paper's motor, is fast for the signals that a schedule sees (30 Hz there). The
-metrics also sample the torque at this step: in steps of 5 ms, the 20 ms mean that ripple is measured
-against follows the torque less closely, and the ripple of the same run comes out up to a third
-larger.
+metrics also sample the torque at this step: in steps of 5 ms, the 20 ms mean that ripple is
+measured against follows the torque less closely, and the ripple of the same run comes out up to a
+third larger.
 
 `TRAINING` is longer because it gives the same schedule for less computation: signals are slow, and
 every decision costs a sample and a pass of the critic. docs/how-it-learns.md has the figures.

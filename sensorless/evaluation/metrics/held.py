@@ -30,9 +30,8 @@ def away_s(r: Rollout) -> Floats:
 
     Speeds are means over decision j; 0 if the speed was never off while nothing changed.
     """
-    off = (
-        np.abs(r.mean("omega_m") - r.mean("omega_m_twin")) > 0.01 * BAND_PCT * r.motor.omega_m_rated
-    )
+    band = 0.01 * BAND_PCT * r.motor.omega_m_rated
+    off = np.abs(r.mean("omega_m") - r.mean("omega_m_twin")) > band
     time = np.where(off, np.maximum(since_change(r), 0.0), 0.0)
     return np.asarray(np.where(r.periods > 0, time.max(axis=0, initial=0.0), np.nan))
 
