@@ -10,7 +10,7 @@ from typing import Any
 
 from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.motor import Motor
-from sensorless.observers.drift_design import design_drift
+from sensorless.observers.drift_design import CALM, design_drift, zero_current
 from sensorless.observers.flux_design import standstill_rate
 from sensorless.observers.hfi_design import error_slope
 from sensorless.observers.match_design import design_match
@@ -49,6 +49,9 @@ BRAKED = 0.3
 for an error of the whole resistance: for one of a third a third of ``LEAN``."""
 BRAKED_LEAST = 0.4
 """Least share of the flux correction in a generator: errors of sensors and magnets must decay."""
+LEFT_IDLE = 0.5
+"""Most that a dead time that is not known may change the flux's length by without torque current,
+over psi_f: with more, nothing is left of the flux that an angle could be read from."""
 LAYER_SPEED = 0.05
 """Speed, over rated, at which an uncompensated dead time displaces the flux by one boundary layer:
 the sigmoid should saturate on errors that no model explains."""
@@ -106,6 +109,15 @@ def brake(motor: Motor) -> float:
     return motor.R_s / (0.5 * BRAKED * motor.T_s) if bound else 0.0
 
 
+def idle(motor: Motor) -> float:
+    """More correction of the flux without torque current, where injection leads [1/s].
+
+    Dead time then pulls at the flux's length with up to ``voltage_drift`` v, and a correction of
+    rate c leaves v/c: ``LEFT_IDLE`` asks for c = v / ``LEFT_IDLE``, ``standstill_rate`` has 2 b.
+    """
+    return max(0.0, voltage_drift(motor) / LEFT_IDLE - 2.0 * standstill_rate(motor))
+
+
 def flux_at_no_d_current(motor: Motor, line: Floats) -> Floats:
     """psi_d - L_d i_d [Vs] along the operating line (CURVE_N, 2) [A]: what is not linear in i_d."""
     return flux(motor.saturation, line)[:, 0] - motor.L_d * line[:, 0]
@@ -156,6 +168,8 @@ def design_coupled(
         "gain_w": damping(motor) * motor.T_s,
         "brake": brake(motor),
         "brake_least": BRAKED_LEAST if brake(motor) > 0.0 else 0.0,
+        "idle": idle(motor) * motor.T_s,
+        "inv_i_idle": 1.0 / (CALM * zero_current(motor)) if idle(motor) > 0.0 else 0.0,
         "layer": layer,
         "inv_layer": 0.0 if linear else 1.0 / layer,
         "k_p": 2.0 * at.flux + at.load,

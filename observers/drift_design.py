@@ -28,8 +28,8 @@ KNOWN_L_Q = 0.3
 """Share of what is too low on purpose that counts before any error was learned, for the same
 reason: half of the largest that is learned."""
 CALM = 8.0
-"""Torque current below which the voltages are trusted less, over ``zero_current``: with less, some
-leg is within that for more than a quarter of the time."""
+"""Torque current below which the voltages are trusted less and the flux is corrected faster, over
+``zero_current``: with less, some leg is within that for more than a quarter of the time."""
 
 
 def zero_current(motor: Motor) -> float:

@@ -30,6 +30,8 @@ typedef struct {
     float gain_w;      /* half its rise with speed, times T_s [s] */
     float brake;       /* resistance over what braking may lean the angle by and T_s [ohm/s] */
     float brake_least; /* least share of the correction in braking, without injection */
+    float idle;        /* more correction without torque current, under injection [1/s] times T_s */
+    float inv_i_idle;  /* 1 / torque current from which there is none of it [1/A] */
     float layer;       /* boundary layer of the correction, over the auxiliary flux */
     float inv_layer;   /* its inverse; 0: no sigmoid */
     float k_p;         /* from eps to angle [1/s] */
@@ -50,13 +52,13 @@ typedef struct {
 } coupled_params_t;
 
 typedef struct {
-    ab_t psi;            /* estimated stator flux [Vs] */
-    ab_t i_1;            /* sample k-1, whichever observer is in use [A] */
-    float load;          /* acceleration by load and friction [rad/s^2] */
-    float eps_f;         /* low-passed error across the auxiliary flux [rad] */
-    float err_hfi;       /* angle error by injection, truth minus estimate near lock [rad] */
-    float gain_0;        /* correction of the flux at standstill [1/s] times T_s, less in braking */
-    float gain_w;        /* its rise with speed, times T_s [s], less in braking */
+    ab_t psi;      /* estimated stator flux [Vs] */
+    ab_t i_1;      /* sample k-1, whichever observer is in use [A] */
+    float load;    /* acceleration by load and friction [rad/s^2] */
+    float eps_f;   /* low-passed error across the auxiliary flux [rad] */
+    float err_hfi; /* angle error by injection, truth minus estimate near lock [rad] */
+    float gain_0;  /* correction of the flux at standstill [1/s] times T_s, see coupled_rates */
+    float gain_w;  /* its rise with speed, times T_s [s] */
     drift_state_t drift; /* what errors of the voltages do to the flux */
     match_state_t match; /* errors of the current sensors, kept by a new start */
 } coupled_state_t;
@@ -70,17 +72,19 @@ CORE_INLINE void coupled_correct(const coupled_params_t *p, coupled_state_t *x, 
     x->gain_w = 2.0f * share * p->gain_w;
 }
 
-/* Less correction in braking, once an evaluation of lock.h. emf: magnitude of the auxiliary flux's
- * EMF [V]; i_q: torque current [A]; omega: electrical [rad/s]. A generator with little voltage has
- * no angle at which a wrong resistance comes to rest, if the flux is corrected faster than that
- * allows: docs/coupled-observer.md. */
-CORE_INLINE void coupled_brake(const coupled_params_t *p, coupled_state_t *x, float k_s, float emf,
+/* How fast the flux is corrected until the next evaluation of lock.h. emf: magnitude of the
+ * auxiliary flux's EMF [V]; i_q: torque current [A]; omega: electrical [rad/s].
+ * Less in braking: a generator with little voltage has no angle at which a wrong resistance comes
+ * to rest, if the flux is corrected faster than that allows. More without torque current, where
+ * nobody knows what dead time takes: docs/coupled-observer.md. */
+CORE_INLINE void coupled_rates(const coupled_params_t *p, coupled_state_t *x, float k_s, float emf,
                                float i_q, float omega) {
     float w = abs_f(omega);
     float takes = p->brake * -times_sign_f(i_q, omega) * (p->gain_0 + p->gain_w * w);
     float has = w * emf;
     float share = has < takes ? has / takes : 1.0f;
     coupled_correct(p, x, max_f(share, p->brake_least + (1.0f - p->brake_least) * k_s));
+    x->gain_0 += k_s * p->idle * max_f(1.0f - abs_f(i_q) * p->inv_i_idle, 0.0f);
 }
 
 /* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] without

@@ -39,7 +39,7 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
 /* Second part, and how much of its flux the coupled observer corrects until the next. */
 CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
     lock_judge(&p->lock, &x->lock, x->est.omega, p->coupled.omega_max);
-    coupled_brake(&p->coupled, &x->coupled, x->k_s, x->lock.emf, x->lock.i.q, x->est.omega);
+    coupled_rates(&p->coupled, &x->coupled, x->k_s, x->lock.emf, x->lock.i.q, x->est.omega);
     x->lock.wait = p->lock.n;
     x->fault |= x->lock.alarm != 0 ? FAULT_LOCK : 0;
 }

@@ -12,7 +12,9 @@ from sensorless.machine.motor import Motor
 
 OBSERVER = {"smo": "smo", "unwrapped": "smo", "errors": "smo", "flux": "flux", "coupled": "coupled"}
 """Part of ``drive_params_t`` that an estimator reads, by ``DriveDesign.estimator``."""
-LATER = {"control.by_reference", "coupled.brake", "coupled.brake_least"}
+LATER = {"control.by_reference"} | {
+    f"coupled.{name}" for name in ("brake", "brake_least", "idle", "inv_i_idle")
+}
 """Numbers that were added later and change nothing where they are 0: there they do not count."""
 DIGITS = 4
 """Of the numbers that count: other computers round the last ones otherwise."""

@@ -16,6 +16,7 @@ static coupled_params_t some_coupled(int j) {
     p.drift.from_loss = 1.5f, p.drift.loss_max = 11.0f;
     p.drift.calm = 0.3f, p.drift.calm_rise = 1.2f;
     p.brake = j % 4 ? 6e4f : 0.0f, p.brake_least = j % 3 ? 0.4f : 0.0f;
+    p.idle = j % 2 ? 0.006f : 0.0f, p.inv_i_idle = 0.4f;
     p.omega_floor = 30.0f, p.omega_max = j % 6 ? 700.0f : 250.0f;
     return p;
 }
@@ -147,25 +148,28 @@ static void one(int j) {
     check("coupled: sample", x.i_1.a == i.a && x.i_1.b == i.b);
 }
 
-/* The share of the correction that leans the angle no more than braking allows. */
-static void brake(int j) {
+/* The share of the correction that leans the angle no more than braking allows; more of it without
+ * torque current. */
+static void rates(int j) {
     coupled_params_t p = some_coupled(j);
     coupled_state_t x = {0};
     float k_s = j % 5 ? draw_f(0, 1) * (float)(j % 2) : 0.0f, emf = draw_f(0, 250);
     float i_q = draw_f(-5, 5), w = draw_f(-240, 240);
-    coupled_brake(&p, &x, k_s, emf, i_q, w);
+    coupled_rates(&p, &x, k_s, emf, i_q, w);
     double a = fabs((double)w), against = (w < 0.0f ? 1.0 : -1.0) * (double)i_q;
     double rate = (double)p.gain_0 + (double)p.gain_w * a;
     double takes = (double)p.brake * against * rate, has = a * (double)emf;
     double least = (double)p.brake_least + (1.0 - (double)p.brake_least) * (double)k_s;
     double share = has < takes ? fmax(has / takes, least) : 1.0;
-    check("brake: standstill", near((double)x.gain_0, 2.0 * share * (double)p.gain_0, 1e-5));
-    check("brake: speed", near((double)x.gain_w, 2.0 * share * (double)p.gain_w, 1e-5));
+    double still = fmax(1.0 - fabs((double)i_q * (double)p.inv_i_idle), 0.0);
+    double more = (double)k_s * (double)p.idle * still;
+    check("rates: standstill", near((double)x.gain_0, 2.0 * share * (double)p.gain_0 + more, 1e-5));
+    check("rates: speed", near((double)x.gain_w, 2.0 * share * (double)p.gain_w, 1e-5));
 }
 
 void check_coupled(void) {
     for (int j = 0; j < 4000; j++) {
         one(j);
-        brake(j);
+        rates(j);
     }
 }
