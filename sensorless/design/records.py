@@ -1,6 +1,5 @@
 """From a machine and a design to the parameters of the C core."""
 
-import math
 from functools import lru_cache
 from typing import Any
 
@@ -8,8 +7,19 @@ import numpy as np
 
 from sensorless.core.api import CONTROL, PLANT, SENSOR, Array
 from sensorless.core.bring_up import PARAMS as BRING_UP
-from sensorless.design.control import design_control, design_curves, operating_line, weakening
-from sensorless.design.derived import derive, injection_loop
+from sensorless.design.blocks import (
+    control_block,
+    coupled_block,
+    flux_block,
+    hfi_block,
+    largest_speed,
+    lock_block,
+    own_q_bias,
+    signal_block,
+    smo_block,
+)
+from sensorless.design.control import design_curves, operating_line
+from sensorless.design.derived import derive
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.design.guard import design_guard
 from sensorless.design.sound import require_finite
@@ -19,14 +29,8 @@ from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import require_saliency
 from sensorless.machine.sane import require_sane
 from sensorless.observers.bring_up_design import design_bring_up
-from sensorless.observers.coupled_design import Bandwidths, design_coupled, load_pole
-from sensorless.observers.flux_design import design_flux
-from sensorless.observers.hfi_design import design_hfi, hf_current
 from sensorless.observers.injection_signal import adc_step
-from sensorless.observers.lock_design import design_lock
-from sensorless.observers.smo_design import deadbeat_gain, design_smo, low_pass
 from sensorless.observers.start_design import design_start
-from sensorless.observers.tracking import rated_acceleration
 
 SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
@@ -40,7 +44,7 @@ def control_record(motor: Motor, design: DriveDesign) -> Array:
     Raises
     ------
     UserError
-        The machine has no saliency, is none at all, or a number overflows 32 bits.
+        The machine is impossible or has no saliency, or a number overflows 32 bits.
     """
     kept = design.cross in ("none", "line", "table")  # else a file, which may change
     return (designed if kept else designed.__wrapped__)(motor, design).copy()
@@ -52,8 +56,6 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
     require_sane(motor)
     require_saliency(motor)
     by = derive(motor, design)
-    omega_max = min(design.speed_bound * motor.omega_rated, float(np.finfo(np.float32).max))
-    one_loop = by.error_pll_hz if design.estimator == "errors" else None
     record = np.zeros((), dtype=CONTROL)
     line = operating_line(motor, design.mtpa)
     i_d, L_q, cross = design_curves(
@@ -63,96 +65,27 @@ def designed(motor: Motor, design: DriveDesign) -> Array:
         cross=design.cross,
         cross_torque=design.cross_line_torque,
     )
-    control = design_control(
-        motor,
-        speed_hz=by.speed_hz,
-        speed_weight=design.speed_weight,
-        current_hz=by.current_hz,
-        i_q_slew=by.i_q_slew,
-        u_dt=by.dead_time_share * motor.dead_time_voltage,
-    )
-    smo = design_smo(
-        motor,
-        pll_hz=one_loop or by.smo_pll_hz,
-        gain=design.smo_gain * deadbeat_gain(motor),
-        k=design.smo_k * motor.omega_rated * motor.psi_f,
-        cross_hz=by.smo_cross_hz,
-        emf_hz=design.smo_emf_hz,
-        floor_rpm=by.smo_floor_rpm,
-        switching=design.smo_switching,
-        lag_cure=design.lag_cure,
-        motoring=design.L_q_motoring / design.L_q_bias,
-        omega_max=omega_max,
-    )
-    natural = injection_loop(motor)
-    hfi = design_hfi(
-        motor,
-        pll_hz=one_loop or by.hfi_pll_hz,
-        natural_hz=natural,
-        lag=rated_acceleration(motor) / (2.0 * math.pi * natural) ** 2,
-        hold=design.injection_hold,
-        omega_max=omega_max,
-        scheme=design.hfi_scheme,
-        delay_cure=design.hfi_delay_cure,
-        normalised=design.hfi_normalised,
-    )
-    flux = design_flux(
-        motor,
-        pll_hz=by.flux_pll_hz,
-        gain=design.flux_gain,
-        floor_rpm=by.smo_floor_rpm,
-        omega_max=omega_max,
-    )
-    coupled = design_coupled(
-        motor,
-        line,
-        at=Bandwidths(
-            flux=2.0 * math.pi * by.coupled_flux_hz,
-            load=load_pole(by.speed_hz),
-            injection=2.0 * math.pi * by.coupled_injection_hz,
-        ),
-        L_q_bias=by.coupled_L_q_bias,
-        linear=design.coupled_linear,
-        u_dt=control["u_dt"],
-        inv_i_comp=control["inv_i_dt"],
-        floor_rpm=by.smo_floor_rpm,
-        omega_max=omega_max,
-    )
-    own_bias = {"flux": design.flux_L_q_bias, "coupled": by.coupled_L_q_bias}
-    bias = own_bias.get(design.estimator, design.L_q_bias)
-    alpha = 2.0 * math.pi * by.signal_hz
+    control = control_block(motor, design, by)
+    smo = smo_block(motor, design, by)
+    hfi = hfi_block(motor, design, by)
+    bias = own_q_bias(design, by)
     fill(
         record,
         {
             "T_s": motor.T_s,
             "k_s_step": design.k_s_slew * motor.T_s,
             "estimator": ESTIMATORS[design.estimator],
-            "guard": design_guard(motor, omega_max, by.speed_hz),
+            "guard": design_guard(motor, largest_speed(motor, design), by.speed_hz),
             "hfi": hfi,
             "smo": smo,
-            "flux": flux,
-            "coupled": coupled,
+            "flux": flux_block(motor, design, by),
+            "coupled": coupled_block(motor, design, by, line, control),
             "control": {**control, "i_d_mtpa": {"y": i_d}},
-            "signal": {
-                "alpha": low_pass(by.signal_hz, motor.T_s),
-                "alpha_per_s": alpha,
-                "inv_omega": 1.0 / motor.omega_rated,
-                "inv_i": 1.0 / motor.i_rated,
-                "inv_e": 1.0 / (motor.omega_rated * motor.psi_f),
-                "inv_i_hf": 1.0 / hf_current(motor),
-            },
+            "signal": signal_block(motor, by),
             "L_q": {"y": bias * L_q},
             "theta_cross": {"y": cross},
             "start": design_start(motor, hfi, smo),
-            "lock": design_lock(
-                motor,
-                action=design.lost_lock,
-                bias=bias,
-                one_axis=design.estimator in ("coupled", "errors"),
-                speed_hz=by.speed_hz,
-                current_hz=by.current_hz,
-                weakening=weakening(by.speed_hz, by.current_hz),
-            ),
+            "lock": lock_block(motor, design, by, bias),
         },
     )
     require_finite(record, motor)
