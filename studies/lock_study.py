@@ -28,10 +28,10 @@ from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SUITES, SuiteRows
 from sensorless.errors import in_one_line
-from sensorless.evaluation.lock import BACK_IN, BAND, IN_TIME, LOCK, STAYS, lock_summary
+from sensorless.evaluation.lock import BACK_IN, BAND, IN_TIME, LOCK, STAYS, in_control, lock_summary
 from sensorless.evaluation.rollout import CAUSES, at_a_time, rollouts
 from sensorless.files import write_record
-from sensorless.machine.magnetics import flux
+from sensorless.machine.magnetics import torque
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy, Signals, decide, design_for
@@ -47,8 +47,7 @@ def largest_torque(motor: Motor) -> float:
     """Torque of a current vector of ``i_max`` at its best angle [N m]."""
     angle = np.radians(np.arange(90.0, 181.0))
     i = motor.i_max * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    psi = flux(motor.saturation, i)
-    return float(np.max(1.5 * motor.n_p * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0])))
+    return float(np.max(torque(motor, i)))
 
 
 class Ideal:
@@ -94,13 +93,10 @@ class Slow:
 
     def look(self, sims: Array) -> None:
         """Take in the drives (n,) after a decision."""
-        x, y = sims["drive"]["x"], sims["drive"]["y"]
-        new = x["lock"]["alarms"] > self._alarms
-        self._alarms[:] = x["lock"]["alarms"]
-        err = np.angle(np.exp(1j * (y["theta_e"] - x["est"]["theta"].astype(np.float64))))
-        good = np.abs(y["omega_m"] - sims["twin"]["y"]["omega_m"]) <= self._band
-        good &= (np.abs(err) <= sims["err_limit"]) & (x["start"]["phase"] == lib.START_DONE)
-        self._good = np.where(good, self._good + self._step, 0.0)
+        alarms = sims["drive"]["x"]["lock"]["alarms"]
+        new = alarms > self._alarms
+        self._alarms[:] = alarms
+        self._good = np.where(in_control(sims, self._band), self._good + self._step, 0.0)
         self._waits += np.where(self._waits > 0.0, self._step, 0.0)
         self._waits[new & (self._waits == 0.0)] = self._step
         self.slow |= self._waits > BACK_IN + STAYS

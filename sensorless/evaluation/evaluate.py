@@ -29,6 +29,7 @@ from sensorless.evaluation.rollout import (
     Floats,
     Rollout,
     at_a_time,
+    cause_of,
     rollouts,
     with_twin_to_the_end,
 )
@@ -226,7 +227,7 @@ def _entry(s: Scores, seeds: Seeds, words: Sequence[str], seed: int, bound: bool
         "scenarios": {
             "seed": seeds.tolist(),
             "lost": (~survived & (s.lost & CAUSES["twin"] == 0)).tolist(),
-            "lost_cause": [_cause(int(bits)) for bits in s.lost],
+            "lost_cause": [cause_of(int(bits)) for bits in s.lost],
             "time_s": s.time.tolist(),
             **{name: x.tolist() for name, x in s.lock.items()},
             **{name: x.tolist() for name, x in s.metrics.items()},
@@ -239,7 +240,7 @@ def _worst(s: Scores, words: Sequence[str]) -> list[dict[str, Any]]:
     return [
         {
             "scenario": words[i],
-            "lost_cause": _cause(int(s.lost[i])),
+            "lost_cause": cause_of(int(s.lost[i])),
             "not_held": bool(s.lost[i] == 0 and s.metrics["not_held"][i] > 0.0),
             "time_s": float(s.time[i]),
             "quadrant": next((q for q, x in zip(QUADRANTS, there, strict=True) if x), None),
@@ -260,8 +261,3 @@ def _paired(scores: Mapping[str, Scores], seed: int) -> dict[str, dict[str, Any]
         }
         for name in others
     }
-
-
-def _cause(bits: int) -> str | None:
-    """Names of the set bits; None without any."""
-    return "+".join(name for name, bit in CAUSES.items() if bits & bit) or None

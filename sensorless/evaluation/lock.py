@@ -33,6 +33,17 @@ LOCK = ("alarm_s", "back_s", "watched_s", "false_alarms", "near_losses")
 """Numbers of `LockWatch.scores`, one per scenario each."""
 
 
+def in_control(sims: Array, band: float) -> NDArray[np.bool_]:
+    """Whether drives (n,) run, within ``band`` [rad/s] of their twin's speed and at their angle."""
+    x, y = sims["drive"]["x"], sims["drive"]["y"]
+    away = np.abs(y["omega_m"] - sims["twin"]["y"]["omega_m"])
+    with np.errstate(invalid="ignore"):  # a lost drive may have left all numbers
+        off = y["theta_e"] - x["est"]["theta"].astype(np.float64)
+        err = np.abs(np.angle(np.exp(1j * off)))
+    good = (away <= band) & (err <= sims["err_limit"])
+    return np.asarray(good & (x["start"]["phase"] == lib.START_DONE))
+
+
 class LockWatch:
     """Looks at n drives after every decision.
 
@@ -96,13 +107,7 @@ class LockWatch:
 
     def _look_back(self, sims: Array, lost: NDArray[np.bool_]) -> None:
         """Whether lost drives are in control again, at their angle and their twin's speed."""
-        x, y = sims["drive"]["x"], sims["drive"]["y"]
-        away = np.abs(y["omega_m"] - sims["twin"]["y"]["omega_m"])
-        with np.errstate(invalid="ignore"):  # a lost drive may have left all numbers
-            off = y["theta_e"] - x["est"]["theta"].astype(np.float64)
-            err = np.abs(np.angle(np.exp(1j * off)))
-        good = (away <= self._band) & (err <= sims["err_limit"])
-        good &= lost & (x["start"]["phase"] == lib.START_DONE)
+        good = lost & in_control(sims, self._band)
         self._since = np.where(good, np.minimum(self._since, self._now), np.inf)
         stays = self._now - self._since >= STAYS
         self._back = np.where(stays, np.minimum(self._back, self._since), self._back)

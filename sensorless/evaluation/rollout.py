@@ -39,6 +39,11 @@ CAUSES = enumeration("LOST_")
 """Bits of ``Rollout.lost``, see ``core/sim/sim.h``: why a drive stopped before its end."""
 
 
+def cause_of(lost: int) -> str | None:
+    """Names of the set bits of ``CAUSES``, joined by +; None without any."""
+    return "+".join(name for name, bit in CAUSES.items() if lost & bit) or None
+
+
 @dataclass(frozen=True)
 class Rollout:
     """What happened to n drives in up to d decisions."""

@@ -19,7 +19,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.lock import EARLY
-from sensorless.evaluation.rollout import CAUSES, twins_alone
+from sensorless.evaluation.rollout import CAUSES, cause_of, twins_alone
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, decide, decide_gains, gains_of
@@ -111,8 +111,12 @@ def trace(
 
 def lost_cause(t: Trace) -> str | None:
     """Why the drive stopped before its end, in words; None if it did not."""
-    bits = int(t["lost"][-1])
-    return "+".join(name for name, bit in CAUSES.items() if bits & bit) or None
+    return cause_of(int(t["lost"][-1]))
+
+
+def without_injection(t: Trace) -> Array:
+    """Torque as the mean of two successive samples [N m], (periods,)."""
+    return np.asarray(0.5 * (t["tau"] + np.concatenate([t["tau"][:1], t["tau"][:-1]])))
 
 
 def outcome(t: Trace) -> str:

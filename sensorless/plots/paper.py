@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sensorless.evaluation.trace import Trace
+from sensorless.evaluation.trace import Trace, without_injection
 from sensorless.machine.magnetics import Floats
 from sensorless.plots.figure import COLOURS, new_figure
 from sensorless.plots.paper_values import PaperValue, draw
@@ -152,8 +152,7 @@ def hand_over(
     figure, (row,) = new_figure((10.0, 4.2), columns=len(runs), sharey=True)
     for one, (drive, pair) in zip(row, runs.items(), strict=True):
         for colour, (rule, t) in zip((COLOURS["hfi"], COLOURS["smo"]), pair.items(), strict=True):
-            tau = 0.5 * (t["tau"] + np.concatenate([t["tau"][:1], t["tau"][:-1]]))
-            one.plot(t["t"], tau, color=colour, lw=0.8, label=rule)
+            one.plot(t["t"], without_injection(t), color=colour, lw=0.8, label=rule)
         draw(one, paper[drive])
         one.set_title(drive)
         one.set_xlabel("time [s]")

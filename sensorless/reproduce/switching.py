@@ -10,7 +10,7 @@ from sensorless.core.api import Array
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.evaluation.steady import Change, constant, make_ideal
-from sensorless.evaluation.trace import Trace, lost_cause, trace
+from sensorless.evaluation.trace import Trace, lost_cause, trace, without_injection
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 from sensorless.plots.paper import hand_over
@@ -61,11 +61,6 @@ def run(motor: Motor, design: DriveDesign, seed: int, change: Change | None = No
 def quiet(sims: Array) -> None:
     """Remove the noise; resolution and dead time stay."""
     sims["sensor"]["noise_rms"] = 0.0
-
-
-def without_injection(t: Trace) -> Floats:
-    """Torque as the mean of two successive samples [N m], (periods,)."""
-    return np.asarray(0.5 * (t["tau"] + np.concatenate([t["tau"][:1], t["tau"][:-1]])))
 
 
 def in_band(t: Trace, way: str) -> Array:
