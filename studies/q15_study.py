@@ -31,8 +31,6 @@ from sensorless.versions import versions
 POLICIES = ("reference", "reference-flux", "logistic-tuned")
 LIMIT = 0.01
 """Largest change of a metric that is accepted."""
-MOST_BYTES = 4096
-"""Of the node values of a table, in the form that is flashed."""
 OVER = {
     "angle_err_mean_deg": "angle_err_rms_deg",
     "overshoot_excess_pct": "overshoot_pct",
@@ -110,12 +108,6 @@ def study(word: str, motor: Motor, suite: str, seed: int, size: int) -> dict[str
         "lost_otherwise": int(np.sum((exact.lost == 0) != (rounded.lost == 0))),
         "metrics": changes(exact, rounded, seed),
     }
-
-
-def flash_bytes(found: dict[str, Any]) -> int:
-    """Bytes of the node values as they are flashed: float32 where it fits, else Q15."""
-    sizes: dict[str, int] = found["bytes"]
-    return sizes["f32"] if sizes["f32"] <= MOST_BYTES else sizes["q15"]
 
 
 def show(word: str, found: dict[str, Any]) -> Table:
