@@ -54,9 +54,7 @@ def say_progress(size: int) -> "Callable[[Tally, float], None]":
 
 
 def certify_command(
-    policy: Annotated[
-        str, typer.Argument(metavar="POLICY", help=f"Judge this policy: {POLICIES}.")
-    ],
+    policy: PolicyArgument,
     motor: CarriedMotorOption = None,
     suite: SuiteOption = "stress",
     seed: SeedOption = 1,
