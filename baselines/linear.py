@@ -17,6 +17,11 @@ from sensorless.table.ks_table import Axis, KsTable
 
 EQ25_BAND = (300.0 / 1500.0, 400.0 / 1500.0)
 """The paper's band, 300 to 400 r/min, as shares of its motor's rated speed."""
+BAND = (
+    speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
+    speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it the observer alone"),
+)
+"""Parameters of a rule that leaves injection over a band of the speed, by default the paper's."""
 
 
 def linear_table(low: float, high: float) -> KsTable:
@@ -43,9 +48,6 @@ RULE = Rule(
     "linear",
     "linear ramp of the speed from LO to HI; the paper's band by default",
     _build,
-    (
-        speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
-        speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it the observer alone"),
-    ),
+    BAND,
     rising=(("lo", "hi"),),
 )

@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.baselines.linear import EQ25_BAND
+from sensorless.baselines.linear import BAND, EQ25_BAND
 from sensorless.baselines.rule import Rule, Values, speed
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
@@ -64,11 +64,7 @@ def _on_a_band(name: str, doc: str, table: Callable[[float, float], KsTable]) ->
     def build(word: str, v: Values, motor: Motor) -> TablePolicy:
         return TablePolicy(word, table(v["lo"], v["hi"]))
 
-    band = (
-        speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
-        speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it the observer alone"),
-    )
-    return Rule(name, doc, build, band, rising=(("lo", "hi"),))
+    return Rule(name, doc, build, BAND, rising=(("lo", "hi"),))
 
 
 def _quadratic(word: str, v: Values, motor: Motor) -> TablePolicy:
