@@ -10,16 +10,14 @@ import numpy as np
 from sensorless.core.api import SIGNAL_N, Array, lib, pointer, struct_dtype
 from sensorless.core.gains import GAIN_N, GAIN_NAMES, Values
 from sensorless.table.gain_grid import GainGrid
+from sensorless.table.image import flat_values
 
 GAIN_TABLE = struct_dtype("gain_table_t")
 
 
 def stored(grids: Sequence[GainGrid], form: str) -> Array:
     """Node values of all grids as the firmware stores them: flat, float32 or int16 (Q15)."""
-    flat = np.concatenate([g.values.reshape(-1) for g in grids])
-    if form == "f32":
-        return flat
-    return np.rint(flat.astype(np.float64) * 32767.0).astype(np.int16)
+    return flat_values(np.concatenate([g.values.reshape(-1) for g in grids]), form)
 
 
 def record(grids: Sequence[GainGrid], axes: Array, form: str, decision: float) -> Array:

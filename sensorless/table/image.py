@@ -21,6 +21,14 @@ PROBLEMS: dict[int, str] = {
 """What each result of ``check`` means; 0 is a good table."""
 
 
+def flat_values(values: NDArray[np.float32], form: str) -> Array:
+    """Return node values as the firmware stores them: flat, float32 or int16 (Q15)."""
+    flat = values.reshape(-1)
+    if form == "f32":
+        return flat
+    return np.rint(flat.astype(np.float64) * 32767.0).astype(np.int16)
+
+
 def seal(header: Array, values: Array) -> None:
     """Write both checksums into a header of shape (1,) whose other fields are final."""
     t = pointer(header, "ks_table_t[]")

@@ -21,7 +21,7 @@ from sensorless.files import reason, write_atomic
 from sensorless.table import gain_image
 from sensorless.table.axis import MAX_NODES, Axis, decimal, float32_in
 from sensorless.table.gain_grid import GainGrid, checked_grids
-from sensorless.table.image import bound, check, seal
+from sensorless.table.image import bound, check, flat_values, seal
 from sensorless.table.json_form import check_crc, content, from_text, to_text
 
 __all__ = ["Axis", "GainGrid", "KsTable", "ValueFormat"]
@@ -122,10 +122,7 @@ class KsTable:
 
     def stored(self, form: ValueFormat = "f32") -> Array:
         """Return the node values as the firmware stores them: flat, float32 or int16 (Q15)."""
-        flat = self.values.reshape(-1)
-        if form == "f32":
-            return flat
-        return np.rint(flat.astype(np.float64) * 32767.0).astype(np.int16)
+        return flat_values(self.values, form)
 
     def record(
         self, form: ValueFormat = "f32", *, policy_hash: int | None = None, motor_hash: int = 0
