@@ -6,7 +6,7 @@ import numpy as np
 
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
-from sensorless.replay.signature import CLEAR, PAST, apart
+from sensorless.replay.signature import CLEAR, PAST, apart, voltage_steps
 
 UNLIKE = 10.0
 """How many times larger or smaller an answer of the current is that has another unit."""
@@ -66,8 +66,7 @@ def of_size(u: Floats, i: Floats, motor: Motor) -> Iterator[str]:
     ----------
     u, i : as in ``of_voltage``
     """
-    step, slope = (np.diff(x[:, 0] + 1j * x[:, 1]) for x in (u, i))
-    du, bend = step[1:], np.diff(slope)
+    du, bend, _ = voltage_steps(u, i)
     if len(bend) < 4 * PAST:
         return
     pairs = [apart(du, bend, lag) for lag in (0, -1, 1, 2)]

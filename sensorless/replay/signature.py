@@ -76,6 +76,19 @@ def are_percent(duties: Floats) -> bool:
     return bool(1.5 < np.max(duties) <= 101.0 and np.median(duties) > 1.0)
 
 
+def voltage_steps(u: Floats, i: Floats) -> tuple[Array, Array, Array]:
+    """Steps of the voltage (n,) [V], of the current's slope (n,), and that slope (n + 1,) [A].
+
+    Complex, alpha + j beta; the slope is the current's change from a row to the next.
+
+    Parameters
+    ----------
+    u, i : as in ``of_voltage``
+    """
+    step, slope = (np.diff(x[:, 0] + 1j * x[:, 1]) for x in (u, i))
+    return step[1:], np.diff(slope), slope
+
+
 def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
     """Signs and delay from what steps of the voltage do to the current.
 
@@ -88,8 +101,7 @@ def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
     delay : int
         Rows by which the voltage was shifted.
     """
-    step, slope = (np.diff(x[:, 0] + 1j * x[:, 1]) for x in (u, i))
-    du, bend = step[1:], np.diff(slope)
+    du, bend, slope = voltage_steps(u, i)
     if len(bend) < 4 * PAST:
         return
     direct, mirrored = [0j], [0.0]
