@@ -52,7 +52,7 @@ def sheets(
         for signal, value in values.items():
             obs[..., SIGNAL_NAMES.index(signal)] = value
         k_s = one.evaluate(obs.reshape(-1, SIGNAL_N)).reshape(obs.shape[:2])
-        labels = (_label(across, motor), _label(up, motor))
+        labels = (_label(across), _label(up))
         out.append(Sheet(title, note, x * _factor(across, motor), y, *labels, k_s))
     return out
 
@@ -105,7 +105,7 @@ def _factor(axis: Axis, motor: Motor) -> float:
     return motor.n_rated_rpm if axis.signal == "speed" else 1.0
 
 
-def _label(axis: Axis, motor: Motor) -> str:
+def _label(axis: Axis) -> str:
     if axis.signal == "speed":
         return "|speed estimate| [r/min]"
     if axis.signal == "torque_current":
