@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from sensorless.agents.table.fit import TableFit
 from sensorless.agents.validation import SUITE, validate
 from sensorless.core.api import Array
+from sensorless.core.runs import running
 from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
@@ -81,8 +82,7 @@ class _Taught:
         """Weights of the policy; ``sims`` only serves to leave out drives at their end."""
         k_s = self._policy.act(obs)
         if self._count % STRIDE == 0:
-            moving = (sims["lost"] == 0) & (sims["k"] < sims["k_end"])
-            rows = moving & np.isfinite(obs).all(axis=1)
+            rows = running(sims) & np.isfinite(obs).all(axis=1)
             wanted = self._teacher.act(obs[rows])
             self._fit.add(obs[rows], wanted)
             self._sum += float(np.sum(np.square(k_s[rows] - wanted, dtype=np.float64)))

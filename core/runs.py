@@ -5,6 +5,11 @@ import numpy as np
 from sensorless.core.api import SMALL, TRACE_NAMES, Array, ffi, lib, pointer, threads_allowed
 
 
+def running(sims: Array) -> Array:
+    """(n,) bool: which drives are neither lost nor at the end of their scenario."""
+    return np.asarray((sims["lost"] == 0) & (sims["k"] < sims["k_end"]))
+
+
 class Run:
     """`sim_run` again and again on the same drives.
 

@@ -17,6 +17,7 @@ from sensorless.core.api import (
     sim_signals,
 )
 from sensorless.core.gains import gain_records, write_wanted
+from sensorless.core.runs import running
 from sensorless.pil.device import (
     DRIVE_IN,
     DRIVES,
@@ -119,7 +120,7 @@ def lockstep(
              np.ones(n, dtype=bool), -1)  # fmt: skip
     total = int(sims["k_end"].max())
     for k in range(total):
-        active = (sims["lost"] == 0) & (sims["k"] < sims["k_end"])
+        active = running(sims)
         if not active.any():
             break
         if k % periods == 0:

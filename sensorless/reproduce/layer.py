@@ -3,6 +3,7 @@
 import numpy as np
 
 from sensorless.core.api import SIGNAL_N, sim_run, sim_signals
+from sensorless.core.runs import running
 from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
@@ -31,7 +32,7 @@ def arguments(motor: Motor, design: DriveDesign) -> Floats:
     sim_signals(sims, obs)
     policy.reset(len(sims))
     found = []
-    while (live := (sims["lost"] == 0) & (sims["k"] < sims["k_end"])).any():
+    while (live := running(sims)).any():
         k_s = decide(policy, obs.copy(), sims)
         sim_run(sims, decision_periods(motor), k_s, obs)
         z = sims["drive"]["x"]["smo"]["z"][live]
