@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.envs.counter_random import Draws, Seeds
-from sensorless.envs.scenarios.ranges import DEAD_TIME, PSI_F, R_S, any_inertia
+from sensorless.envs.scenarios.ranges import DEAD_TIME, PSI_F, R_S, any_inertia, by_turns
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.machine.motor import Motor
 
@@ -28,8 +28,8 @@ def impact_scenarios(
     s = Scenarios.nominal(motor, seeds, 3.0)
     s.detailed[:] = True
     speed = indices // 4 % IMPACT_SPEEDS / (IMPACT_SPEEDS - 1)
-    way = np.where(indices % 2 == 0, 1.0, -1.0)
-    sign = np.where(indices // 2 % 2 == 0, 1.0, -1.0)
+    way = by_turns(indices)
+    sign = by_turns(indices // 2)
     s.J, s.theta_0 = any_inertia(d), d.uniform(-np.pi, np.pi)
     s.omega_0 = way * speed * motor.omega_rated / motor.n_p
     s.omega[:] = s.omega_0[:, None]
@@ -49,8 +49,8 @@ def stop_scenarios(motor: Motor, seeds: Seeds, indices: NDArray[np.int64], *_: o
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, 1.0)
     s.detailed[:] = True
-    way = np.where(indices % 2 == 0, 1.0, -1.0)
-    sign = np.where(indices // 2 % 2 == 0, 1.0, -1.0)
+    way = by_turns(indices)
+    sign = by_turns(indices // 2)
     s.J, s.theta_0 = any_inertia(d), d.uniform(-np.pi, np.pi)
     rated = motor.omega_m_rated
     s.omega_0 = way * rated
@@ -75,8 +75,8 @@ def unload_scenarios(
     d = Draws(seeds)
     s = Scenarios.nominal(motor, seeds, 2.5)
     s.detailed[:] = True
-    way = np.where(indices % 2 == 0, 1.0, -1.0)
-    sign = np.where(indices // 2 % 2 == 0, 1.0, -1.0)
+    way = by_turns(indices)
+    sign = by_turns(indices // 2)
     s.R_s, s.psi_f = d.uniform(*R_S), d.uniform(*PSI_F)
     s.dead_time = d.uniform(*DEAD_TIME) * motor.dead_time
     s.J, s.theta_0 = any_inertia(d), d.uniform(-np.pi, np.pi)

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.envs.counter_random import Draws, Seeds
-from sensorless.envs.scenarios.ranges import any_inertia
+from sensorless.envs.scenarios.ranges import any_inertia, by_turns
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.machine.motor import Motor
 
@@ -24,7 +24,7 @@ def hold_scenarios(motor: Motor, seeds: Seeds, indices: NDArray[np.int64], *_: o
     s = Scenarios.nominal(motor, seeds, 0.3 + HOLD_TIME)
     s.detailed[:] = True
     speed = np.array(HOLD_SPEEDS)[indices // 2 % len(HOLD_SPEEDS)]
-    sign = np.where(indices % 2 == 0, 1.0, -1.0)
+    sign = by_turns(indices)
     s.J, s.theta_0 = any_inertia(d), d.uniform(-np.pi, np.pi)
     s.omega_0 = speed * motor.omega_rated / motor.n_p
     s.omega[:] = s.omega_0[:, None]
@@ -49,7 +49,7 @@ def crawl_scenarios(
     top = d.uniform(0.01, 0.04) * motor.omega_rated / motor.n_p
     top *= np.where(d.chance(0.5), 1.0, -1.0)
     s.J, s.theta_0 = any_inertia(d), d.uniform(-np.pi, np.pi)
-    sign = np.where(indices % 2 == 0, 1.0, -1.0)
+    sign = by_turns(indices)
     s.omega_0 = top
     s.omega[:] = top[:, None]
     for j, start in enumerate((1.0, 2.8, 4.6), start=2):

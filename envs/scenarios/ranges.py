@@ -1,6 +1,7 @@
 """What is uncertain about a drive and by how much; every suite draws from the same ranges."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sensorless.envs.counter_random import Draws, Floats
 from sensorless.envs.scenarios.scenario import Scenarios
@@ -42,6 +43,11 @@ U_DIODE = (0.6, 1.0)
 """Threshold voltages of IGBTs and their diodes [V]."""
 RIPPLE = (0.0, 0.03)
 """Amplitude over the link; six pulses a period of a three-phase mains of 50 or 60 Hz."""
+
+
+def by_turns(indices: NDArray[np.int64]) -> Floats:
+    """(n,) 1 for even rows of a suite and -1 for odd ones."""
+    return np.where(indices % 2 == 0, 1.0, -1.0)
 
 
 def any_inertia(d: Draws) -> Floats:
