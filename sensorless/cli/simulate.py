@@ -163,14 +163,7 @@ def simulate_command(
     check_writable(out)
     check_writable(save_log, "log")
     if plant is not None or inputs is not None:
-        from sensorless.plant.run import simulate_plant
-
-        if plant is None or inputs is None or out is None:
-            raise UserError(
-                "plant, inputs: a machine alone needs --plant, --inputs and --out; give all three"
-            )
-        simulate_plant(plant, inputs, out)
-        say_wrote(out)
+        machine_alone(plant, inputs, out)
         return
     from sensorless.envs.scenarios.words import (
         fig9,
@@ -222,3 +215,21 @@ def simulate_command(
         title = f"{machine.name}, {rule.name}, {scenario or 'planned run'}"
         write_waves([wave(title, run)], plot, typed(), [short] if short else [], show or ())
     say_wrote(out, save_log, plot)
+
+
+def machine_alone(plant: Path | None, inputs: Path | None, out: Path | None) -> None:
+    """Run the machine of a file under the voltages of another, without a drive.
+
+    Raises
+    ------
+    UserError
+        One of the three files is not given, or one is not what it should be.
+    """
+    from sensorless.plant.run import simulate_plant
+
+    if plant is None or inputs is None or out is None:
+        raise UserError(
+            "plant, inputs: a machine alone needs --plant, --inputs and --out; give all three"
+        )
+    simulate_plant(plant, inputs, out)
+    say_wrote(out)
