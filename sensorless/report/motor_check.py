@@ -1,6 +1,7 @@
 """Check of a machine: examined on paper, then simulated briefly; as a table or as a page."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
+from sensorless.machine.rated_point import RatedPoint
 from sensorless.observers.start_design import knows_poles
 from sensorless.plain_table import PlainTable
 from sensorless.policies.registry import make_policy
@@ -21,7 +23,10 @@ from sensorless.report.machine_curves import reach, signal
 from sensorless.report.page import UPLOT, render
 from sensorless.suitability.examine import Examination, examine
 from sensorless.suitability.finding import LIMIT, NO, Finding
+from sensorless.suitability.seen import Seen
 
+Row = tuple[str, str, str]
+"""Quantity, what was found, and what is suggested, in words."""
 SUITES, SEED, SIZE = ("stress-1", "unload"), 1, 100
 """Scenarios of a quick run: all that is uncertain, and loads that go at low speed."""
 LOST = (0.05, 0.5)
@@ -107,68 +112,78 @@ def judged(run: QuickRun) -> list[Finding]:
     return found
 
 
-def rows(c: Check) -> list[tuple[str, str, str]]:
-    """Quantity, what was found, and what is suggested, in words."""
-    e, m = c.examination, c.examination.motor
-    out = []
-    if e.point is not None:
-        p = e.point
-        top = f"{p.top_speed:.0f} r/min" if math.isfinite(p.top_speed) else "any"
-        least = f"{p.current:.3g} A" if math.isfinite(p.current) else "more than i_max"
-        out += [
-            (
-                "rated torque",
-                f"{m.tau_rated:g} N m needs {least}; rated current is {m.i_rated:g} A",
-                "",
-            ),
-            (
-                "rated speed",
-                f"{m.n_rated_rpm:g} r/min: {p.torque_at_speed:.3g} N m within {m.u_dc:g} V; "
-                f"field weakening from {p.base_speed:.0f} r/min",
-                "",
-            ),
-            ("speed without load", f"{top} without field weakening", ""),
-        ]
+def rows(c: Check) -> list[Row]:
+    """Everything that a check found."""
+    e = c.examination
+    out = [] if e.point is None else _reached(e.motor, e.point)
     if e.seen is not None and e.suggested is not None:
-        s, k, hint = e.seen.signal, e.seen.rated, e.suggested
-        cross = np.abs(e.seen.cross_deg)
-        out += [
-            (
-                "L_q / L_d, incremental",
-                f"{s.ratio[0]:.2f} at rest, {s.ratio[k]:.2f} at rated current, "
-                f"{s.ratio[-1]:.2f} at i_max",
-                "",
-            ),
-            ("cross-coupling", f"{cross[k]:.1f}° at rated current, at most {cross.max():.1f}°", ""),
-            (
-                "injection",
-                f"{m.u_inj:g} V, {s.amplitude:.3g} A; one degree of error shows as "
-                f"{1e3 * np.deg2rad(s.slope[: k + 1].min()):.3g} mA",
-                f"u_inj = {hint['u_inj']:g} V",
-            ),
-            (
-                "angle noise to expect",
-                f"{s.noise_deg[: k + 1].max():.2f}° RMS; one step of the converter "
-                f"{s.step_deg[: k + 1].max():.1f}°",
-                "",
-            ),
-            ("start", "finds the rotor from any angle" if knows_poles(m) else
-             "from a known angle only: the iron of the file does not saturate along d", ""),
-            ("trip", f"{m.i_trip:g} A", f"i_trip of at least {hint['i_trip']:g} A"),
-            ("converter", f"{m.adc_range:g} A, {m.adc_bits} bits",
-             f"adc_range of at least {hint['adc_range']:g} A, for control"),
-            ("PWM period", f"{1e6 * m.T_s:g} µs, "
-             f"{2.0 * math.pi / (m.omega_rated * m.T_s):.0f} per electrical turn at rated speed",
-             f"T_s of at most {1e6 * hint['T_s']:g} µs"),
-        ]  # fmt: skip
-    for run in c.runs:
-        found = f"not feasible {run.infeasible:.0%} (fails with an encoder too)"
-        if run.infeasible < 1.0:
-            if math.isfinite(run.torque_dev):  # it is of what kept lock
-                found = f"torque deviation {100 * run.torque_dev:.2f} %, {found}"
-            found = f"lost {run.lost:.0%}, speed not held {run.not_held:.0%}, {found}"
-        out.append((f"quick run, {run.size} of suite {run.suite}", found, ""))
-    return out
+        out += _seen(e.motor, e.seen, e.suggested)
+    return [*out, *map(_quick, c.runs)]
+
+
+def _reached(m: Motor, p: RatedPoint) -> list[Row]:
+    """Rows on what the machine can do within current and voltage."""
+    top = f"{p.top_speed:.0f} r/min" if math.isfinite(p.top_speed) else "any"
+    least = f"{p.current:.3g} A" if math.isfinite(p.current) else "more than i_max"
+    return [
+        (
+            "rated torque",
+            f"{m.tau_rated:g} N m needs {least}; rated current is {m.i_rated:g} A",
+            "",
+        ),
+        (
+            "rated speed",
+            f"{m.n_rated_rpm:g} r/min: {p.torque_at_speed:.3g} N m within {m.u_dc:g} V; "
+            f"field weakening from {p.base_speed:.0f} r/min",
+            "",
+        ),
+        ("speed without load", f"{top} without field weakening", ""),
+    ]
+
+
+def _seen(m: Motor, seen: Seen, hint: Mapping[str, float]) -> list[Row]:
+    """Rows on what injection and the converter see of the machine."""
+    s, k = seen.signal, seen.rated
+    cross = np.abs(seen.cross_deg)
+    return [
+        (
+            "L_q / L_d, incremental",
+            f"{s.ratio[0]:.2f} at rest, {s.ratio[k]:.2f} at rated current, "
+            f"{s.ratio[-1]:.2f} at i_max",
+            "",
+        ),
+        ("cross-coupling", f"{cross[k]:.1f}° at rated current, at most {cross.max():.1f}°", ""),
+        (
+            "injection",
+            f"{m.u_inj:g} V, {s.amplitude:.3g} A; one degree of error shows as "
+            f"{1e3 * np.deg2rad(s.slope[: k + 1].min()):.3g} mA",
+            f"u_inj = {hint['u_inj']:g} V",
+        ),
+        (
+            "angle noise to expect",
+            f"{s.noise_deg[: k + 1].max():.2f}° RMS; one step of the converter "
+            f"{s.step_deg[: k + 1].max():.1f}°",
+            "",
+        ),
+        ("start", "finds the rotor from any angle" if knows_poles(m) else
+         "from a known angle only: the iron of the file does not saturate along d", ""),
+        ("trip", f"{m.i_trip:g} A", f"i_trip of at least {hint['i_trip']:g} A"),
+        ("converter", f"{m.adc_range:g} A, {m.adc_bits} bits",
+         f"adc_range of at least {hint['adc_range']:g} A, for control"),
+        ("PWM period", f"{1e6 * m.T_s:g} µs, "
+         f"{2.0 * math.pi / (m.omega_rated * m.T_s):.0f} per electrical turn at rated speed",
+         f"T_s of at most {1e6 * hint['T_s']:g} µs"),
+    ]  # fmt: skip
+
+
+def _quick(run: QuickRun) -> Row:
+    """Row on a quick run."""
+    found = f"not feasible {run.infeasible:.0%} (fails with an encoder too)"
+    if run.infeasible < 1.0:
+        if math.isfinite(run.torque_dev):  # it is of what kept lock
+            found = f"torque deviation {100 * run.torque_dev:.2f} %, {found}"
+        found = f"lost {run.lost:.0%}, speed not held {run.not_held:.0%}, {found}"
+    return f"quick run, {run.size} of suite {run.suite}", found, ""
 
 
 def facts(c: Check) -> dict[str, Any]:
