@@ -146,7 +146,7 @@ def searched(
     return best, history
 
 
-def share(ours: Floats, base: Floats, bound: Floats, seed: int = 0) -> dict[str, Any]:
+def share(ours: Floats, base: Floats, bound: Floats) -> dict[str, Any]:
     """Share of the headroom, with its interval over seeds and scenarios.
 
     Parameters
@@ -158,7 +158,7 @@ def share(ours: Floats, base: Floats, bound: Floats, seed: int = 0) -> dict[str,
     gain = np.where(known, base - np.nan_to_num(ours), 0.0)
     room = np.where(known, np.nan_to_num(base) - bound, 0.0)
     seeds, n = ours.shape
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     of_seeds = rng.multinomial(seeds, np.full(seeds, 1.0 / seeds), RESAMPLES)
     of_rows = rng.multinomial(n, np.full(n, 1.0 / n), RESAMPLES)
     drawn = np.einsum("bs,sn,bn->b", of_seeds, gain, of_rows)

@@ -75,7 +75,7 @@ def rated_point(motor: Motor) -> RatedPoint:
     )
 
 
-def polar(motor: Motor, angles: int = 91) -> Floats:
+def polar(motor: Motor) -> Floats:
     """Currents (n, 2) [A] of a quarter plane: i_d <= 0, i_q >= 0; the first is zero.
 
     Rated current is one of the amplitudes.
@@ -83,7 +83,7 @@ def polar(motor: Motor, angles: int = 91) -> Floats:
     size = np.linspace(0.0, motor.i_rated, 61)
     if motor.i_max > motor.i_rated:
         size = np.append(size, np.linspace(motor.i_rated, motor.i_max, 13)[1:])
-    angle = np.linspace(0.0, 0.5 * np.pi, angles)
+    angle = np.linspace(0.0, 0.5 * np.pi, 91)
     i_d, i_q = -np.outer(size, np.sin(angle)), np.outer(size, np.cos(angle))
     return np.stack([i_d, i_q], axis=-1).reshape(-1, 2)
 

@@ -26,9 +26,9 @@ SETTLED = 0.5
 """Time in which each step of Fig. 9 reaches its target, as printed [s]."""
 
 
-def both(motor: Motor, scenario: Scenarios, policy: str = "eq25") -> Pair:
-    """Run the published and the corrected drive through one scenario."""
-    rule = make_policy(policy, motor)
+def both(motor: Motor, scenario: Scenarios) -> Pair:
+    """Run the published and the corrected drive through one scenario under Eq. 25."""
+    rule = make_policy("eq25", motor)
     designs = {"published": PUBLISHED, "corrected": CORRECTED}
     return {name: trace(rule, scenario, motor, d) for name, d in designs.items()}
 

@@ -53,6 +53,8 @@ OVERSHOOT = 3.0
 to one late, the voltage reverses a period later, and saturation makes both larger."""
 MOST_VOLTAGE = 0.9
 """Of the pulses, over the largest phase voltage."""
+ROUNDS = 4
+"""Passes in which the flux linkage and the motion that its torque causes find each other."""
 
 
 @dataclass(frozen=True)
@@ -183,7 +185,7 @@ def _integrated(part: Part, at: float, axis: Axis, stator: Stator) -> Group:
     )
 
 
-def samples(groups: Sequence[Group], psi_f: float, turn: float, rounds: int = 4) -> Samples:
+def samples(groups: Sequence[Group], psi_f: float, turn: float) -> Samples:
     """Flux linkages of all pulses, with the motion that their torque causes.
 
     Parameters
@@ -193,7 +195,7 @@ def samples(groups: Sequence[Group], psi_f: float, turn: float, rounds: int = 4)
     turn : float
         Electrical acceleration over psi x i, 3/2 n_p^2 / J [rad/s^2 per V s A]; 0: none.
     """
-    parts = [_moved(g, psi_f, turn, rounds) for g in groups]
+    parts = [_moved(g, psi_f, turn) for g in groups]
     worst = np.array([part[2].max() for part in parts])
     # a group that began on a rotor in motion does not come back to where it began
     sound = worst <= max(LEFT, OUTLIER * float(np.median(worst)))
@@ -202,11 +204,9 @@ def samples(groups: Sequence[Group], psi_f: float, turn: float, rounds: int = 4)
     return Samples(i, psi, rms(left), float(np.abs(theta).max()))
 
 
-def _moved(
-    g: Group, psi_f: float, turn: float, rounds: int
-) -> tuple[Complex, Complex, Floats, Floats]:
+def _moved(g: Group, psi_f: float, turn: float) -> tuple[Complex, Complex, Floats, Floats]:
     theta = np.zeros(len(g.i))
-    for _ in range(rounds if turn else 1):
+    for _ in range(ROUNDS if turn else 1):
         psi, left = closed(g, psi_f, theta)
         speed = np.cumsum(turn * (psi.conj() * g.i).imag) * g.T_s
         theta = np.r_[0.0, np.cumsum(speed[:-1]) * g.T_s]
