@@ -41,7 +41,7 @@ class BlendSettings:
     motor: Motor | str | Path = "paper"
     """Machine: the name of a shipped one, a TOML file, or a `Motor`."""
     design: DriveDesign = field(default_factory=DriveDesign)
-    """Bandwidths of observers and control."""
+    """Settings of the drive: estimator, bandwidths, control."""
     scenarios: Sampler = stress_1_scenarios
     """Function of (motor, seeds (n,)) that draws n scenarios, row i from seed i alone."""
     weights: RewardWeights | WindowWeights = field(default_factory=RewardWeights)

@@ -25,6 +25,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,8 @@ from sensorless.machine.motor import Motor
 from sensorless.settings import check, number
 
 Term = NDArray[np.float32]
+Floats = NDArray[Any]
+"""float32 or float64"""
 
 INF = math.inf
 
@@ -133,15 +136,22 @@ def terms(
     np.fmin(x, np.float32(1e12), out=x)  # also replaces the NaN of a broken state by a number
 
     weight, scale, ms = _constants(weights, motor)
-    above = (np.sqrt(row["angle"]) - ANGLE_FREE) / (ANGLE_LOST - ANGLE_FREE)
+    angle = angle_cost(row["angle"])
     x /= x + scale
-    row["angle"][:] = np.clip(above, 0.0, 1.0) ** 2
+    row["angle"][:] = angle
     x *= weight
     x *= ms * n
     row["injection"] = np.float32(-weights.injection) * ms * sums["injecting"]
     row["lost_penalty"] = np.zeros(len(n), dtype=np.float32)
     row["lost_penalty"][lost] = -weights.lost
     return {name: row[name] for name in TERMS}
+
+
+def angle_cost(err_sq: Floats) -> Floats:
+    """Cost (n,) of an angle error, 0 to 1, from its mean square over time [rad^2]."""
+    above = (np.sqrt(err_sq) - ANGLE_FREE) / (ANGLE_LOST - ANGLE_FREE)
+    cost: Floats = np.clip(above, 0.0, 1.0) ** 2
+    return cost
 
 
 def total(parts: dict[str, Term]) -> Term:

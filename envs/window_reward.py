@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from sensorless.core.api import Array
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.reward import ANGLE_FREE, ANGLE_LOST, INF, RewardWeights, Term
+from sensorless.envs.reward import INF, RewardWeights, Term, angle_cost
 from sensorless.machine.motor import Motor
 from sensorless.settings import number
 
@@ -130,13 +130,12 @@ def window_terms(
     dev_sq = w["dev_sq"] / count
     ripple_sq = np.maximum(dev_sq - ((w["tau"] - w["tau_twin"]) / count) ** 2, 0.0)
     speed = (w["omega_m"] - w["omega_m_twin"]) / count
-    above = (np.sqrt(w["err_sq"] / count) - ANGLE_FREE) / (ANGLE_LOST - ANGLE_FREE)
     torque, ripple, omega, moved = _scales(motor)
     costs = {
         "torque_deviation": dev_sq / (dev_sq + torque),
         "torque_ripple": ripple_sq / (ripple_sq + ripple),
         "speed_deviation": speed**2 / (speed**2 + omega),
-        "angle": np.clip(above, 0.0, 1.0) ** 2,
+        "angle": angle_cost(w["err_sq"] / count),
         "activity": np.minimum(w["k_s_moved"] / (count * moved), 1.0),
         "injection": w["injecting"] / count,
     }
