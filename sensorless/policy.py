@@ -77,9 +77,8 @@ def design_for(policy: Policy, design: DriveDesign) -> DriveDesign:
 
 def decide(policy: Policy, obs: Signals, sims: Array) -> NDArray[np.float32]:
     """Weights wanted (n,); only a privileged policy sees the simulated drives."""
-    knowing = getattr(
-        policy, "act_knowing", None
-    )  # a protocol's isinstance takes 100 times as long
+    # a protocol's isinstance takes 100 times as long
+    knowing = getattr(policy, "act_knowing", None)
     chosen: NDArray[np.float32] = policy.act(obs) if knowing is None else knowing(obs, sims)
     return chosen
 
