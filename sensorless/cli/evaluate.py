@@ -1,7 +1,7 @@
 """The command ``sensorless evaluate``."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,6 +21,9 @@ from sensorless.cli.options import (
     say_wrote,
 )
 from sensorless.errors import UserError
+
+if TYPE_CHECKING:
+    from sensorless.evaluation.results import Results
 
 
 def list_policies(context: typer.Context, wanted: bool) -> None:
@@ -143,17 +146,8 @@ def evaluate_command(
     from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
     from sensorless.envs.scenarios.machines_suite import refuse_motor
     from sensorless.evaluation.engines.named import engine_named
-    from sensorless.evaluation.evaluate import WORST
     from sensorless.evaluation.evaluate import evaluate as run
     from sensorless.evaluation.machines import evaluate_machines
-    from sensorless.evaluation.results import COLUMNS, HANDOVER_COLUMNS
-    from sensorless.evaluation.results_tables import (
-        lock_table,
-        machines_table,
-        paired_table,
-        place_table,
-        worst_table,
-    )
     from sensorless.plots.figure import check_picture
 
     check_picture(plot)
@@ -195,8 +189,24 @@ def evaluate_command(
         save(envelope_maps(results, made.motor), plot)
     if as_json:
         typer.echo(results.to_json(scenarios=False))
+    print_tables(results, machines=suite == MACHINES, details=details)
+    say_wrote(plot, out)
+
+
+def print_tables(results: "Results", *, machines: bool, details: bool) -> None:
+    """Print what was found, over random machines or in detail if asked for."""
+    from sensorless.evaluation.evaluate import WORST
+    from sensorless.evaluation.results import COLUMNS, HANDOVER_COLUMNS
+    from sensorless.evaluation.results_tables import (
+        lock_table,
+        machines_table,
+        paired_table,
+        place_table,
+        worst_table,
+    )
+
     console.print(results.table())
-    if suite == MACHINES:
+    if machines:
         console.print(machines_table(results))
     if details:
         console.print(results.table(HANDOVER_COLUMNS))
@@ -208,4 +218,3 @@ def evaluate_command(
     noticed = lock_table(results)
     if noticed is not None:
         console.print(noticed)
-    say_wrote(plot, out)
