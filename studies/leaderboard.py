@@ -69,7 +69,7 @@ torque deviation + mean torque ripple. *Headroom*: how far a policy comes from E
 {tables}
 ## Enter a policy of your own
 
-`--policy MODULE:NAME` takes a Python class or function of the motor; needed is `act(obs)`, from the
+`--policy MODULE:NAME` takes a Python class or function of the motor; it needs `act(obs)`, from the
 signals that firmware knows to weights between 0 and 1 (`examples/own_rule.py`,
 `examples/own_policy.py`). The file of `sensorless tune` and the folder of `sensorless train` enter
 as well.
