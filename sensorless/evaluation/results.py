@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from sensorless.core.api import Array
 from sensorless.design.words import text_of
 from sensorless.envs.scenarios.machines_suite import NAME as MACHINES
 from sensorless.envs.scenarios.machines_suite import SCENARIOS
@@ -152,6 +153,27 @@ def _cell(policy: dict[str, Any], key: str, _: str, factor: float, decimals: int
     low, high = policy[f"{key}_ci"]
     half = 0.5 * factor * (high - low)
     return f"{value:.{decimals}f}" + (f" ±{half:.{decimals}f}" if math.isfinite(half) else "")
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """Scenarios of the suite ``envelope`` as their grid (load, speed), lowest first."""
+
+    lost: Array
+    """(n, n) bool"""
+    beyond: Array
+    """(n, n) bool: the sensored twin fails too"""
+    error: Array
+    """(n, n) angle error, RMS up to the end of a lost drive [deg]; NaN if there is none"""
+
+    @classmethod
+    def of(cls, rows: dict[str, Any]) -> "Envelope":
+        """Grid of the ``scenarios`` of a policy."""
+        side = math.isqrt(len(rows["lost"]))
+        beyond = ["twin" in (cause or "") for cause in rows["lost_cause"]]
+        error = np.array(rows["angle_err_rms_deg"], dtype=np.float64)
+        grids = (np.array(rows["lost"]), np.array(beyond), error)
+        return cls(*(grid.reshape(side, side).T for grid in grids))
 
 
 def _rate(policy: dict[str, Any], key: str, factor: float, decimals: int) -> str:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sensorless.evaluation.results import Results
+from sensorless.evaluation.results import Envelope, Results
 from sensorless.machine.motor import Motor
 from sensorless.plots.figure import new_figure
 
@@ -60,26 +60,22 @@ def envelope_maps(results: Results, motor: Motor) -> "Figure":
 
 
 def _map(ax: "Axes", name: str, policy: dict[str, Any], motor: Motor) -> "QuadMesh":
-    rows = policy["scenarios"]
-    side = math.isqrt(len(rows["lost"]))
-    lost = np.array(rows["lost"]).reshape(side, side).T
-    beyond = np.array(["twin" in (cause or "") for cause in rows["lost_cause"]])
-    error = np.array(rows["angle_err_rms_deg"], dtype=np.float64).reshape(side, side).T
-    grid = np.linspace(-1.0, 1.0, side)
+    found = Envelope.of(policy["scenarios"])
+    grid = np.linspace(-1.0, 1.0, len(found.lost))
     speed, load = grid * motor.n_rated_rpm, grid * motor.tau_rated
-    held = np.ma.masked_where(lost, error)
+    held = np.ma.masked_where(found.lost, found.error)
     image = ax.pcolormesh(speed, load, held, vmin=0.0, vmax=SHOWN, cmap="YlGnBu", shading="nearest")
-    for colour, cells in ((LOST, lost), (BEYOND, beyond.reshape(side, side).T)):
+    for colour, cells in ((LOST, found.lost), (BEYOND, found.beyond)):
         ax.pcolormesh(
             speed,
             load,
-            np.ma.masked_where(~cells, np.zeros((side, side))),
+            np.ma.masked_where(~cells, np.zeros(cells.shape)),
             cmap=_one_colour(colour),
             shading="nearest",
         )
     ax.axhline(0.0, color="k", lw=0.4, alpha=0.5)
     ax.axvline(0.0, color="k", lw=0.4, alpha=0.5)
-    ax.set_title(f"{name}\nholds {100.0 * np.mean(~lost):.0f} %", fontsize=10)
+    ax.set_title(f"{name}\nholds {100.0 * np.mean(~found.lost):.0f} %", fontsize=10)
     return image
 
 

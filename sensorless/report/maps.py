@@ -1,13 +1,12 @@
 """Maps for a page: where lock holds over speed and load, and a table's weights."""
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from sensorless.core.api import Array
-from sensorless.evaluation.results import Results
+from sensorless.evaluation.results import Envelope, Results
 from sensorless.machine.motor import Motor
 from sensorless.plots.schedule import Sheet
 
@@ -46,16 +45,14 @@ def envelope(results: Results, motor: Motor, most: float) -> list[Map]:
     """Angle error where each policy keeps lock."""
     out = []
     for name, policy in results.policies.items():
-        rows = policy["scenarios"]
-        side = math.isqrt(len(rows["lost"]))
-        values = np.nan_to_num(np.array(rows["angle_err_rms_deg"], dtype=np.float64))
-        beyond = np.array(["twin" in (cause or "") for cause in rows["lost_cause"]])
-        lost = np.array(rows["lost"])
-        values = np.where(beyond, BEYOND, np.where(lost, LOST, values)).reshape(side, side).T
-        held, able = int(np.sum(~lost & ~beyond)), int(np.sum(~beyond))
+        found = Envelope.of(policy["scenarios"])
+        values = np.where(found.lost, LOST, np.nan_to_num(found.error))
+        values = np.where(found.beyond, BEYOND, values)
+        able = ~found.beyond
+        held = int(np.sum(~found.lost & able))
         out.append(
             Map(
-                name, f"holds {held} of {able} points",
+                name, f"holds {held} of {int(np.sum(able))} points",
                 (-motor.n_rated_rpm, motor.n_rated_rpm, "speed [r/min]"),
                 (-motor.tau_rated, motor.tau_rated, "load [N m]"),
                 values, most, "°", 1,
