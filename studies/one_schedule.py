@@ -28,7 +28,7 @@ from sensorless.errors import in_one_line
 from sensorless.evaluation.engines.threads import Threads
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
-from sensorless.evaluation.rollout import CAUSES, rollout
+from sensorless.evaluation.rollout import rollout
 from sensorless.files import ensure_writable
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -78,7 +78,7 @@ def run(policies: Sequence[Policy], motor: Motor, seed: int, size: int) -> Float
     scenarios = SuiteRows("stress-1", motor, seed, size, "tune").draw()
     rows = np.tile(np.arange(size), len(policies))
     r = rollout(SideBySide(policies), scenarios[rows], SimFactory(motor, DriveDesign()))
-    lost = (r.lost != 0) & (r.lost & CAUSES["twin"] == 0)
+    lost = (r.lost != 0) & r.feasible
     found = np.stack((lost, torque_dev_rms(r), torque_ripple_rms(r)))
     found[1:, r.lost != 0] = np.nan
     return found.reshape(3, len(policies), size)

@@ -26,7 +26,7 @@ from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import paired
 from sensorless.evaluation.engines.threads import Threads
 from sensorless.evaluation.evaluate import score
-from sensorless.evaluation.rollout import CAUSES
+from sensorless.evaluation.rollout import are_feasible
 from sensorless.files import write_record
 from sensorless.policies.registry import make_policy
 from sensorless.tuning.tune import tune
@@ -63,7 +63,7 @@ def study(index: int, words: argparse.Namespace, known: Mapping[str, Any]) -> di
 
 def count(lost: NDArray[np.int32]) -> int:
     """Scenarios that a drive loses, but its sensored twin does not."""
-    return int(np.sum((lost != 0) & (lost & CAUSES["twin"] == 0)))
+    return int(np.sum((lost != 0) & are_feasible(lost)))
 
 
 def summed(machines: list[Mapping[str, Any]], word: str) -> dict[str, float]:

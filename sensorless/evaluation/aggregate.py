@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
-from sensorless.evaluation.rollout import CAUSES, Floats
+from sensorless.evaluation.rollout import CAUSES, Floats, are_feasible
 
 RESAMPLES = 2000
 """Bootstrap samples of an interval."""
@@ -88,7 +88,7 @@ def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -
     ----------
     lost : (n,) bits of ``CAUSES``
     """
-    survived, feasible = lost == 0, _feasible(lost)
+    survived, feasible = lost == 0, are_feasible(lost)
     out = {
         "lost_rate": _rate(~survived[feasible]),
         "lost_ci": rate_interval(~survived[feasible]),
@@ -102,10 +102,6 @@ def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -
             "not_held_rate_ci": rate_interval(loose > 0.0),
         }
     return {**out, "survived": int(survived.sum()), **mean_of(metrics, survived, seed)}
-
-
-def _feasible(lost: NDArray[np.int32]) -> Bools:
-    return np.asarray(lost & CAUSES["twin"] == 0)
 
 
 def _rate(x: Floats | Bools) -> float:
@@ -130,7 +126,7 @@ def paired(
     Lost and not-held rates over the feasible scenarios, see ``summary``; ``metrics`` over those
     that both survived; ``there`` has the means of the reference over the same scenarios.
     """
-    feasible = _feasible(lost | reference_lost)
+    feasible = are_feasible(lost | reference_lost)
     here, there = (lost != 0) & feasible, (reference_lost != 0) & feasible
     both = (lost | reference_lost) == 0
     rates = {"lost_rate": (here.astype(np.float64), there.astype(np.float64))}
@@ -209,6 +205,6 @@ def worst(
     not_held : (n,) 1 or 0
     deviation : (n,)
     """
-    group = np.where(lost == 0, np.where(not_held > 0.0, 1, 2), np.where(_feasible(lost), 0, 3))
+    group = np.where(lost == 0, np.where(not_held > 0.0, 1, 2), np.where(are_feasible(lost), 0, 3))
     within = np.where(lost == 0, -np.nan_to_num(deviation), time)
     return [int(i) for i in np.lexsort((within, group))[:count]]

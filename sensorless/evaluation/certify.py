@@ -22,7 +22,7 @@ from sensorless.evaluation.certificate import Tally, counted, result, write
 from sensorless.evaluation.engines.engine import Engine
 from sensorless.evaluation.engines.threads import Threads
 from sensorless.evaluation.metrics.held import NEEDED, not_held
-from sensorless.evaluation.rollout import CAUSES, Rollout, at_a_time, rollouts, with_twin_to_the_end
+from sensorless.evaluation.rollout import Rollout, at_a_time, rollouts, with_twin_to_the_end
 from sensorless.files import check_writable
 from sensorless.machine.motor import Motor
 from sensorless.policy import GainPolicy, Policy, design_for, gains_of, require_runnable
@@ -159,12 +159,11 @@ def _count(job: Job) -> Tally:
 
 
 def _tally(r: Rollout, first: int) -> Tally:
-    beyond = r.lost & CAUSES["twin"] != 0
-    lost = (r.lost != 0) & ~beyond
+    lost = (r.lost != 0) & r.feasible
     loose = (r.lost == 0) & (not_held(r) > 0.0)
     return Tally(
         scenarios=len(r.lost),
-        infeasible=int(beyond.sum()),
+        infeasible=int(np.sum(~r.feasible)),
         lost=int(lost.sum()),
         not_held=int(loose.sum()),
         lost_at=tuple((first + np.flatnonzero(lost)).tolist()),

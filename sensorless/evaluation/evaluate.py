@@ -28,6 +28,7 @@ from sensorless.evaluation.rollout import (
     CHUNK,
     Floats,
     Rollout,
+    are_feasible,
     at_a_time,
     cause_of,
     rollouts,
@@ -226,7 +227,7 @@ def _entry(s: Scores, seeds: Seeds, words: Sequence[str], seed: int, bound: bool
         "worst": _worst(s, words),
         "scenarios": {
             "seed": seeds.tolist(),
-            "lost": (~survived & (s.lost & CAUSES["twin"] == 0)).tolist(),
+            "lost": (~survived & are_feasible(s.lost)).tolist(),
             "lost_cause": [cause_of(int(bits)) for bits in s.lost],
             "time_s": s.time.tolist(),
             **{name: x.tolist() for name, x in s.lock.items()},

@@ -19,7 +19,7 @@ from sensorless.evaluation.engines.engine import Engine
 from sensorless.evaluation.engines.threads import Threads
 from sensorless.evaluation.evaluate import PolicyProgress, Scores, joined, results_of, score_chunk
 from sensorless.evaluation.results import Results
-from sensorless.evaluation.rollout import CAUSES, Floats
+from sensorless.evaluation.rollout import Floats, are_feasible
 from sensorless.files import check_writable
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy
@@ -97,10 +97,10 @@ def _scored(job: tuple[Policy, SimFactory, SuiteRows]) -> Scores:
 
 def _by_machine(parts: Sequence[Scores]) -> dict[str, list[Any]]:
     """Counts on each machine, and means over what it survived."""
-    beyond = [s.lost & CAUSES["twin"] != 0 for s in parts]
+    able = [are_feasible(s.lost) for s in parts]
     return {
-        "feasible": [int(np.sum(~b)) for b in beyond],
-        "lost": [int(np.sum((s.lost != 0) & ~b)) for s, b in zip(parts, beyond, strict=True)],
+        "feasible": [int(np.sum(a)) for a in able],
+        "lost": [int(np.sum((s.lost != 0) & a)) for s, a in zip(parts, able, strict=True)],
         **{
             name: [_mean(s.metrics[name][s.lost == 0]) for s in parts]
             for name in ("not_held", *COMPARED)

@@ -44,6 +44,11 @@ def cause_of(lost: int) -> str | None:
     return "+".join(name for name, bit in CAUSES.items() if lost & bit) or None
 
 
+def are_feasible(lost: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """(n,) from bits of ``CAUSES``: the sensored twin did what the scenario asks for."""
+    return np.asarray(lost & CAUSES["twin"] == 0)
+
+
 @dataclass(frozen=True)
 class Rollout:
     """What happened to n drives in up to d decisions."""
@@ -80,7 +85,7 @@ class Rollout:
     @property
     def feasible(self) -> NDArray[np.bool_]:
         """(n,) as far as the run came, the sensored twin did what the scenario asks for."""
-        return np.asarray(self.lost & CAUSES["twin"] == 0)
+        return are_feasible(self.lost)
 
     def mean(self, name: str) -> NDArray[np.float32]:
         """(d, n) mean of a field of ``sums_t`` over each decision; NaN after the end of a drive."""

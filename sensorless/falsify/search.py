@@ -17,7 +17,7 @@ from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import UserError
 from sensorless.evaluation.metrics.catalogue import METRICS
-from sensorless.evaluation.rollout import CAUSES, Floats, rollout, with_twin_to_the_end
+from sensorless.evaluation.rollout import Floats, rollout, with_twin_to_the_end
 from sensorless.policy import Policy, require_runnable
 
 SAMPLES = 128
@@ -68,11 +68,11 @@ def severity(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> tuple
         Time [s]; infinity where lock is kept.
     """
     r = with_twin_to_the_end(rollout(policy, scenarios, factory), factory, policy.settings)
-    beyond, lost = r.lost & CAUSES["twin"] != 0, r.lost != 0
+    lost = r.lost != 0
     time = r.periods * factory.motor.T_s
     kept = np.nan_to_num(METRICS["angle_err_max_deg"](r))
     score = np.where(lost, 200.0 + 100.0 * (1.0 - time / scenarios.duration), kept)
-    return np.where(beyond, 0.0, score), np.where(lost & ~beyond, time, np.inf)
+    return np.where(r.feasible, score, 0.0), np.where(lost & r.feasible, time, np.inf)
 
 
 def search(

@@ -14,7 +14,7 @@ from sensorless.evaluation.metrics.held import not_held
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.metrics.step import dip_pct_s, settling_twin_s
 from sensorless.evaluation.objective import LOST_WEIGHT, Cost
-from sensorless.evaluation.rollout import CAUSES, Floats, rollouts, with_twin_to_the_end
+from sensorless.evaluation.rollout import Floats, are_feasible, rollouts, with_twin_to_the_end
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy
 
@@ -70,7 +70,7 @@ def measure(motor: Motor, design: DriveDesign, policy: Policy, scenarios: Scenar
     runs = [with_twin_to_the_end(r, factory) for r in rollouts(policy, scenarios, factory)]
     lost = np.concatenate([r.lost for r in runs])
     return Measured(
-        (lost & CAUSES["twin"]) == 0,
+        are_feasible(lost),
         lost != 0,
         {name: np.concatenate([metric(r) for r in runs]) for name, metric in METRICS.items()},
     )
