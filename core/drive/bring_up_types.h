@@ -15,7 +15,7 @@ enum {
     BRING_UP_FAULT_SIGN = 16, /* all currents, or all voltages, have the wrong sign */
     BRING_UP_FAULT_PHASES = 32,    /* phases swapped between PWM and current sensors: see wiring */
     BRING_UP_FAULT_CHANNEL = 64,   /* one current channel has the wrong sign: see wiring */
-    BRING_UP_FAULT_SCALE = 128,    /* voltage or current has a wrong scale: see scale */
+    BRING_UP_FAULT_SCALE = 128,    /* wrong scale of the voltage or a current: see scale */
     BRING_UP_FAULT_DEAD_TIME = 256 /* dead time is compensated already: see lost */
 };
 

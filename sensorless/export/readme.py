@@ -9,7 +9,7 @@ from sensorless.export.core_files import FIRMWARE
 from sensorless.export.faults import fault_tables
 from sensorless.export.gains import gain_readme
 from sensorless.export.hook import hook_text
-from sensorless.export.start import lost_text, start_call, start_text
+from sensorless.export.start import lost_text, spin_text, start_call, start_text
 from sensorless.machine.motor import Motor
 from sensorless.observers.bring_up_design import plan_bring_up
 from sensorless.table.ks_table import KsTable
@@ -86,6 +86,7 @@ def readme(
         fallback=f"{table.fallback:g}",
         start_call=start_call(motor),
         start_text=start_text(motor),
+        spin_text=spin_text(motor),
         lost_text=lost_text(int(drive["lock"]["action"])),
         cmsis=cmsis_readme(table),
         two_threshold=texts[1],

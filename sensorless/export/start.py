@@ -3,9 +3,12 @@
 ``sensorless simulate --start``, the README and ``params.h`` all ask ``knows_poles``.
 """
 
+import math
+
 from sensorless.machine.motor import Motor
 from sensorless.observers.lock_design import ACTIONS, RESTARTS
 from sensorless.observers.start_design import knows_poles
+from sensorless.units import RPM_TO_RAD_S
 
 FINDS = """\
     drive_init(&drive_params, &drive, 0.0f, 0.0f, 1.0f); /* angle, speed, k_s to start from */
@@ -16,16 +19,18 @@ KNOWN = """\
 FINDS_TEXT = """\
 After `drive_find_rotor` the drive takes some 20 to 50 ms to find its rotor, at rest or spinning. It
 makes no torque meanwhile: keep the load torque below half of rated until `drive.start.phase` is 0.
-Leave the call out if you know angle (within 90 degrees) and speed and pass them to `drive_init`.
+Leave the call out if you know angle (within 60 degrees) and speed and pass them to `drive_init`.
 `FAULT_POLE` in `drive.fault` means that saturation was too weak to be sure of the north pole."""
 KNOWN_TEXT = """\
 **The drive cannot find the rotor of this machine from an unknown angle.** In the motor file, its
 iron does not saturate along d, so north and south respond alike to a pulse, and `DRIVE_FINDS_ROTOR`
 in `params.h` is 0. Do not call `drive_find_rotor`: it would keep the pole nearer to its first angle
-and set `FAULT_POLE`. Pass `drive_init` the angle within 90 degrees, from an alignment by direct
+and set `FAULT_POLE`. Pass `drive_init` the angle within 60 degrees, from an alignment by direct
 current or from a sensor. `sensorless simulate --start` refuses this machine for the same reason.
 With a measured [saturation] in the motor file, the drive may be able to find the pole."""
 
+FLYING = 0.9
+"""Share of the voltage that the EMF of a shaft may take when a drive catches it."""
 LOST = {
     "report": "goes on: stop it or start it again, as the application allows",
     "restart": "goes on\nwith the coupled observer. If that does not help, it takes its torque "
@@ -44,6 +49,17 @@ def start_call(motor: Motor) -> str:
 def start_text(motor: Motor) -> str:
     """What the README says about these lines."""
     return FINDS_TEXT if knows_poles(motor) else KNOWN_TEXT
+
+
+def spin_text(motor: Motor) -> str:
+    """What the README says of a shaft that spins when the drive starts again."""
+    if not knows_poles(motor):
+        return "Let the shaft come to rest first: the drive cannot find its rotor."
+    most = FLYING * motor.u_dc / math.sqrt(3.0) / motor.psi_f / motor.n_p / RPM_TO_RAD_S
+    return f"""\
+The shaft may spin meanwhile, at up to
+{most:.0f} r/min, where its EMF takes {FLYING:g} of the voltage: the drive holds the current at zero
+while it seeks, and a faster shaft drives one that trips."""
 
 
 def lost_text(action: int) -> str:

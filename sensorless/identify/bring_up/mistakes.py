@@ -33,6 +33,11 @@ def scaled(x: float) -> Matrix:
     return x, 0.0, 0.0, x
 
 
+def gains(a: float, b: float) -> Matrix:
+    """Of the channels of phase a and of phase b."""
+    return a, 0.0, (a - b) / math.sqrt(3.0), b
+
+
 @dataclass(frozen=True)
 class Mistake:
     """What stands between the core and the machine; the defaults are right."""
@@ -72,10 +77,12 @@ def _all() -> Iterator[tuple[str, Mistake]]:
         yield f"voltage-{name}-swapped", Mistake(("phases",), voltage=mirrored(angle))
     yield "current-phases-shifted", Mistake(("phases",), current=turned(-THIRD))
     yield "voltage-phases-shifted", Mistake(("phases",), voltage=turned(THIRD))
-    root = 2.0 / math.sqrt(3.0)
-    yield "channel-a-sign", Mistake(("channel",), current=(-1.0, 0.0, -root, 1.0))
-    yield "channel-b-sign", Mistake(("channel",), current=(1.0, 0.0, root, -1.0))
+    yield "channel-a-sign", Mistake(("channel",), current=gains(-1.0, 1.0))
+    yield "channel-b-sign", Mistake(("channel",), current=gains(1.0, -1.0))
     shows = ("scale", "current", "deaf")
+    for gain in (0.5, 1.5):
+        yield f"channel-a-gain-{gain:g}", Mistake(shows, current=gains(gain, 1.0))
+        yield f"channel-b-gain-{gain:g}", Mistake(shows, current=gains(1.0, gain))
     for name, factor in DUTIES.items():
         yield f"duty-{name}", Mistake(shows, voltage=scaled(factor))
     for share in (0.9, 1.0, 1.1):
