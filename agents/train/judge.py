@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from shlex import quote
 
 from sensorless.agents.loading import TABLE, VERDICT, load_run
 from sensorless.agents.train.config import TrainConfig
@@ -46,7 +47,10 @@ def _kept_start(folder: Path, config: TrainConfig, name: str) -> str:
     curve = rows(folder)
     values = [row["objective"] for row in curve]
     if len(set(values)) == 1:
-        never, on = f"the same as {name}: the run never moved", f"train --resume {folder}"
+        never, on = (
+            f"the same as {name}: the run never moved",
+            f"train --resume {quote(str(folder))}",
+        )
         steps, first = curve[-1]["steps"], config.warm_up + 1
         least = first * config.n_envs * config.n_steps
         if steps <= least:

@@ -84,6 +84,9 @@ CORE_INLINE void coupled_rates(const coupled_params_t *p, coupled_state_t *x, fl
     float has = w * emf;
     float share = has < takes ? has / takes : 1.0f;
     coupled_correct(p, x, max_f(share, p->brake_least + (1.0f - p->brake_least) * k_s));
+    if (SHORTCUT(!(p->idle > 0.0f))) {
+        return;
+    }
     x->gain_0 += k_s * p->idle * max_f(1.0f - abs_f(i_q) * p->inv_i_idle, 0.0f);
 }
 

@@ -89,13 +89,16 @@ def _text(text: str, wanted: Sequence[str], names: Mapping[str, str], where: str
         cells = list(csv.reader((line for _, line in lines), delimiter=mark))
     except csv.Error as error:
         raise UserError(f"{where}: not a valid CSV file: {error}") from None
+    if len(cells) != len(lines):
+        raise UserError(f"{where}: a quote in a line does not end there; leave quotes out")
     header = [name.strip() for name in cells[0]] if cells else []
     used = _used(header, wanted, names, where, lines[0][0] if lines else 1)
     units = {name: _unit(header[j]) for name, (j, _) in used.items()}
     body = list(zip([number for number, _ in lines[1:]], cells[1:], strict=True))
     if body and not any(_is_number(cell) for cell in body[0][1]):  # a line of units
         for name, (j, _) in used.items():
-            units[name] = UNITS.get(body[0][1][j].strip(" []()").lower(), units[name])
+            word = body[0][1][j] if j < len(body[0][1]) else ""
+            units[name] = UNITS.get(word.strip(" []()").lower(), units[name])
         body = body[1:]
     rows = []
     for number, row in body:

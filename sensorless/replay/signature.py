@@ -56,7 +56,8 @@ def usual_step(t: Floats) -> float:
     """Mean of the steps near their median, which a column of few digits has only roughly."""
     step = np.diff(t)
     middle = float(np.median(step))
-    return float(np.mean(step[np.abs(step - middle) <= 0.5 * abs(middle)]))
+    near = step[np.abs(step - middle) <= 0.5 * abs(middle)]
+    return float(np.mean(near)) if len(near) else middle
 
 
 def is_degrees(theta: Floats, T_s: float, omega_max: float) -> bool:

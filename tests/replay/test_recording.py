@@ -229,3 +229,18 @@ def test_mistakes_are_named(read: Read, tmp_path: Path) -> None:
         with pytest.raises(UserError, match="map") as error:
             read(text, words)
         assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('t,i_a,i_b,u_alpha,u_beta\n0,0,0,0,"0\n1,0,0,0,0\n2,0,0,0,0\n', "a quote in a line"),
+        ("t,i_a,i_b,u_alpha,u_beta\nsec\n0,0,0,0,0\n1,0,0,0,0\n", "log"),
+        ("t,i_a,i_b,u_alpha,u_beta\n0,0,0,0,0\n0.0002,0,0,0,0\n1,0,0,0,0\n", "log"),
+    ],
+    ids=["open quote", "short line of units", "gap"],
+)
+@pytest.mark.filterwarnings("error")
+def test_broken_logs_are_named(read: Read, text: str, message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        read(text)
