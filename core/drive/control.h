@@ -59,23 +59,14 @@ typedef struct {
 /* Torque-current reference from the speed error [A]. omega_ref, omega: electrical [rad/s].
  * Without voltage to spare the reference waits for field weakening: short of voltage the flux falls
  * behind the rotor, which lowers the torque of a motor and raises that of a generator, until it
- * slips. Where the d current can weaken no more, the torque current gives way; not a generator's
- * below the one that needs the least voltage, R_s omega psi_a / (R_s^2 + omega^2 L_q^2). */
+ * slips. Where the d current can weaken no more, the torque current gives way. */
 CORE_INLINE float speed_control(const control_params_t *p, control_state_t *x, float omega_ref,
                                 float omega, float T_s) {
     float want = p->k_p_speed * (p->weight_ref * omega_ref - omega) + x->i_int;
     float i_d = x->i_ref.d;
     float i_q_max = sqrt_f(p->i_max * p->i_max - i_d * i_d);
     float held = abs_f(x->i_ref.q);
-    int weak = i_d <= p->i_d_min;
-    if (!SHORTCUT(!weak)) {
-        float R_s = 2.0f * p->k_t_q - p->k_p_q;
-        float psi_a = p->psi_f + (p->L_d - p->L_q) * i_d;
-        float x_q = omega * p->L_q;
-        float least = R_s * abs_f(omega) * psi_a / (R_s * R_s + x_q * x_q);
-        float given = max_f(held - p->i_q_step, want * omega < 0.0f ? least : 0.0f);
-        held = weak ? given : held;
-    }
+    held = i_d > p->i_d_min ? held : max_f(held - p->i_q_step, 0.0f);
     i_q_max = x->u_abs > x->u_max ? min_f(i_q_max, held) : i_q_max;
     float step = bound_f(want - x->i_ref.q, p->i_q_step);
     float i_q = bound_f(x->i_ref.q + step, i_q_max);
