@@ -54,7 +54,7 @@ CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
     drive_signals(&p->signal, x, in.omega_ref);
     x->lock.wait -= 1;
     if (SCALAR_ONLY(x->lock.wait <= 1 || x->lock.wait > p->lock.n + LOCK_FIRST)) {
-        drive_lock(p, x);
+        u = drive_lock(p, x, u);
     }
     return drive_checked(p, x, u);
 }

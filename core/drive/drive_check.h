@@ -2,7 +2,10 @@
  *
  * Every period checks the voltage and the numbers through which damage spreads. The whole state is
  * summed up piece by piece, CHECK_WORDS words a period: a sum is finite only if all its words are,
- * and an integer of the state is next to nothing as a float. */
+ * and an integer of the state is next to nothing as a float.
+ *
+ * Those that nothing bounds on their way, once with every test of the lock: what is finite, but more
+ * than a drive computes, would act for long. */
 #ifndef SENSORLESS_DRIVE_CHECK_H
 #define SENSORLESS_DRIVE_CHECK_H
 
@@ -28,6 +31,45 @@ CORE_INLINE int drive_sound(const guard_params_t *p, const drive_state_t *x, ab_
     sum += x->smo.omega_f + x->k_s + x->control.i_int + x->control.u_abs;
     sum += w[0] + w[1] + w[2] + w[3] + w[4] + w[5] + w[6] + w[7]; /* CHECK_WORDS */
     return abs_f(u.a) <= p->u_out && abs_f(u.b) <= p->u_out && abs_f(sum) <= CHECK_LIMIT;
+}
+
+/* A voltage that drive_sound refuses [V]. */
+CORE_INLINE ab_t drive_refused(const guard_params_t *p) {
+    ab_t u = {2.0f * p->u_out, 0.0f};
+    return u;
+}
+
+/* Whether phase and counters are such as the start sequence writes, and what its sliding-mode observer
+ * goes on from is finite: the observer's bounds hide what is not. */
+CORE_INLINE int drive_seek_sound(const drive_state_t *x) {
+    const start_state_t *s = &x->start;
+    float from = x->u_1.a + x->u_1.b + x->u_2.a + x->u_2.b;
+    from += x->smo.i_hat.a + x->smo.i_hat.b + x->smo.z.a + x->smo.z.b;
+    return s->phase > START_DONE && s->phase < START_END && s->n >= 0 && s->tries >= 0 &&
+           abs_f(from) <= CHECK_LIMIT;
+}
+
+/* Largest integrator of the speed control [A]. Each period moves it towards i_q_ref less what the
+ * weight of the reference keeps from the proportional part, so it stays within the largest of these. */
+CORE_INLINE float drive_i_int_max(const drive_params_t *p) {
+    const control_params_t *c = &p->control;
+    float omega = max_f(p->guard.omega, p->coupled.omega_max);
+    return c->i_max + c->k_p_speed * abs_f(1.0f - c->weight_ref) * omega;
+}
+
+#define CHECK_ROUNDED 1.01f /* what rounding may add to a bound */
+
+/* Whether angles, weight, integrator and what was learned are such as a drive computes. */
+CORE_INLINE int drive_possible(const drive_params_t *p, const drive_state_t *x) {
+    const match_params_t *m = &p->coupled.match;
+    const drift_state_t *d = &x->coupled.drift;
+    return abs_f(x->est.theta) <= TWO_PI_F && abs_f(x->hfi.pll.theta) <= TWO_PI_F &&
+           abs_f(x->emf.pll.theta) <= TWO_PI_F && bits_of(x->k_s) <= BITS_OF_ONE &&
+           abs_f(x->control.i_int) <= CHECK_ROUNDED * drive_i_int_max(p) &&
+           bits_of(d->trust) <= BITS_OF_ONE && abs_f(d->sign) <= 1.0f &&
+           abs_f(x->coupled.match.gain) <= m->gain_max &&
+           abs_f(x->coupled.match.offset_a) <= m->offset_max &&
+           abs_f(x->coupled.match.offset_b) <= m->offset_max;
 }
 
 #endif

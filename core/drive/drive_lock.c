@@ -1,6 +1,7 @@
 /* The tests of lock.h apart from the period, so that a period without them is as short as before. */
 #include "drive_lock.h"
 
+#include "drive_check.h"
 #include "drive_start.h"
 
 CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
@@ -18,13 +19,17 @@ CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
     lock_begin(&p->lock, &x->lock, 0.0f);
 }
 
-void drive_lock(const drive_params_t *p, drive_state_t *x) {
+ab_t drive_lock(const drive_params_t *p, drive_state_t *x, ab_t u) {
     if (x->lock.wait == 1) {
         drive_watch(p, x);
-        return;
+        return u;
     }
     drive_judge(p, x);
+    if (!drive_possible(p, x)) {
+        return drive_refused(&p->guard);
+    }
     if (drive_acts(p, x)) {
         drive_act(p, x);
     }
+    return u;
 }

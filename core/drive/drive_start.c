@@ -2,6 +2,7 @@
 #include "drive_start.h"
 
 #include "drive_actuate.h"
+#include "drive_check.h"
 #include "drive_observe.h"
 
 /* Stages that several places call, kept once in the memory of a target. */
@@ -271,19 +272,13 @@ CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t 
     }
 }
 
-/* Whether phase and counters are such as the sequence writes. */
-CORE_COLD static int seek_sound(const start_state_t *x) {
-    return x->phase > START_DONE && x->phase < START_END && x->n >= 0 && x->tries >= 0;
-}
-
 CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive_in_t *in,
                           ab_t i_ab) {
-    ab_t u = {2.0f * p->guard.u_out, 0.0f}; /* drive_sound of drive_check.h refuses it */
-    if (!seek_sound(&x->start)) {
-        return u;
+    ab_t u = {0.0f, 0.0f};
+    if (!drive_seek_sound(x)) {
+        return drive_refused(&p->guard);
     }
     if (x->start.phase == START_STOPPED) {
-        u.a = 0.0f;
         x->u_2 = x->u_1;
         x->u_1 = u;
     } else if (x->start.phase == START_FLY) {

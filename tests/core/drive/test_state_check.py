@@ -165,3 +165,59 @@ def test_a_damaged_counter_does_not_put_the_watch_to_sleep() -> None:
         drive.x["lock"]["wait"] = wait
         drive.step()
         assert 0 <= drive.x["lock"]["wait"][0] <= drive.params["lock"]["n"][0]
+
+
+IMPOSSIBLE = {
+    "hfi.pll.theta": 1e5,
+    "emf.pll.theta": -40.0,
+    "k_s": -1e3,
+    "coupled.drift.trust": -0.5,
+    "coupled.drift.sign": 5.0,
+    "coupled.match.gain": 0.9,
+    "coupled.match.offset_a": 1e4,
+    "coupled.match.offset_b": -1e4,
+}
+
+
+@pytest.mark.parametrize("estimator", ["coupled", "flux", "smo"])
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+def test_what_is_finite_but_impossible_is_flagged_within_a_test_of_the_lock(
+    motor: Motor, estimator: str, name: str
+) -> None:
+    drive = Drive(motor, estimator, False, 400)
+    drive.words[FLOATS[name]] = IMPOSSIBLE[name]
+    for _ in range(int(drive.params["lock"]["n"][0])):
+        drive.step()
+    healed = estimator != "coupled" and name.startswith("coupled.drift")
+    assert drive.flagged() or healed or abs(drive.words[FLOATS[name]]) <= math.pi
+
+
+@pytest.mark.parametrize("machine", ["paper", "brusa_hsm1", "ebike_hub"])
+@pytest.mark.parametrize("weight", [0.0, 1.0])
+def test_the_speed_integrator_is_flagged_beyond_what_speed_control_can_make_it(
+    machine: str, weight: float
+) -> None:
+    """Its bound: the current limit, and what the reference leaves to it at the highest speed."""
+    motor = Motor.load(machine)
+    for share, flagged in ((0.99, False), (-0.99, False), (1.1, True), (-1.1, True)):
+        drive = Drive(motor, "coupled", False, 4)
+        p = drive.params["control"]
+        p["weight_ref"] = weight
+        omega = max(drive.params["guard"]["omega"][0], drive.params["coupled"]["omega_max"][0])
+        most = p["i_max"][0] + p["k_p_speed"][0] * (1.0 - weight) * omega
+        n = int(drive.params["lock"]["n"][0])
+        for _ in range(n):
+            drive.x["control"]["i_int"] = share * most
+            drive.step()
+        assert drive.flagged() == flagged, share
+
+
+@pytest.mark.parametrize("name", ["u_1.a", "u_1.b", "u_2.a", "u_2.b", "smo.i_hat.b", "smo.z.a"])
+def test_a_seeking_drive_flags_at_once_what_its_observer_would_hide(
+    motor: Motor, name: str
+) -> None:
+    for value in BAD[:3]:
+        drive = Drive(motor, "coupled", True, 12)
+        assert drive.x["start"]["phase"][0] == lib.START_CATCH
+        drive.words[FLOATS[name]] = value
+        assert drive.step() == 0.0 and drive.flagged()
