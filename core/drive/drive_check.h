@@ -49,27 +49,20 @@ CORE_INLINE int drive_seek_sound(const drive_state_t *x) {
            abs_f(from) <= CHECK_LIMIT;
 }
 
-/* Largest integrator of the speed control [A]. Each period moves it towards i_q_ref less what the
- * weight of the reference keeps from the proportional part, so it stays within the largest of these. */
+/* Largest integrator of the speed control [A]. Each period moves it towards i_q plus the part of the
+ * reference that the proportional part leaves out, so it stays within the largest of these; a
+ * hundredth of that part more, for rounding. */
 CORE_INLINE float drive_i_int_max(const drive_params_t *p) {
     const control_params_t *c = &p->control;
-    float omega = max_f(p->guard.omega, p->coupled.omega_max);
-    return c->i_max + c->k_p_speed * abs_f(1.0f - c->weight_ref) * omega;
+    return c->i_max + c->k_p_speed * (1.01f - c->weight_ref) * p->coupled.omega_max;
 }
 
-#define CHECK_ROUNDED 1.01f /* what rounding may add to a bound */
-
-/* Whether angles, weight, integrator and what was learned are such as a drive computes. */
+/* Whether angles, weights and integrator are such as a drive computes. */
 CORE_INLINE int drive_possible(const drive_params_t *p, const drive_state_t *x) {
-    const match_params_t *m = &p->coupled.match;
-    const drift_state_t *d = &x->coupled.drift;
-    return abs_f(x->est.theta) <= TWO_PI_F && abs_f(x->hfi.pll.theta) <= TWO_PI_F &&
-           abs_f(x->emf.pll.theta) <= TWO_PI_F && bits_of(x->k_s) <= BITS_OF_ONE &&
-           abs_f(x->control.i_int) <= CHECK_ROUNDED * drive_i_int_max(p) &&
-           bits_of(d->trust) <= BITS_OF_ONE && abs_f(d->sign) <= 1.0f &&
-           abs_f(x->coupled.match.gain) <= m->gain_max &&
-           abs_f(x->coupled.match.offset_a) <= m->offset_max &&
-           abs_f(x->coupled.match.offset_b) <= m->offset_max;
+    float angles = abs_f(x->est.theta) + abs_f(x->hfi.pll.theta) + abs_f(x->emf.pll.theta);
+    return angles <= 4.0f * PI_F && bits_of(x->k_s) <= BITS_OF_ONE &&
+           bits_of(x->coupled.drift.trust) <= BITS_OF_ONE &&
+           abs_f(x->control.i_int) <= drive_i_int_max(p);
 }
 
 #endif
