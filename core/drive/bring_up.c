@@ -115,6 +115,14 @@ static void next(const bring_up_params_t *p, bring_up_state_t *x, ab_t i_ab) {
     }
 }
 
+/* Whether phase, count and the voltage u [V] are such as the check computes. */
+static int sound(const bring_up_params_t *p, const bring_up_state_t *x, ab_t u) {
+    float most =
+        1.001f * max_f(p->u_probe, p->u_push); /* rounding makes the d axis longer than 1 */
+    return x->phase >= BRING_UP_DONE && x->phase <= BRING_UP_PUSH && x->n >= 0 &&
+           abs_f(u.a) <= most && abs_f(u.b) <= most;
+}
+
 ab_t bring_up_step(const bring_up_params_t *p, bring_up_state_t *x, float i_a, float i_b) {
     ab_t u = {0.0f, 0.0f};
     ab_t i_ab = phases_to_ab(i_a, i_b);
@@ -132,6 +140,12 @@ ab_t bring_up_step(const bring_up_params_t *p, bring_up_state_t *x, float i_a, f
         next(p, x, i_ab);
     }
     x->i_1 = i_ab;
+    if (!sound(p, x, u)) {
+        ab_t none = {0.0f, 0.0f};
+        x->fault |= BRING_UP_FAULT_STATE;
+        x->phase = BRING_UP_DONE;
+        u = none;
+    }
     return u;
 }
 

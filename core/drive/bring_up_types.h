@@ -13,10 +13,11 @@ enum {
     BRING_UP_FAULT_DEAF = 4,  /* hardly any current: PWM off, motor not connected, or wrong scale */
     BRING_UP_FAULT_DELAY = 8, /* voltage does not act one period after its sample: see delay */
     BRING_UP_FAULT_SIGN = 16, /* all currents, or all voltages, have the wrong sign */
-    BRING_UP_FAULT_PHASES = 32,    /* phases swapped between PWM and current sensors: see wiring */
-    BRING_UP_FAULT_CHANNEL = 64,   /* one current channel has the wrong sign: see wiring */
-    BRING_UP_FAULT_SCALE = 128,    /* wrong scale of the voltage or a current: see scale */
-    BRING_UP_FAULT_DEAD_TIME = 256 /* dead time is compensated already: see lost */
+    BRING_UP_FAULT_PHASES = 32,     /* phases swapped between PWM and current sensors: see wiring */
+    BRING_UP_FAULT_CHANNEL = 64,    /* one current channel has the wrong sign: see wiring */
+    BRING_UP_FAULT_SCALE = 128,     /* wrong scale of the voltage or a current: see scale */
+    BRING_UP_FAULT_DEAD_TIME = 256, /* dead time is compensated already: see lost */
+    BRING_UP_FAULT_STATE = 512      /* the state was damaged: the check was cut short */
 };
 
 /* What the steps of the current look like. */

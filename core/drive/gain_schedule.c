@@ -32,10 +32,15 @@ static float decide(const gain_schedule_params_t *p, gain_schedule_state_t *x,
     return ks_table_at(p->ks.table, p->ks.values, &x->cell);
 }
 
-/* The next gain. */
+/* The next gain; none until the next decision if the place of the last one is damaged. */
 static void advance(const gain_schedule_params_t *p, gain_schedule_state_t *x,
                     const drive_params_t *drive, drive_params_t *live) {
     uint32_t g = x->next;
+    if (!ks_cell_inside(p->ks.table, &x->cell)) {
+        x->ks.fault |= KS_FAULT_INPUT;
+        x->next = p->table->n_gains;
+        return;
+    }
     float wanted = gain_table_at(p->table, p->ks.table, p->values, &x->cell, g);
     x->value[g] =
         gain_step(&p->table->limit[g], p->table->gain[g], x->value[g], wanted, drive, live);

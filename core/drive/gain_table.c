@@ -112,6 +112,16 @@ CORE_INLINE void steps_of(const ks_table_t *t, uint32_t *step) {
     }
 }
 
+int ks_cell_inside(const ks_table_t *t, const ks_cell_t *cell) {
+    uint32_t step[KS_TABLE_AXES] = {0};
+    uint32_t far = 1; /* from the first to the last node of a cell */
+    steps_of(t, step);
+    for (uint32_t a = 0; a + 1 < t->n_axes; a++) {
+        far += step[a];
+    }
+    return cell->at < t->n_nodes && t->n_nodes - cell->at > far;
+}
+
 CORE_INLINE float mix_cell(const void *v, const float *f, const uint32_t *step, uint32_t n_axes,
                            int q15) {
     switch (n_axes) {

@@ -47,6 +47,9 @@ int gain_table_check(const gain_table_t *t, const ks_table_t *axes, const void *
 /* Place of the signals y[SIGNAL_N]. */
 void ks_table_place(const ks_table_t *t, const float *y, ks_cell_t *cell);
 
+/* Whether all nodes of the cell are in the table. */
+int ks_cell_inside(const ks_table_t *t, const ks_cell_t *cell);
+
 /* k_s there: ks_table_eval to the bit. */
 float ks_table_at(const ks_table_t *t, const void *values, const ks_cell_t *cell);
 

@@ -31,6 +31,7 @@ DO = {
     "BRING_UP_FAULT_CHANNEL": "invert that channel",
     "BRING_UP_FAULT_SCALE": "check duty formula, scale of each current and of the link, and L_d",
     "BRING_UP_FAULT_DEAD_TIME": "switch the driver's compensation off, or set `u_dt` to 0",
+    "BRING_UP_FAULT_STATE": "check again; if it repeats, look for what overwrites memory",
 }
 """What the application should do. A bit that is not here tells only what it means."""
 

@@ -25,6 +25,7 @@ CURE = {
     "channel": "invert that current channel",
     "scale": "check the duty formula 0.5 + u / u_dc, the scale of currents and DC link, and L_d",
     "dead_time": "somebody else compensates dead time: switch that off, or set u_dt to 0",
+    "state": "the state of the check was damaged: repeat it, and look for what overwrites memory",
 }
 """By the names of BRING_UP_FAULT_*."""
 

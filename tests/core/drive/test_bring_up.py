@@ -109,6 +109,22 @@ def test_it_stops_before_harm(params: Array) -> None:
         assert coil.faults == {fault} and (u.a, u.b) == (0.0, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("c", 1e6), ("c", math.nan), ("s", -1e9), ("phase", 77), ("phase", -1), ("n", -(2**30))],
+)
+def test_damage_to_its_state_ends_it_without_voltage(
+    params: Array, name: str, value: float
+) -> None:
+    """A d axis that is no direction would be a voltage; a wrong phase or count, a check for ever."""
+    coil = Coil(params, 0.7)
+    coil.x.phase = lib.BRING_UP_PUSH
+    setattr(coil.x.d if name in "cs" else coil.x, name, value)
+    u = lib.bring_up_step(coil.p, coil.x, 0.0, 0.0)
+    assert coil.x.phase == lib.BRING_UP_DONE and (u.a, u.b) == (0.0, 0.0)
+    assert coil.faults == {"state"}
+
+
 def test_the_currents_have_no_mean_and_stay_small(params: Array, motor: Motor) -> None:
     """So the rotor is not turned away, whatever its angle."""
     i = Coil(params, 0.9).run()
