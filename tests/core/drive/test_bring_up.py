@@ -116,7 +116,7 @@ def test_it_stops_before_harm(params: Array) -> None:
 def test_damage_to_its_state_ends_it_without_voltage(
     params: Array, name: str, value: float
 ) -> None:
-    """A d axis that is no direction would be a voltage; a wrong phase or count, a check for ever."""
+    """A d axis that is no direction would be a voltage; a wrong count, a check without end."""
     coil = Coil(params, 0.7)
     coil.x.phase = lib.BRING_UP_PUSH
     setattr(coil.x.d if name in "cs" else coil.x, name, value)
