@@ -33,9 +33,9 @@ CORE_INLINE int drive_sound(const guard_params_t *p, const drive_state_t *x, ab_
     return abs_f(u.a) <= p->u_out && abs_f(u.b) <= p->u_out && abs_f(sum) <= CHECK_LIMIT;
 }
 
-/* A voltage that drive_sound refuses [V]. */
-CORE_INLINE ab_t drive_refused(const guard_params_t *p) {
-    ab_t u = {2.0f * p->u_out, 0.0f};
+/* The voltage u [V], or one that drive_sound refuses. */
+CORE_INLINE ab_t drive_unless(int sound, const guard_params_t *p, ab_t u) {
+    u.a = sound ? u.a : 2.0f * p->u_out;
     return u;
 }
 
@@ -49,20 +49,19 @@ CORE_INLINE int drive_seek_sound(const drive_state_t *x) {
            abs_f(from) <= CHECK_LIMIT;
 }
 
-/* Largest integrator of the speed control [A]. Each period moves it towards i_q plus the part of the
- * reference that the proportional part leaves out, so it stays within the largest of these; a
- * hundredth of that part more, for rounding. */
-CORE_INLINE float drive_i_int_max(const drive_params_t *p) {
-    const control_params_t *c = &p->control;
-    return c->i_max + c->k_p_speed * (1.01f - c->weight_ref) * p->coupled.omega_max;
+/* Whether both estimators' angles and the weight are such as a drive computes. */
+CORE_INLINE int drive_angles_sound(const drive_state_t *x) {
+    float angles = abs_f(x->hfi.pll.theta) + abs_f(x->emf.pll.theta);
+    return angles <= 4.0f * PI_F && bits_of(x->k_s) <= BITS_OF_ONE;
 }
 
-/* Whether angles, weights and integrator are such as a drive computes. */
-CORE_INLINE int drive_possible(const drive_params_t *p, const drive_state_t *x) {
-    float angles = abs_f(x->est.theta) + abs_f(x->hfi.pll.theta) + abs_f(x->emf.pll.theta);
-    return angles <= 4.0f * PI_F && bits_of(x->k_s) <= BITS_OF_ONE &&
-           bits_of(x->coupled.drift.trust) <= BITS_OF_ONE &&
-           abs_f(x->control.i_int) <= drive_i_int_max(p);
+/* Whether the integrator of the speed control is. Each period moves it towards i_q plus the part of
+ * the reference that the proportional part leaves out, so it stays within the largest of these; a
+ * hundredth of that part more, for rounding. */
+CORE_INLINE int drive_i_int_sound(const drive_params_t *p, const drive_state_t *x) {
+    const control_params_t *c = &p->control;
+    float left_out = c->k_p_speed * (1.01f - c->weight_ref) * p->coupled.omega_max;
+    return abs_f(x->control.i_int) <= c->i_max + left_out;
 }
 
 #endif

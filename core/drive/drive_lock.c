@@ -22,14 +22,11 @@ CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
 ab_t drive_lock(const drive_params_t *p, drive_state_t *x, ab_t u) {
     if (x->lock.wait == 1) {
         drive_watch(p, x);
-        return u;
+        return drive_unless(drive_angles_sound(x), &p->guard, u);
     }
     drive_judge(p, x);
-    if (!drive_possible(p, x)) {
-        return drive_refused(&p->guard);
-    }
     if (drive_acts(p, x)) {
         drive_act(p, x);
     }
-    return u;
+    return drive_unless(drive_i_int_sound(p, x), &p->guard, u);
 }

@@ -59,7 +59,7 @@ CORE_INLINE int drive_acts(const drive_params_t *p, const drive_state_t *x) {
 void drive_act(const drive_params_t *p, drive_state_t *x);
 
 /* The part that is due, and the action, as a linkable function. u: voltage of this period [V];
- * returns it, or drive_refused of drive_check.h if the state cannot be one that a drive computes. */
+ * returns it, or one that drive_sound of drive_check.h refuses if the state is damaged. */
 ab_t drive_lock(const drive_params_t *p, drive_state_t *x, ab_t u);
 
 #ifdef __cplusplus

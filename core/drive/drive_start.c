@@ -276,7 +276,7 @@ CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive
                           ab_t i_ab) {
     ab_t u = {0.0f, 0.0f};
     if (!drive_seek_sound(x)) {
-        return drive_refused(&p->guard);
+        return drive_unless(0, &p->guard, u);
     }
     if (x->start.phase == START_STOPPED) {
         x->u_2 = x->u_1;

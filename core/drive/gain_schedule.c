@@ -36,7 +36,7 @@ static float decide(const gain_schedule_params_t *p, gain_schedule_state_t *x,
 static void advance(const gain_schedule_params_t *p, gain_schedule_state_t *x,
                     const drive_params_t *drive, drive_params_t *live) {
     uint32_t g = x->next;
-    if (!ks_cell_inside(p->ks.table, &x->cell)) {
+    if (x->cell.not_at != ~x->cell.at) {
         x->ks.fault |= KS_FAULT_INPUT;
         x->next = p->table->n_gains;
         return;

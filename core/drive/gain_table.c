@@ -101,6 +101,7 @@ void ks_table_place(const ks_table_t *t, const float *y, ks_cell_t *cell) {
         at = at * x->n + j;
     }
     cell->at = at;
+    cell->not_at = ~at;
 }
 
 /* Nodes from one node of an axis to the next; the last axis' step is 1 and left out. */
@@ -110,16 +111,6 @@ CORE_INLINE void steps_of(const ks_table_t *t, uint32_t *step) {
         size *= t->axis[a].n;
         step[a - 1] = size;
     }
-}
-
-int ks_cell_inside(const ks_table_t *t, const ks_cell_t *cell) {
-    uint32_t step[KS_TABLE_AXES] = {0};
-    uint32_t far = 1; /* from the first to the last node of a cell */
-    steps_of(t, step);
-    for (uint32_t a = 0; a + 1 < t->n_axes; a++) {
-        far += step[a];
-    }
-    return cell->at < t->n_nodes && t->n_nodes - cell->at > far;
 }
 
 CORE_INLINE float mix_cell(const void *v, const float *f, const uint32_t *step, uint32_t n_axes,

@@ -29,6 +29,7 @@ typedef struct {
 /* A place in the grid of a k_s table. */
 typedef struct {
     uint32_t at;            /* first node of the cell */
+    uint32_t not_at;        /* its complement: damage to one of them shows */
     float f[KS_TABLE_AXES]; /* fraction on each axis; NaN: its signal is not finite */
 } ks_cell_t;
 
@@ -46,9 +47,6 @@ int gain_table_check(const gain_table_t *t, const ks_table_t *axes, const void *
 
 /* Place of the signals y[SIGNAL_N]. */
 void ks_table_place(const ks_table_t *t, const float *y, ks_cell_t *cell);
-
-/* Whether all nodes of the cell are in the table. */
-int ks_cell_inside(const ks_table_t *t, const ks_cell_t *cell);
 
 /* k_s there: ks_table_eval to the bit. */
 float ks_table_at(const ks_table_t *t, const void *values, const ks_cell_t *cell);
