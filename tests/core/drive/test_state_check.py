@@ -167,7 +167,13 @@ def test_a_damaged_counter_does_not_put_the_watch_to_sleep() -> None:
         assert 0 <= drive.x["lock"]["wait"][0] <= drive.params["lock"]["n"][0]
 
 
-IMPOSSIBLE = {"hfi.pll.theta": 1e5, "emf.pll.theta": -40.0, "k_s": -1e3}
+IMPOSSIBLE = {
+    "hfi.pll.theta": 1e5,
+    "emf.pll.theta": -40.0,
+    "k_s": -1e3,
+    "coupled.drift.trust": 1e5,
+    "coupled.drift.sign": -5.0,
+}
 
 
 @pytest.mark.parametrize("estimator", ["coupled", "flux", "smo"])
