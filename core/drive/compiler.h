@@ -11,8 +11,10 @@
 #define CORE_APART static __attribute__((noinline))
 #define CORE_COLD __attribute__((cold)) /* runs rarely: small rather than fast */
 #define CORE_LIKELY(x) __builtin_expect(x, 1)
-#if defined(__SSE__) && !defined(__NO_MATH_ERRNO__)
-/* Without -fno-math-errno the builtin calls the library to set errno; the instruction does not. */
+/* Without -fno-math-errno __builtin_sqrtf calls the library to set errno; these do not. */
+#if defined(__clang_major__) && __clang_major__ >= 17
+#define CORE_SQRTF __builtin_elementwise_sqrt
+#elif defined(__SSE__) && !defined(__NO_MATH_ERRNO__)
 static inline __attribute__((always_inline)) float core_sqrtf(float x) {
     typedef float four_t __attribute__((vector_size(16)));
     four_t y = {x, 0.0f, 0.0f, 0.0f};
