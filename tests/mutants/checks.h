@@ -60,6 +60,7 @@ void check_restart(void);
 void check_match(void);
 void check_guard(void);
 void check_seek(void);
+void check_state(void);
 uint32_t trajectory(void);
 
 #endif

@@ -35,7 +35,8 @@ float draw_f(double lo, double hi) { return (float)draw(lo, hi); }
 int main(int argc, char **argv) {
     void (*const all[])(void) = {check_math,    check_estimators, check_coupled, check_control,
                                  check_start,   check_table,      check_drive,   check_lock,
-                                 check_restart, check_match,      check_seek,    check_guard};
+                                 check_restart, check_match,      check_seek,    check_guard,
+                                 check_state};
     for (unsigned j = 0; j < sizeof all / sizeof all[0]; j++) {
         seed = 12345U + j;
         all[j]();
