@@ -4,7 +4,8 @@
 static control_params_t some(int j) {
     control_params_t p = {0};
     p.k_p_speed = 0.02f, p.k_i_speed = 0.3f, p.weight_ref = 0.4f, p.i_q_step = j % 3 ? 0.5f : 5.0f;
-    p.i_max = 6.8f, p.k_t_d = 20.0f, p.k_t_q = 70.0f, p.k_p_d = 38.0f, p.k_p_q = 140.0f;
+    p.i_max = 6.8f, p.k_t_d = 20.0f, p.k_t_q = 70.0f, p.k_p_d = 38.0f,
+    p.k_p_q = j % 3 ? 120.0f : 90.0f;
     p.k_i_d = 1.3f, p.k_i_q = 4.0f, p.L_d = 0.06f, p.L_q = 0.25f, p.psi_f = 0.9f, p.k_fw = 0.01f;
     p.fw_margin = 0.9f, p.i_d_min = -5.0f, p.u_dt = 5.0f, p.inv_i_dt = 4.0f;
     p.by_reference = j % 2 ? draw_f(0, 1) : 0.0f, p.curve_inv_step = 1.2f;
@@ -24,8 +25,11 @@ static void control(int j) {
                          {draw_f(-big, big), draw_f(-big, big)},
                          draw_f(-5, 5),
                          j % 2 ? draw_f(-4, 0) : -0.01f,
+                         {draw_f(0, 300), draw_f(200, 300)},
+                         {0, 0},
                          draw_f(0, 300),
-                         draw_f(200, 300)};
+                         draw_f(100, 300)};
+    x.i_ref.d = j % 5 ? x.i_ref.d : p.i_d_min;
     estimate_t est = {draw_f(-3, 3), draw_f(-300, 300)};
     ab_t i_ab = {draw_f(-5, 5), draw_f(-5, 5)};
     float u_dc = j % 9 ? draw_f(400, 600) : 0.0f, w_ref = draw_f(-300, 300),
@@ -37,7 +41,14 @@ static void control(int j) {
     double w = (double)est.omega, ref = (double)w_ref;
     double want = (double)p.k_p_speed * ((double)p.weight_ref * ref - w) + (double)was.i_int;
     double most = sqrt(fmax(pow((double)p.i_max, 2.0) - pow((double)was.i_ref.d, 2.0), 0.0));
-    most = was.u_abs > was.u_max ? fmin(most, fabs((double)was.i_ref.q)) : most;
+    double held = fabs((double)was.i_ref.q);
+    if (was.i_ref.d <= p.i_d_min) { /* short of flux: R = 2 alpha_c L_q less the feedback's gain */
+        double R = 2.0 * (double)p.k_t_q - (double)p.k_p_q, X = w * (double)p.L_q;
+        double psi = (double)p.psi_f + (double)(p.L_d - p.L_q) * (double)was.i_ref.d;
+        double least = want * w < 0.0 ? R * fabs(w) * psi / (R * R + X * X) : 0.0;
+        held = fmax(held - (double)p.i_q_step, least);
+    }
+    most = was.u_abs > was.u_max ? fmin(most, held) : most;
     double i_q = (double)was.i_ref.q;
     i_q = bounded(i_q + bounded(want - i_q, (double)p.i_q_step), most);
     check("torque current", near((double)x.i_ref.q, i_q, 1e-5));
