@@ -196,9 +196,12 @@ def checked_actions(actions: ArrayLike, n: int, m: int) -> NDArray[np.float32]:
         The shape is another, or an action is not a number from -1 to 1; the message names the
         first one.
     """
-    action = np.asarray(actions, dtype=np.float32)
+    wanted = (n, m) if n > 1 else (m,)
+    try:
+        action = np.asarray(actions, dtype=np.float32)
+    except (TypeError, ValueError):
+        raise UserError(f"action: {shown(actions)}; give numbers of shape {wanted}") from None
     if action.shape != (n, m) and not (1 in (n, m) and action.shape == (n * m,)):
-        wanted = (n, m) if n > 1 else (m,)
         raise UserError(f"action: shape {action.shape}; give shape {wanted}")
     action = action.reshape(n, m)
     good = np.abs(action) <= ROUNDING

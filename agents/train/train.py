@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import pickle
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -223,4 +224,6 @@ def _restore(model: TablePPO, path: Path) -> None:
         model._n_updates = int(known["_n_updates"])
     except Exception as error:  # torch has one of its own for every way to be damaged
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        if isinstance(error, pickle.UnpicklingError):  # torch writes how to load it all the same
+            reason = "it holds more than numbers, or is damaged"
         raise UserError(f"{path}: {reason}; restore this run's checkpoint, or train anew") from None

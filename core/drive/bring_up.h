@@ -1,4 +1,4 @@
-/* Is the drive built in right? A check with voltage pulses at rest, for the first power-up.
+/* Is the drive integrated correctly? A check with voltage pulses at rest, for the first power-up.
  *
  * Instead of drive_step, call bring_up_step every PWM period and apply its voltage in the same way,
  * until x->phase is BRING_UP_DONE; then read x->fault. The shaft must stand still. Nothing is

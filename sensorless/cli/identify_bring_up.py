@@ -1,4 +1,4 @@
-"""The command ``sensorless identify bring-up``: whether a drive is built in right."""
+"""The command ``sensorless identify bring-up``: whether a drive is integrated correctly."""
 
 from pathlib import Path
 from typing import Annotated

@@ -175,6 +175,11 @@ class Envelope:
         grids = (np.array(rows["lost"]), np.array(beyond), error)
         return cls(*(grid.reshape(side, side).T for grid in grids))
 
+    @property
+    def held_pct(self) -> float:
+        """Points that hold, over those that the sensored twin holds [%]; NaN without such."""
+        return float(100.0 * np.mean(~self.lost[~self.beyond])) if not self.beyond.all() else np.nan
+
 
 def _rate(policy: dict[str, Any], key: str, factor: float, decimals: int) -> str:
     low, high = (factor * x for x in policy[RATES[key]])

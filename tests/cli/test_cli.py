@@ -66,6 +66,7 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["train", "--name", "../../x"], "below runs/"),
         (["train", "--name", "/tmp/x"], "below runs/"),
         (["train", "--name", "a/../.."], "below runs/"),
+        (["train", "--name", "a\nb"], "below runs/"),
         (["train", "--name", "n" * 300], "too long"),
         (["simulate", "--out", "n" * 300], "too long"),
         (["replay", "n" * 300], "too long"),

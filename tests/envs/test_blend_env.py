@@ -191,9 +191,11 @@ def test_a_limit_of_steps_may_be_large() -> None:
         ([np.nan], r"action\[0\]: nan; give -1 to 1"),
         ([np.inf], r"action\[0\]: inf; give -1 to 1"),
         ([0.0, 0.0], r"action: shape \(2,\); give shape \(1,\)"),
+        ("a", r"action: array\('a', .*; give numbers of shape \(1,\)"),
+        ({}, r"action: array\(\{\}, .*; give numbers of shape \(1,\)"),
     ],
 )
-def test_bad_action_is_refused(action: list[float], message: str) -> None:
+def test_bad_action_is_refused(action: object, message: str) -> None:
     env = BlendEnv()
     env.reset(seed=1)
     before = env.state().sims

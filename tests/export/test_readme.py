@@ -67,7 +67,7 @@ def test_the_order_is_that_of_the_questions(exported: Exported, motor: Motor) ->
     said = (exported.folder / "README.md").read_text(encoding="utf-8")
     asked = (
         "five calls", "When to sample", "Carrier", "Signs", "delay", "Dead time", "Over-current",
-        "built in right", "Start", "estimator leads", "wrong", "Only the schedule",
+        "integrated correctly", "Start", "estimator leads", "wrong", "Only the schedule",
     )  # fmt: skip
     headings = re.findall(r"^## (.*)$", said, re.MULTILINE)
     found = [next(j for j, h in enumerate(headings) if word in h) for word in asked]

@@ -90,7 +90,7 @@ def test_the_command(tmp_path: Path) -> None:
     assert done.returncode == 1 and "phases b and c are swapped" in done.stdout
     assert run("identify", "bring-up", "--log", "x.csv", cwd=tmp_path).stdout == done.stdout
     done = run("identify", "bring-up", "--mistake", "right", cwd=tmp_path)
-    assert done.returncode == 0 and "built in right" in done.stdout
+    assert done.returncode == 0 and "integrated correctly" in done.stdout
     text = (MOTORS / "paper.toml").read_text(encoding="utf-8")
     (tmp_path / "little.toml").write_text(text.replace("dead_time = 2.0e-6", "dead_time = 2e-7"))
     done = run("identify", "bring-up", "--mistake", "right", "--motor", "little.toml", cwd=tmp_path)

@@ -1,1 +1,1 @@
-"""Is a drive built in right? The core's check, on a simulated drive or on a log."""
+"""Is a drive integrated correctly? The core's check, on a simulated drive or on a log."""

@@ -28,7 +28,7 @@ class Found:
     """Result of the check."""
 
     faults: tuple[str, ...]
-    """bits that are set, by name; none: built in right"""
+    """bits that are set, by name; none: integrated correctly"""
     wiring: str
     delay: float
     """of the voltage after its sample [periods]"""

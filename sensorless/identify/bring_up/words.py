@@ -40,4 +40,4 @@ def verdict(found: Found) -> list[str]:
             f"the motor file's: {lost}; resistance {found.R_s:.3g} ohm"
         )
     lines += [f"{name}: {CURE[name]}" for name in found.faults]
-    return lines if found.faults else [*lines, "built in right, as far as the check can see"]
+    return lines if found.faults else [*lines, "integrated correctly, as far as the check can see"]
