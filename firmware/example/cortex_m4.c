@@ -4,7 +4,8 @@
  * half-bridges on TIM1, and a comparator at MOTOR_I_TRIP on PB12, active low. Your start-up file
  * has set the clock to 168 MHz, enabled the FPU, and has adc_interrupt as the ADC's vector. Compiled
  * in the tests of the exporter, not run on a board: pins and scales are yours to adapt. No library.
- * Dead time and current range are those of the motor file: the board must have the same.
+ * Dead time and current range are those of the motor file: the board must have the same. ADC1 reads
+ * the currents one after the other, 0.7 us apart; ADC1 and ADC2 together read both at one instant.
  *
  *   make cortex_m4
  */
@@ -16,7 +17,7 @@
 /* ---- what belongs to the board ---- */
 #define TIMER_MHZ 168u
 #define AMPERES_PER_STEP (2.0f * MOTOR_ADC_RANGE / 4096.0f) /* of -range to range, 12 bits */
-#define VOLTS_PER_STEP (800.0f / 4096.0f)
+#define VOLTS_PER_STEP (2.0f * MOTOR_U_DC / 4096.0f) /* of 0 to twice the rated link */
 #define DEAD_TIME_STEPS ((MOTOR_DEAD_TIME_NS * TIMER_MHZ + 999u) / 1000u) /* of TIM1's clock */
 #if DEAD_TIME_STEPS < 1 || DEAD_TIME_STEPS > 1008
 #error "TIM1 inserts a dead time of 1 to 1008 steps: slow its clock down with CKD, or set it here"
@@ -51,6 +52,7 @@
 #define ADC1_CR2 REG(0x40012008u)
 #define ADC1_JSQR REG(0x40012038u)
 #define ADC1_JDR(rank) REG(0x4001203Cu + 4u * (uint32_t)(rank))
+#define ADC_CCR REG(0x40012304u)
 #define NVIC_ISER0 REG(0xE000E100u)
 #define ADC_IRQ 18u
 
@@ -186,6 +188,7 @@ static void timer(void) {
 }
 
 static void converter(void) {
+    ADC_CCR = 1u << 16; /* 84 MHz of APB2 over 4: the converter takes at most 36 MHz */
     ADC1_CR1 = 1u << 8 | 1u << 7;                         /* scan, interrupt at the end */
     ADC1_JSQR = 2u << 20 | 3u << 15 | 2u << 10 | 1u << 5; /* channels 1, 2, 3 */
     ADC1_CR2 = 1u | 1u << 16 | 1u << 20;                  /* on; TIM1_TRGO, rising edge */

@@ -87,6 +87,7 @@ def params_header(motor: Motor, start: str, gains: bool = False) -> str:
 #define MOTOR_POLE_PAIRS {motor.n_p} /* electrical turns in a turn of the shaft */
 #define MOTOR_I_TRIP {c_float(motor.i_trip)} /* over-current: switch the inverter off [A], peak */
 #define MOTOR_ADC_RANGE {c_float(motor.adc_range)} /* largest current that is measured [A] */
+#define MOTOR_U_DC {c_float(motor.u_dc)} /* rated DC link [V] */
 #define MOTOR_DEAD_TIME_NS {_nanoseconds(motor.dead_time)}u /* of a leg [ns], at least */
 #define MOTOR_T_S {c_float(motor.T_s)} /* PWM period [s] */
 {start}

@@ -26,6 +26,9 @@ int main(void) {
     timer();
     printf("register %u\n", (unsigned)TIM1_BDTR);
     printf("range %.9g\n", (double)(2048.0f * AMPERES_PER_STEP));
+    printf("link %.9g\n", (double)(4096.0f * VOLTS_PER_STEP));
+    converter();
+    printf("clock %u\n", (unsigned)ADC_CCR);
     int faults[] = {0, FAULT_LOCK, FAULT_OVER_CURRENT, FAULT_STOPPED};
     control_start();
     drive.start.phase = START_DONE;
@@ -80,6 +83,10 @@ def test_dead_time_range_and_bridge(copied: Path, motor: Motor) -> None:
     assert register >> 8 == 1 << 4  # break input alone, LOCK and MOE clear
     assert motor.dead_time <= inserted(register & 255) / 168e6 <= 1.05 * motor.dead_time
     assert float(re.search(r"range (\S+)", said)[1]) == motor.adc_range  # type: ignore[index]
+    guarded = 1.5 * motor.u_dc  # the highest link that the core takes for real
+    assert float(re.search(r"link (\S+)", said)[1]) >= guarded  # type: ignore[index]
+    by = 2 * (1 + (int(re.search(r"clock (\d+)", said)[1]) >> 16 & 3))  # type: ignore[index]
+    assert 84e6 / by <= 36e6  # of APB2; by the data sheet of the STM32F405
     assert re.findall(r"bridge (\d+) (\d)", said) == [
         ("0", "1"), ("32", "1"), ("16", "0"), ("64", "0"),
     ]  # fmt: skip
@@ -103,6 +110,7 @@ def test_params_have_dead_time_and_range_of_the_motor_file() -> None:
     text = params_header(Motor.load("ebike_hub"), "")
     assert "#define MOTOR_DEAD_TIME_NS 500u " in text
     assert "#define MOTOR_ADC_RANGE 100.0f " in text
+    assert f"#define MOTOR_U_DC {Motor.load('ebike_hub').u_dc:.1f}f " in text
 
 
 def test_the_readme_opens_the_bridge(exported: Exported) -> None:
