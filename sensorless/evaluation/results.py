@@ -182,6 +182,8 @@ class Envelope:
 
 
 def _rate(policy: dict[str, Any], key: str, factor: float, decimals: int) -> str:
+    if not math.isfinite(policy[key]):
+        return "–"  # no scenario was feasible
     low, high = (factor * x for x in policy[RATES[key]])
     return f"{factor * policy[key]:.{decimals}f} ({low:.{decimals}f}–{high:.{decimals}f})"
 

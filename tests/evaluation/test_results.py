@@ -117,3 +117,12 @@ def test_the_table_fits_on_a_terminal_and_shows_every_policy() -> None:
     assert "12.35 ±5.00" in text and "0.12 ±0.05" in text
     assert "–" in text and "nan" not in text
     assert max(map(len, text.splitlines())) <= 80
+
+
+def test_rates_of_nothing_feasible_are_dashes() -> None:
+    nothing: dict[str, object] = dict.fromkeys(RATES, math.nan)
+    nothing |= dict.fromkeys(RATES.values(), (math.nan, math.nan))
+    policies = {name: {**p, **nothing} for name, p in RESULTS.policies.items()}
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(replace(RESULTS, policies=policies).table())
+    assert "nan" not in console.export_text()
