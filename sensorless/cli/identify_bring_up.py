@@ -69,10 +69,12 @@ def bring_up_command(
     from sensorless.identify.bring_up.words import verdict
     from sensorless.machine.motor import Motor
     from sensorless.observers.bring_up_design import plan_bring_up
+    from sensorless.suitability.plausible import require_plausible
 
     check_writable(save_log, "save-log")
     check_seed(seed)
     machine = Motor.load(motor)
+    require_plausible(machine)
     limits = plan_bring_up(machine).limits
     if mistake is not None and mistake != "right" and mistake not in MISTAKES:
         raise UserError(f"mistake: {mistake!r}; choose right, {', '.join(MISTAKES)}")

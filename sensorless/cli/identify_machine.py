@@ -67,10 +67,13 @@ def machine_command(
     from sensorless.identify.machine.source import Recorded, Source
     from sensorless.machine.motor import Motor
     from sensorless.machine.motor_file import written
+    from sensorless.suitability.plausible import require_plausible
 
     check_writable(save_log, "save-log")
     check_writable(out)
     given = Motor.load(motor)
+    if log is None:
+        require_plausible(given)
     source: Source
     source = (
         Simulated(given, real_drive(given, seed))

@@ -1,5 +1,7 @@
 """The fits of an identification against closed forms."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -157,6 +159,11 @@ def test_inertia_comes_apart_from_friction() -> None:
     psi = 0.5 - 1j * tau / (1.5 * PLATE.n_p * 2.0)
     found = fit_mechanics(i, psi, omega, segment, PLATE, T_s)
     assert (found.J, found.B, found.tau_0) == pytest.approx((J, B, tau_0), rel=0.01)
+    segment[-1] = 7.0  # a command that ended at once, at the current limit
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cut = fit_mechanics(i, psi, omega, segment, PLATE, T_s)
+    assert cut.J == pytest.approx(J, rel=0.01)
 
 
 def test_a_rotor_that_is_not_there_is_turned_more_slowly(monkeypatch: pytest.MonkeyPatch) -> None:

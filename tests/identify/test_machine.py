@@ -1,6 +1,8 @@
 """The whole procedure on the simulated drive, and once more from what it measured."""
 
 import dataclasses
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from sensorless.identify.machine.procedure import Identified, identify_machine
 from sensorless.identify.machine.result import motor_tables
 from sensorless.identify.machine.simulated import Simulated, real_drive
 from sensorless.identify.machine.source import Recorded
+from sensorless.machine import motor_file
 from sensorless.machine.motor import Motor
 
 MOTOR = Motor.load("ipmsm_2200w")
@@ -83,6 +86,16 @@ def test_a_wrong_current_on_the_name_plate_is_refused() -> None:
     plate = dataclasses.replace(Nameplate.of(MOTOR), i_rated=2.0 * MOTOR.adc_range)
     with pytest.raises(UserError, match="current"):
         identify_machine(Simulated(MOTOR, real_drive(MOTOR, 3)), plate)
+
+
+@pytest.mark.parametrize("words", [("machine",), ("bring-up", "--mistake", "right")])
+def test_a_file_that_contradicts_itself_is_refused(words: tuple[str, ...], tmp_path: Path) -> None:
+    shipped = Path(motor_file.__file__).with_name("motors") / "ipmsm_2200w.toml"
+    text, n = re.subn(r"n_rated_rpm = [\d.]+", "n_rated_rpm = 0.5", shipped.read_text("utf-8"))
+    (tmp_path / "slow.toml").write_text(text, "utf-8")
+    done = CliRunner().invoke(app, ["identify", *words, "--motor", str(tmp_path / "slow.toml")])
+    assert n == 1 and isinstance(done.exception, UserError)
+    assert "n_rated_rpm = 0.5" in str(done.exception)
 
 
 def test_the_command_shows_every_quantity() -> None:

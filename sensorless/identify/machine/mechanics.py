@@ -85,6 +85,8 @@ def _cuts(omega: Floats, segment: Floats) -> Floats:
     out = []
     for command in np.unique(segment):
         rows = np.flatnonzero(segment == command)
+        if len(rows) < 2:
+            continue
         a, b = (x.mean() for x in np.array_split(omega[rows], 2))
         if abs(a - b) < STILL * omega.max() and b > SLOWEST * omega.max():
             out += [rows[len(rows) // 3], rows[2 * len(rows) // 3]]
