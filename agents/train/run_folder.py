@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import json
+import shlex
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -87,11 +88,21 @@ def fresh(folder: Path) -> Iterator[None]:
         yield
 
 
+def _refuse_name(folder: Path, option: str) -> None:
+    """TensorBoard's writer takes UTF-8 alone."""
+    try:
+        str(folder).encode()
+    except UnicodeEncodeError:
+        raise UserError(f"{option}: {str(folder)!r} is not UTF-8; choose another name") from None
+
+
 def _refuse_run(folder: Path) -> None:
+    _refuse_name(folder, "name")
     try:
         if folder.exists() and not _barely_begun(folder):
             raise UserError(
-                f"name: {str(folder)!r} already exists; choose a new name, or use --resume {folder}"
+                f"name: {str(folder)!r} already exists; choose a new name, or use "
+                f"--resume {shlex.quote(str(folder))}"
             )
     except OSError as error:
         raise UserError(f"name: {str(folder)!r}: {reason(error)}; choose another name") from None
@@ -156,6 +167,7 @@ def reopen(folder: Path) -> tuple[TrainConfig, Carried, KsTable]:
     UserError
         No run folder, or one whose configuration cannot be read.
     """
+    _refuse_name(folder, "resume")
     begun = any(row["steps"] for row in rows(folder))
     needed = (CONFIG, START, LATEST) if begun else (CONFIG, START)
     missing = [name for name in needed if not (folder / name).is_file()]

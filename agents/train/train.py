@@ -2,10 +2,10 @@
 
 import dataclasses
 import json
-import pickle
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
+from pickle import UnpicklingError
 from typing import Any
 
 import torch
@@ -222,8 +222,8 @@ def _restore(model: TablePPO, path: Path) -> None:
         model.set_parameters(parameters, exact_match=True, device="cpu")
         model.num_timesteps = int(known["num_timesteps"])
         model._n_updates = int(known["_n_updates"])
+    except UnpicklingError:  # of torch, whose own text is on settings that nobody has here
+        raise UserError(f"{path}: damaged; restore this run's checkpoint, or train anew") from None
     except Exception as error:  # torch has one of its own for every way to be damaged
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        if isinstance(error, pickle.UnpicklingError):  # torch writes how to load it all the same
-            reason = "it holds more than numbers, or is damaged"
         raise UserError(f"{path}: {reason}; restore this run's checkpoint, or train anew") from None

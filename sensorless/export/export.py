@@ -103,7 +103,9 @@ def export(
         origin["judged"] = judged.facts()
     texts = verdict(judged), rule_readme(rule)
     files = _contents(table, motor, design, policy, periods, texts)
-    files["PROVENANCE.txt"] = provenance_text(table, motor, design, origin, texts[0]).encode()
+    files["PROVENANCE.txt"] = provenance_text(table, motor, design, origin, texts[0]).encode(
+        "utf-8", "backslashreplace"
+    )
     files[TABLE_JSON] = table_json(table, motor, design, origin, files).encode()
     files[SUMS] = sums(files).encode()
     part = part_of(target)
@@ -185,7 +187,7 @@ def _contents(
         "test/drive_vectors.h": drive_vectors_header(run),
     }
     return {
-        **{name: content.encode() for name, content in text.items()},
+        **{name: content.encode("utf-8", "backslashreplace") for name, content in text.items()},
         "Makefile": (FIRMWARE / "selftest.mk").read_bytes(),
         "LICENSE": (FIRMWARE / "LICENSE").read_bytes(),
         **{f"test/{name}": (FIRMWARE / name).read_bytes() for name in tests},

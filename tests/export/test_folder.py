@@ -1,5 +1,6 @@
 """Where an export goes, what it says about its origin, and what it refuses."""
 
+import os
 import shutil
 import subprocess
 from collections.abc import Callable
@@ -89,6 +90,14 @@ def test_the_same_policy_gives_the_same_files(
     again = export(table, motor, design, tmp_path / "again", policy="trial")
     for name in exported.files:
         assert (again.folder / name).read_bytes() == (exported.folder / name).read_bytes(), name
+
+
+@pytest.mark.usefixtures("without_selftest")
+def test_a_policy_whose_name_is_not_utf8_is_exported(
+    tmp_path: Path, table: KsTable, motor: Motor, design: DriveDesign
+) -> None:
+    done = export(table, motor, design, tmp_path / os.fsdecode(b"o\xff"), policy="b\udcff")
+    assert "b\\udcff" in (done.folder / "README.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.usefixtures("without_selftest")

@@ -128,15 +128,19 @@ def test_resume_unpickles_nothing(finished: Path) -> None:
     assert int(rows(finished)[-1]["steps"]) >= steps + SMALL.steps
 
 
+@pytest.mark.parametrize(
+    "weights", [pickle.dumps({"weights": Path("somewhere")}, protocol=2), bytes(range(256))]
+)
 def test_a_checkpoint_that_cannot_be_unpickled_is_refused_in_one_line(
-    tmp_path: Path, finished: Path
+    weights: bytes, tmp_path: Path, finished: Path
 ) -> None:
     run = tmp_path / "run"
     shutil.copytree(finished, run)
-    rewrite(run / LATEST, "policy.pth", pickle.dumps({"weights": Path("somewhere")}, protocol=2))
-    with pytest.raises(UserError, match="it holds more than numbers, or is damaged") as caught:
+    rewrite(run / LATEST, "policy.pth", weights)
+    with pytest.raises(UserError, match="restore this run's checkpoint") as caught:
         resume(ON, run)
-    assert "\n" not in str(caught.value) and "weights_only" not in str(caught.value)
+    assert "weights_only" not in str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_the_curve_is_cut_back_to_the_checkpoint(tmp_path: Path, finished: Path) -> None:
@@ -189,6 +193,22 @@ def test_a_run_that_is_being_trained_is_refused(tmp_path: Path, finished: Path) 
         assert not list(new.iterdir()) and rows(run) == before
     with alone(run):
         pass
+
+
+def test_a_name_that_is_not_utf8_is_refused(tmp_path: Path, finished: Path) -> None:
+    new, run = (tmp_path / os.fsdecode(name) for name in (b"n\xff", b"r\xff"))
+    with pytest.raises(UserError, match=r"name: .* is not UTF-8"):
+        train(SMALL, DriveDesign(), new, START)
+    assert not new.exists()
+    shutil.copytree(finished, run)
+    with pytest.raises(UserError, match=r"resume: .* is not UTF-8"):
+        resume(ON, run)
+
+
+def test_a_name_with_spaces_is_quoted_in_the_way_on(tmp_path: Path, finished: Path) -> None:
+    run = shutil.copytree(finished, tmp_path / "a b")
+    with pytest.raises(UserError, match=f"--resume '{run}'"):
+        train(SMALL, DriveDesign(), run, START)
 
 
 def test_a_mistake_leaves_no_folder(tmp_path: Path) -> None:
