@@ -12,7 +12,7 @@ from sensorless.errors import UserError
 from sensorless.identify.bring_up.check import check, check_log, drives_at_rest, write_log
 from sensorless.identify.bring_up.mistakes import MISTAKES
 from sensorless.identify.bring_up.survey import count_pole_pairs, survey, turning_drive
-from sensorless.identify.bring_up.words import CURE, WIRING
+from sensorless.identify.bring_up.words import CURE, FAR, WIRING, verdict
 from sensorless.machine.motor import MOTORS, Motor, Saturation
 from sensorless.observers.bring_up_design import plan_bring_up
 from tests.helpers.command import run
@@ -70,6 +70,8 @@ def test_a_log_gives_the_same_answer(motor: Motor, tmp_path: Path) -> None:
     write_log(rows[:50], tmp_path / "short.csv")
     with pytest.raises(UserError, match="ends after 50 periods"):
         check_log(motor, tmp_path / "short.csv")
+    with pytest.raises(UserError, match="give --motor the file of the export"):
+        check_log(motor, tmp_path / "short.csv")
     (tmp_path / "other.csv").write_text("t,x\n1,2\n")
     with pytest.raises(UserError, match="columns i_a and i_b"):
         check_log(motor, tmp_path / "other.csv")
@@ -77,6 +79,15 @@ def test_a_log_gives_the_same_answer(motor: Motor, tmp_path: Path) -> None:
     with warnings.catch_warnings(), pytest.raises(UserError, match="columns i_a and i_b"):
         warnings.simplefilter("error")
         check_log(motor, tmp_path / "empty.csv")
+
+
+def test_a_log_of_another_motor_gives_no_impossible_numbers(motor: Motor, tmp_path: Path) -> None:
+    other = replace(motor, u_dc=0.5 * motor.u_dc)
+    write_log(check(other, drives_at_rest(other, SEEDS[:1]))[1], tmp_path / "log.csv")
+    found = check_log(motor, tmp_path / "log.csv")
+    assert "scale" in found.faults and abs(found.lost) > FAR
+    text = " ".join(verdict(found))
+    assert "is --motor the file of the export?" in text and "ohm" not in text
 
 
 def test_there_are_words_for_everything() -> None:

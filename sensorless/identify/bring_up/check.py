@@ -111,7 +111,8 @@ def check_log(motor: Motor, path: Path) -> Found:
     state, used = bring_up_replay(params_of(motor), i_a, i_b)
     if int(state["phase"]) != 0:
         raise UserError(
-            f"log {str(path)!r}: ends after {used} periods, before the check does; log every "
-            "period until bring_up_state_t.phase is BRING_UP_DONE"
+            f"log {str(path)!r}: ends after {used} periods, before the check of motor "
+            f"{motor.name!r} does; log every period until bring_up_state_t.phase is BRING_UP_DONE, "
+            "and give --motor the file of the export"
         )
     return Found.of(state)

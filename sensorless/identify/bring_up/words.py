@@ -29,11 +29,19 @@ CURE = {
 }
 """By the names of BRING_UP_FAULT_*."""
 
+FAR = 10.0
+"""Lost voltage over the motor file's beyond which it is none."""
+
 
 def verdict(found: Found) -> list[str]:
     """Lines for the screen: what was measured, then each fault and its cure."""
     lines = [f"delay {found.delay:.2f} periods (right: 1.00); wiring: {WIRING[found.wiring]}"]
-    if found.scale:
+    if found.scale and not abs(found.lost) <= FAR:
+        lines.append(
+            f"voltage {100.0 * found.scale:.0f} % of the commanded one; neither dead time nor "
+            "resistance can be told from such currents: is --motor the file of the export?"
+        )
+    elif found.scale:
         lost = "not judged" if found.lost == 1.0 else f"{100.0 * found.lost:.0f} %"
         lines.append(
             f"voltage {100.0 * found.scale:.0f} % of the commanded one; lost by dead time, over "
