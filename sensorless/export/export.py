@@ -132,8 +132,9 @@ def table_of(policy: Policy, word: str) -> KsTable:
     """
     if not isinstance(policy, TablePolicy):
         raise UserError(
-            f"run: {word!r} is not a table of the drive's signals; export a training run, or a "
-            "rule that is a table, such as eq25, linear, smoothstep, fuzzy or constant:K"
+            f"run: {word!r} is not a table of the drive's signals; export a training run, a rule "
+            "that is a table, such as eq25, linear, smoothstep, fuzzy or constant:K, or what "
+            "sensorless distill makes of a policy in Python"
         )
     return policy.table
 

@@ -59,7 +59,7 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["demo", "--out", "d", "--seed", BEYOND], "seed"),
         (["report", "eq25"], "--out"),
         (["simulate", "--plant", "none.json"], "plant"),
-        (["export", "hysteresis", "--out", "folder"], "hysteresis"),
+        (["export", "hysteresis", "--out", "folder"], "what sensorless distill makes of"),
         (["export", "eq25", "--out", "/proc/nowhere"], "/proc"),
         (["train", "--name", "x", "--motor", "nomotor"], "nomotor"),
         (["train"], "--name"),
