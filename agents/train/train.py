@@ -29,7 +29,7 @@ from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError, shown
 from sensorless.evaluation.objective import Cost
-from sensorless.files import sweep
+from sensorless.files import ensure_writable, sweep
 from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Settings
 from sensorless.table.ks_table import KsTable
@@ -128,6 +128,7 @@ def resume(
             "--motor out, or give that machine"
         )
     config = dataclasses.replace(old, **{name: given.get(name, BUDGET[name]) for name in BUDGET})
+    ensure_writable(folder)
     with alone(folder):
         model = new_model(config, table, training_env(config, design, machines.motors))
         sweep(folder)

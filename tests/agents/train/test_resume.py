@@ -1,6 +1,7 @@
 """A run goes on where it stopped: counter, learning curve, best table, and no pickle."""
 
 import csv
+import errno
 import json
 import os
 import pickle
@@ -203,6 +204,17 @@ def test_a_name_that_is_not_utf8_is_refused(tmp_path: Path, finished: Path) -> N
     shutil.copytree(finished, run)
     with pytest.raises(UserError, match=r"resume: .* is not UTF-8"):
         resume(ON, run)
+
+
+def test_a_run_that_cannot_be_written_to_is_refused(
+    finished: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def read_only(path: Path) -> None:
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(path))
+
+    monkeypatch.setattr(Path, "touch", read_only)
+    with pytest.raises(UserError, match=f"output folder '{finished}': Read-only file system"):
+        resume(ON, finished)
 
 
 def test_a_name_with_spaces_is_quoted_in_the_way_on(tmp_path: Path, finished: Path) -> None:
