@@ -69,6 +69,7 @@ def readme(
         n_p=motor.n_p,
         i_trip=f"{motor.i_trip:g}",
         i_short=f"{motor.psi_f / motor.L_d:.4g}",
+        dead_time=f"{1e9 * motor.dead_time:.6g}",
         u_dt=f"{float(drive['control']['u_dt']):.3g}",
         check_of="delay, signs, phases"
         + (", duty formula and dead time" if judged else " and duty formula"),

@@ -49,6 +49,7 @@ def test_only_what_the_check_judges_is_promised(share: float, motor: Motor, tabl
     bit = "| 256 | `BRING_UP_FAULT_DEAD_TIME` |" in said
     assert bit == ("and dead time are right" in said) == (share == 1.0)
     assert ("dead time is not judged, because its" in said) == (share < 1.0)
+    assert f"for a dead time of {1e9 * less.dead_time:.6g} ns at the gates" in said
 
 
 @pytest.mark.parametrize("name", ACTIONS)
