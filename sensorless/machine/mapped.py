@@ -80,3 +80,21 @@ def saturation_table(s: Saturation) -> dict[str, float]:
 def _six(x: Any) -> Any:
     """Round to six digits; whole numbers stay as they are."""
     return x if isinstance(x, int) else float(f"{x:.6g}")
+
+
+LIKELY = 1.33
+"""Ratio of a map's value to the motor file's, either way, up to which they belong together."""
+
+
+def far_from(made: Motor, motor: Motor) -> list[str]:
+    """What of a map at zero current is far from the motor file: another unit, or another motor.
+
+    RMS currents make both inductances 1.41 times too large and leave ``psi_f``.
+    """
+    ratios = {name: getattr(made, name) / getattr(motor, name) for name in ("L_d", "L_q", "psi_f")}
+    return [
+        f"{name} is {ratio:.2f} times that of the motor file: are the map's currents peak values, "
+        "its units right, and is it of this motor?"
+        for name, ratio in ratios.items()
+        if not 1.0 / LIKELY <= ratio <= LIKELY
+    ]
