@@ -56,16 +56,20 @@ typedef struct {
     float u_max;  /* voltage limit of the last period [V] */
 } control_state_t;
 
+#define WORTH_BRAKING 0.1f /* share of i_max: with less a generator hardly brakes */
+
 /* Largest torque current [A] of a drive short of voltage whose d current can weaken no more. held:
  * that of the last period, want: wanted now [A]; omega: electrical [rad/s]. It gives way; not a
- * generator's below the one that needs the least voltage, R_s omega psi_a / (R_s^2 + omega^2 L_q^2). */
+ * generator's below the one that needs the least voltage, R_s omega psi_a / (R_s^2 + omega^2 L_q^2),
+ * where resistance makes that worth it. */
 CORE_INLINE float control_given(const control_params_t *p, float held, float want, float i_d,
                                 float omega) {
     float R_s = 2.0f * p->k_t_q - p->k_p_q;
     float psi_a = p->psi_f + (p->L_d - p->L_q) * i_d;
     float x_q = omega * p->L_q;
     float least = R_s * abs_f(omega) * psi_a / (R_s * R_s + x_q * x_q);
-    return max_f(held - p->i_q_step, want * omega < 0.0f ? least : 0.0f);
+    int brakes = want * omega < 0.0f && least > WORTH_BRAKING * p->i_max;
+    return max_f(held - p->i_q_step, brakes ? least : 0.0f);
 }
 
 /* Torque-current reference from the speed error [A]. omega_ref, omega: electrical [rad/s].

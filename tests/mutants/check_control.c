@@ -45,7 +45,8 @@ static void control(int j) {
     if (was.i_ref.d <= p.i_d_min) { /* short of flux: R = 2 alpha_c L_q less the feedback's gain */
         double R = 2.0 * (double)p.k_t_q - (double)p.k_p_q, X = w * (double)p.L_q;
         double psi = (double)p.psi_f + (double)(p.L_d - p.L_q) * (double)was.i_ref.d;
-        double least = want * w < 0.0 ? R * fabs(w) * psi / (R * R + X * X) : 0.0;
+        double least = R * fabs(w) * psi / (R * R + X * X);
+        least = want * w < 0.0 && least > 0.1 * (double)p.i_max ? least : 0.0;
         held = fmax(held - (double)p.i_q_step, least);
     }
     most = was.u_abs > was.u_max ? fmin(most, held) : most;
