@@ -56,22 +56,6 @@ typedef struct {
     float u_max;  /* voltage limit of the last period [V] */
 } control_state_t;
 
-#define WORTH_BRAKING 0.1f /* share of i_max: with less a generator hardly brakes */
-
-/* Largest torque current [A] of a drive short of voltage whose d current can weaken no more. held:
- * that of the last period, want: wanted now [A]; omega: electrical [rad/s]. It gives way; not a
- * generator's below the one that needs the least voltage, R_s omega psi_a / (R_s^2 + omega^2 L_q^2),
- * where resistance makes that worth it. */
-CORE_INLINE float control_given(const control_params_t *p, float held, float want, float i_d,
-                                float omega) {
-    float R_s = 2.0f * p->k_t_q - p->k_p_q;
-    float psi_a = p->psi_f + (p->L_d - p->L_q) * i_d;
-    float x_q = omega * p->L_q;
-    float least = R_s * abs_f(omega) * psi_a / (R_s * R_s + x_q * x_q);
-    int brakes = want * omega < 0.0f && least > WORTH_BRAKING * p->i_max;
-    return max_f(held - p->i_q_step, brakes ? least : 0.0f);
-}
-
 /* Torque-current reference from the speed error [A]. omega_ref, omega: electrical [rad/s].
  * Without voltage to spare the reference waits for field weakening: short of voltage the flux falls
  * behind the rotor, which lowers the torque of a motor and raises that of a generator, until it
@@ -81,15 +65,9 @@ CORE_INLINE float speed_control(const control_params_t *p, control_state_t *x, f
     float want = p->k_p_speed * (p->weight_ref * omega_ref - omega) + x->i_int;
     float i_d = x->i_ref.d;
     float i_q_max = sqrt_f(p->i_max * p->i_max - i_d * i_d);
-    int enough = x->u_abs <= x->u_max;
-    if (!SHORTCUT(enough)) {
-        float held = abs_f(x->i_ref.q);
-        if (!SHORTCUT(i_d > p->i_d_min)) {
-            float given = control_given(p, held, want, i_d, omega);
-            held = i_d > p->i_d_min ? held : given;
-        }
-        i_q_max = enough ? i_q_max : min_f(i_q_max, held);
-    }
+    float held = abs_f(x->i_ref.q);
+    held = i_d > p->i_d_min ? held : max_f(held - p->i_q_step, 0.0f);
+    i_q_max = x->u_abs > x->u_max ? min_f(i_q_max, held) : i_q_max;
     float step = bound_f(want - x->i_ref.q, p->i_q_step);
     float i_q = bound_f(x->i_ref.q + step, i_q_max);
     x->i_int += T_s * p->k_i_speed * (omega_ref - omega + (i_q - want) / p->k_p_speed);

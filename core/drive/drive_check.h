@@ -11,7 +11,7 @@
 
 #include "drive_types.h"
 
-enum { CHECK_WORDS = 6 }; /* words of the state that a period looks at */
+enum { CHECK_WORDS = 8 }; /* words of the state that a period looks at */
 
 /* Where the last piece begins. */
 #define CHECK_LAST ((int32_t)(sizeof(drive_state_t) / sizeof(float)) - CHECK_WORDS)
@@ -29,7 +29,7 @@ CORE_INLINE int drive_sound(const guard_params_t *p, const drive_state_t *x, ab_
     const float *w = (const float *)(const void *)x + x->check;
     float sum = x->hfi.amplitude + x->est.theta + x->flux.psi.a + x->coupled.psi.a;
     sum += x->smo.omega_f + x->k_s + x->control.i_int + x->control.u_abs;
-    sum += w[0] + w[1] + w[2] + w[3] + w[4] + w[5]; /* CHECK_WORDS */
+    sum += w[0] + w[1] + w[2] + w[3] + w[4] + w[5] + w[6] + w[7]; /* CHECK_WORDS */
     return abs_f(u.a) <= p->u_out && abs_f(u.b) <= p->u_out && abs_f(sum) <= CHECK_LIMIT;
 }
 

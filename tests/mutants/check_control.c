@@ -4,8 +4,7 @@
 static control_params_t some(int j) {
     control_params_t p = {0};
     p.k_p_speed = 0.02f, p.k_i_speed = 0.3f, p.weight_ref = 0.4f, p.i_q_step = j % 3 ? 0.5f : 5.0f;
-    p.i_max = 6.8f, p.k_t_d = 20.0f, p.k_t_q = 70.0f, p.k_p_d = 38.0f,
-    p.k_p_q = j % 3 ? 120.0f : 90.0f;
+    p.i_max = 6.8f, p.k_t_d = 20.0f, p.k_t_q = 70.0f, p.k_p_d = 38.0f, p.k_p_q = 140.0f;
     p.k_i_d = 1.3f, p.k_i_q = 4.0f, p.L_d = 0.06f, p.L_q = 0.25f, p.psi_f = 0.9f, p.k_fw = 0.01f;
     p.fw_margin = 0.9f, p.i_d_min = -5.0f, p.u_dt = 5.0f, p.inv_i_dt = 4.0f;
     p.by_reference = j % 2 ? draw_f(0, 1) : 0.0f, p.curve_inv_step = 1.2f;
@@ -42,13 +41,7 @@ static void control(int j) {
     double want = (double)p.k_p_speed * ((double)p.weight_ref * ref - w) + (double)was.i_int;
     double most = sqrt(fmax(pow((double)p.i_max, 2.0) - pow((double)was.i_ref.d, 2.0), 0.0));
     double held = fabs((double)was.i_ref.q);
-    if (was.i_ref.d <= p.i_d_min) { /* short of flux: R = 2 alpha_c L_q less the feedback's gain */
-        double R = 2.0 * (double)p.k_t_q - (double)p.k_p_q, X = w * (double)p.L_q;
-        double psi = (double)p.psi_f + (double)(p.L_d - p.L_q) * (double)was.i_ref.d;
-        double least = R * fabs(w) * psi / (R * R + X * X);
-        least = want * w < 0.0 && least > 0.1 * (double)p.i_max ? least : 0.0;
-        held = fmax(held - (double)p.i_q_step, least);
-    }
+    held = was.i_ref.d > p.i_d_min ? held : fmax(held - (double)p.i_q_step, 0.0);
     most = was.u_abs > was.u_max ? fmin(most, held) : most;
     double i_q = (double)was.i_ref.q;
     i_q = bounded(i_q + bounded(want - i_q, (double)p.i_q_step), most);
