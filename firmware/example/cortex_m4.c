@@ -17,7 +17,7 @@
 /* ---- what belongs to the board ---- */
 #define TIMER_MHZ 168u
 #define AMPERES_PER_STEP (2.0f * MOTOR_ADC_RANGE / 4096.0f) /* of -range to range, 12 bits */
-#define VOLTS_PER_STEP (2.0f * MOTOR_U_DC / 4096.0f) /* of 0 to twice the rated link */
+#define VOLTS_PER_STEP (2.0f * MOTOR_U_DC / 4096.0f)        /* of 0 to twice the rated link */
 #define DEAD_TIME_STEPS ((MOTOR_DEAD_TIME_NS * TIMER_MHZ + 999u) / 1000u) /* of TIM1's clock */
 #if DEAD_TIME_STEPS < 1 || DEAD_TIME_STEPS > 1008
 #error "TIM1 inserts a dead time of 1 to 1008 steps: slow its clock down with CKD, or set it here"
@@ -188,8 +188,8 @@ static void timer(void) {
 }
 
 static void converter(void) {
-    ADC_CCR = 1u << 16; /* 84 MHz of APB2 over 4: the converter takes at most 36 MHz */
-    ADC1_CR1 = 1u << 8 | 1u << 7;                         /* scan, interrupt at the end */
+    ADC_CCR = 1u << 16;           /* 84 MHz of APB2 over 4: the converter takes at most 36 MHz */
+    ADC1_CR1 = 1u << 8 | 1u << 7; /* scan, interrupt at the end */
     ADC1_JSQR = 2u << 20 | 3u << 15 | 2u << 10 | 1u << 5; /* channels 1, 2, 3 */
     ADC1_CR2 = 1u | 1u << 16 | 1u << 20;                  /* on; TIM1_TRGO, rising edge */
     NVIC_ISER0 = 1u << ADC_IRQ;
