@@ -33,6 +33,9 @@ KINDS: dict[str, tuple[Any, str]] = {
 ROUNDING = np.float32(1.000001)
 """Largest magnitude of an action: rounding may carry one past 1, where it is clipped."""
 
+MOST_SEED = 2**64 - 1
+"""Largest seed of a drive."""
+
 
 @dataclass(frozen=True)
 class BlendSettings:
@@ -175,9 +178,13 @@ def checked_seeds(seed: object, n: int) -> list[int | None]:
         return [None] * n
     first = _index(seed)
     if first is not None:
-        return [_seed(first + i) for i in range(n)]
+        if not 0 <= first <= MOST_SEED - (n - 1):
+            most = f"2^64 - {n}, one seed for each of {n} drives" if n > 1 else "2^64 - 1"
+            raise UserError(f"seed: {shown(seed)}; give a whole number from 0 to {most}")
+        return list(range(first, first + n))
     if not isinstance(seed, Sequence | np.ndarray) or len(seed) != n:
-        raise UserError(f"seed: {seed!r}; give None, a whole number, or a list of {n}")
+        wanted = f"or a list of {n}" if n > 1 else "such as 1"
+        raise UserError(f"seed: {shown(seed)}; give None, a whole number, {wanted}")
     return [None if s is None else _seed(s) for s in seed]
 
 
@@ -246,6 +253,6 @@ def _index(value: object) -> int | None:
 
 def _seed(value: object) -> int:
     seed = _index(value)
-    if seed is None or not 0 <= seed < 2**64:
-        raise UserError(f"seed: {value!r}; give a whole number from 0 to 2^64 - 1")
+    if seed is None or not 0 <= seed <= MOST_SEED:
+        raise UserError(f"seed: {shown(value)}; give a whole number from 0 to 2^64 - 1")
     return seed

@@ -17,7 +17,11 @@ _FACTORS = np.array([0xBF58476D1CE4E5B9, 0x94D049BB133111EB], dtype=np.uint64)
 _SHIFTS = np.array([30, 27, 31], dtype=np.uint64)
 
 
-def check_seed(seed: int) -> None:
+LARGEST = 2**63 - 1
+"""Seed that a command takes."""
+
+
+def check_seed(seed: int, largest: int = LARGEST) -> None:
     """Check the seed of a command.
 
     Raises
@@ -25,8 +29,9 @@ def check_seed(seed: int) -> None:
     UserError
         It is out of range.
     """
-    if not 0 <= seed < 2**63:
-        raise UserError(f"seed: {shown(seed)}; give 0 to 2^63 - 1")
+    if not 0 <= seed <= largest:
+        known = "2^63 - 1" if largest == LARGEST else largest
+        raise UserError(f"seed: {shown(seed)}; give 0 to {known}")
 
 
 def mix(x: Seeds) -> Seeds:

@@ -5,7 +5,7 @@ Machine i has the rows from ``SCENARIOS`` times i on.
 
 import re
 
-from sensorless.envs.counter_random import check_seed
+from sensorless.envs.counter_random import LARGEST, check_seed
 from sensorless.envs.scenarios.machine_family import family, member
 from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.suites import MOST_SCENARIOS, SuiteRows, scenario_word
@@ -22,13 +22,13 @@ JUDGED = 1_000_000
 
 def judged(seed: int, n: int) -> Machines:
     """Return the n machines of a seed; errors as in ``family``."""
-    check_seed(seed)
+    check_seed(seed, LARGEST - JUDGED)
     return Machines(family(JUDGED + seed, n), JUDGED + seed)
 
 
 def machine(seed: int, i: int) -> Motor:
     """Return machine i of a seed; errors as in ``check_seed``."""
-    check_seed(seed)
+    check_seed(seed, LARGEST - JUDGED)
     return member(JUDGED + seed, i)
 
 

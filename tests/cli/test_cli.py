@@ -11,6 +11,9 @@ from tests.helpers.command import process, run
 GOLDEN = Path(__file__).parents[1] / "data" / "golden"
 BEYOND = str(2**80)
 """Larger than any seed or index."""
+LAST = str(2**63 - 1)
+"""Largest seed of most commands."""
+MACHINES = ["--policy", "eq25", "--suite", "machines", "--size", "1"]
 
 
 @pytest.mark.parametrize(
@@ -46,6 +49,8 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["simulate", "--seed", BEYOND], "seed"),
         (["simulate", "--scenario", f"machines:{BEYOND}:0"], "seed"),
         (["simulate", "--scenario", f"machines:7:{BEYOND}"], "INDEX"),
+        (["simulate", "--scenario", f"machines:{LAST}:0"], f"seed: {LAST}; give 0 to 9"),
+        (["evaluate", *MACHINES, "--seed", LAST], f"seed: {LAST}; give 0 to 9223372036853775807"),
         (["tune", "linear", "--out", "t.json", "--seed", BEYOND], "seed"),
         (["identify", "machine", "--seed", BEYOND], "seed"),
         (["identify", "bring-up", "--seed", BEYOND], "seed"),

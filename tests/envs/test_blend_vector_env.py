@@ -150,6 +150,7 @@ def test_seeds() -> None:
     assert np.array_equal(runs[0], runs[1]) and np.array_equal(runs[0], runs[2])
     assert np.array_equal(runs[0][:2, 1:], runs[3][:2, :2]), "drive i has seed + i"
     env.reset(seed=[None, 1, None])
+    assert env.reset(seed=2**64 - 3)[0].shape[0] == 3, "the largest seed of three drives"
 
 
 def test_unseeded_environments_differ() -> None:
@@ -187,6 +188,10 @@ def test_gymnasium_wrappers_accept_it() -> None:
         (lambda: make(2, "Disabled"), "autoreset_mode: 'Disabled'; choose"),
         (lambda: make(2, "same"), "autoreset_mode: 'same'; choose"),
         (lambda: make(2).reset(seed=[1]), r"seed: \[1\]; give .* a list of 2"),
+        (
+            lambda: make(4).reset(seed=2**64 - 2),
+            r"seed: 18446744073709551614; give .* 0 to 2\^64 - 4, one seed for each of 4 drives",
+        ),
         (lambda: make(2).reset(seed=[1, NOT_A_SEED]), "seed: 'x'; give"),
         (lambda: make(0), "num_envs: 0; give"),
         (
