@@ -7,8 +7,7 @@ import os
 import re
 import shutil
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 
 from sensorless.errors import UserError
@@ -179,21 +178,19 @@ def ensure_writable(folder: str | Path) -> Path:
     return folder
 
 
-@contextmanager
-def folder_for(path: Path) -> Iterator[None]:
-    """Make a folder to write to; if nothing gets written, take what was made away again.
+def check_folder(folder: str | Path) -> None:
+    """Check before a long run that a folder can be written to; one that is new is made later.
 
     Errors as in ``ensure_writable``.
     """
-    new = [folder for folder in (path, *path.parents) if not folder.exists()]
+    folder = Path(folder)
+    new = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
-        ensure_writable(path)
-        yield
-    except BaseException:
-        for folder in new:
+        ensure_writable(folder)
+    finally:
+        for path in new:
             with suppress(OSError):
-                folder.rmdir()
-        raise
+                path.rmdir()
 
 
 def check_writable(path: str | Path | None, name: str = "out") -> None:

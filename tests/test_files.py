@@ -11,7 +11,7 @@ import pytest
 
 from sensorless import files
 from sensorless.errors import UserError
-from sensorless.files import check_writable, put, write_atomic, write_record
+from sensorless.files import check_folder, check_writable, put, write_atomic, write_record
 
 
 @pytest.mark.parametrize("name", ["missing/results.json", "file/results.json", "folder"])
@@ -30,6 +30,7 @@ def test_a_folder_without_the_right_to_write_is_found_out() -> None:
 
 def test_the_check_leaves_nothing_behind(tmp_path: Path) -> None:
     check_writable(tmp_path / "results.json")
+    check_folder(tmp_path / "a" / "b")
     assert not list(tmp_path.iterdir())
 
 

@@ -27,11 +27,11 @@ def reproduce_command(
 
         sensorless reproduce
     """
-    from sensorless.files import ensure_writable
+    from sensorless.files import check_folder
     from sensorless.reproduce.reproduce import DATA
     from sensorless.reproduce.reproduce import reproduce as run
 
-    ensure_writable(out)
+    check_folder(out)
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=errors, transient=True) as bar:
         task = bar.add_task("reproduce", total=1.0)

@@ -12,7 +12,7 @@ from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.evaluation.evaluate import PolicyProgress
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
-from sensorless.files import folder_for, write_atomic
+from sensorless.files import check_folder, ensure_writable, write_atomic
 from sensorless.plots.envelope import SHOWN
 from sensorless.plots.schedule import sheets
 from sensorless.plots.wave import wave
@@ -94,7 +94,7 @@ class Report:
         Parameters
         ----------
         folder : Path
-            Created if it does not exist.
+            Created, when all is judged, if it does not exist.
         suites : sequence of str
             Suites to judge on, ``size`` scenarios each.
         grid : int
@@ -108,12 +108,7 @@ class Report:
             A file of the run is damaged, found before anything is judged, or the folder cannot be
             written to.
         """
-        with folder_for(folder):
-            return self._write(folder, suites, seed, size, grid, command)
-
-    def _write(
-        self, folder: Path, suites: Sequence[str], seed: int, size: int, grid: int, command: str
-    ) -> tuple[Path, Verdict]:
+        check_folder(folder)
         about = self._about()
         panels, about_panels = learning(self.run)
         words = [self.run, *self.others]
@@ -162,6 +157,7 @@ class Report:
             formulas=tables.formulas(),
             uplot=UPLOT,
         )
+        ensure_writable(folder)
         for result in results:
             result.write(folder / f"results-{result.suite}.json", scenarios=False)
         write_atomic(folder / PAGE, page)

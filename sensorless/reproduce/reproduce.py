@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from sensorless.files import ensure_writable, write_atomic
+from sensorless.files import check_folder, ensure_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.plots.figure import save
 from sensorless.reproduce.case import Case
@@ -46,13 +46,14 @@ def reproduce(folder: Path, progress: Progress | None = None) -> list[Path]:
     UserError
         The folder cannot be written to, or matplotlib is missing.
     """
-    folder = ensure_writable(folder)
+    check_folder(folder)
     motor = Motor.load("paper")
     return write(cases(motor, progress), motor, folder)
 
 
 def write(done: Sequence[Case], motor: Motor, folder: Path) -> list[Path]:
     """Write what was run into a folder; return the files."""
+    ensure_writable(folder)
     files = []
     for case in done:
         if case.figure is not None:

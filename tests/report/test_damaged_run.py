@@ -1,4 +1,4 @@
-"""A run folder with a damaged file is refused before any work."""
+"""A run folder with a damaged file is refused before any work; a report that dies leaves none."""
 
 import shutil
 from pathlib import Path
@@ -34,3 +34,18 @@ def test_a_damaged_run_is_found_before_anything_is_judged(
     assert isinstance(done.exception, UserError), done.exception
     assert said in str(done.exception)
     assert [path.name for path in tmp_path.iterdir()] == ["run"], "no empty folder stays"
+
+
+def test_there_is_no_folder_before_there_is_a_report(
+    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So a process that is killed meanwhile cannot leave an empty one."""
+    seen = []
+
+    def judge(*words: object) -> None:
+        seen.append(list(tmp_path.iterdir()))
+        raise UserError("enough")
+
+    monkeypatch.setattr("sensorless.report.report.judged", judge)
+    CliRunner().invoke(app, ["report", str(run), "--out", str(tmp_path / "a" / "b")])
+    assert seen == [[]]

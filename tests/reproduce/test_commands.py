@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from sensorless.machine.motor import Motor
 from sensorless.reproduce import reproduce
+from sensorless.reproduce.case import Case
 from sensorless.reproduce.printed import timing
 from tests.helpers.command import run
 
@@ -24,7 +26,12 @@ def test_reproduce_prints_its_numbers_for_programs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With the shortest of its cases alone; the output is the file that it writes, and no more."""
-    monkeypatch.setattr(reproduce, "cases", lambda motor, progress: [timing(motor)])
+
+    def cases(motor: Motor, progress: object) -> list[Case]:
+        assert not list(tmp_path.iterdir()), "a process that is killed leaves no empty folder"
+        return [timing(motor)]
+
+    monkeypatch.setattr(reproduce, "cases", cases)
     done = run("reproduce", "--json", "--out", "paper", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout == (tmp_path / "paper" / "paper.json").read_text(encoding="utf-8")
