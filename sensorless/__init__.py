@@ -1,11 +1,7 @@
 """Learned hand-over between two position estimators of a sensorless drive."""
 
-import warnings as _warnings
-
 from gymnasium import register as _register
-
-# Gymnasium calls a version old where there is a higher one; here v1 is another task: gains as well.
-_warnings.filterwarnings("ignore", message=".*sensorless/Blend-v0 is out of date")
+from gymnasium import registry as _registry
 
 _register(
     id="sensorless/Blend-v0",
@@ -17,3 +13,7 @@ _register(
     entry_point="sensorless.envs.blend_v1:GainEnv",
     vector_entry_point="sensorless.envs.blend_v1:GainVectorEnv",
 )
+
+# Blend-v1 is another task, not a newer Blend-v0. Gymnasium calls a version old where there is a
+# higher one of the same name; by this name the two are strangers.
+_registry["sensorless/Blend-v1"].name = "Blend-with-gains"

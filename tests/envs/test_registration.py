@@ -1,7 +1,9 @@
 import subprocess
 import sys
+import warnings
 
 import gymnasium
+import pytest
 
 
 def test_import_registers_and_stays_cheap() -> None:
@@ -19,3 +21,15 @@ def test_settings_pass_through_make() -> None:
     env = gymnasium.make("sensorless:sensorless/Blend-v0", decision_period=0.002)
     assert env.unwrapped.batch.periods == 10  # type: ignore[attr-defined]
     assert env.spec is not None and env.spec.to_json()
+
+
+@pytest.mark.parametrize("name", ["sensorless/Blend-v0", "sensorless/Blend-v1"])
+def test_no_version_is_called_out_of_date(name: str) -> None:
+    """Whatever filters of warnings are set."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        env = gymnasium.make(f"sensorless:{name}")
+        gymnasium.make_vec(name, num_envs=2).close()
+    assert env.spec is not None
+    again = gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json()))
+    assert again.spec is not None and again.spec.id == name
