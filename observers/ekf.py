@@ -11,8 +11,6 @@ injection; it is far too slow for a drive. See R. Labbe, Kalman and Bayesian Fil
 chapter 11.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
@@ -24,22 +22,16 @@ from sensorless.machine.motor import Motor
 TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 FLUX_STEP = 1e-6
 STEPS = FLUX_STEP * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-
-
-@dataclass(frozen=True)
-class EkfDesign:
-    """Standard deviations that the filter assumes of model and measurement."""
-
-    voltage: float = 10.0
-    """Of the stator voltage, from period to period [V]."""
-    acceleration: float = 100.0
-    """Of the change of the electrical speed over a second [rad/s^2 in sqrt(s)]."""
-    current: float = 0.005
-    """Of a current sample [A]."""
-    theta_0: float = 0.5
-    """Of the first angle [rad]."""
-    omega_0: float = 30.0
-    """Of the first electrical speed [rad/s]."""
+VOLTAGE = 10.0
+"""Standard deviation of the stator voltage, from period to period [V]."""
+ACCELERATION = 100.0
+"""Of the change of the electrical speed over a second [rad/s^2 in sqrt(s)]."""
+CURRENT = 0.005
+"""Of a current sample [A]."""
+THETA_0 = 0.5
+"""Of the first angle [rad]."""
+OMEGA_0 = 30.0
+"""Of the first electrical speed [rad/s]."""
 
 
 class _Filter(ExtendedKalmanFilter):  # type: ignore[misc]
@@ -61,10 +53,7 @@ class MachineEkf:
         First angle and speed, electrical [rad, rad/s]; the machine is without current.
     """
 
-    def __init__(
-        self, motor: Motor, theta: float, omega: float, design: EkfDesign | None = None
-    ) -> None:
-        d = EkfDesign() if design is None else design
+    def __init__(self, motor: Motor, theta: float, omega: float) -> None:
         self.motor = motor
         self._map, self._extra = flux_map_record(motor.saturation), extra_terms(motor.saturation)
         psi_f = flux(motor.saturation, np.zeros((1, 2)))[0, 0]
@@ -72,11 +61,11 @@ class MachineEkf:
         f.x = np.array([[psi_f * np.cos(theta)], [psi_f * np.sin(theta)], [omega], [theta]])
         # without current the flux points along the rotor: both angles have the same error
         along = np.array([-psi_f * np.sin(theta), psi_f * np.cos(theta), 0.0, 1.0])
-        own = np.array([0.01 * psi_f, 0.01 * psi_f, d.omega_0, 0.0])
-        f.P = d.theta_0**2 * np.outer(along, along) + np.diag(own**2)
+        own = np.array([0.01 * psi_f, 0.01 * psi_f, OMEGA_0, 0.0])
+        f.P = THETA_0**2 * np.outer(along, along) + np.diag(own**2)
         T_s = motor.T_s
-        f.Q = np.diag([(T_s * d.voltage) ** 2] * 2 + [T_s * d.acceleration**2, 0.0])
-        f.R = np.eye(2) * d.current**2
+        f.Q = np.diag([(T_s * VOLTAGE) ** 2] * 2 + [T_s * ACCELERATION**2, 0.0])
+        f.R = np.eye(2) * CURRENT**2
 
     def step(self, u: Floats, i: Floats) -> tuple[float, float]:
         """Use stator voltage u (2,) [V] over the last period and current i (2,) [A] at its end.
@@ -114,7 +103,7 @@ class MachineEkf:
 
 
 def run_ekf(
-    motor: Motor, u: Floats, i: Floats, theta: float, omega: float, design: EkfDesign | None = None
+    motor: Motor, u: Floats, i: Floats, theta: float, omega: float
 ) -> tuple[Floats, Floats]:
     """Filter a whole log.
 
@@ -128,7 +117,7 @@ def run_ekf(
     -------
     theta_e (n,) [rad], omega_e (n,) [rad/s]; NaN from the sample on at which the filter diverges
     """
-    ekf = MachineEkf(motor, theta, omega, design)
+    ekf = MachineEkf(motor, theta, omega)
     out = np.full((len(u), 2), np.nan)
     with np.errstate(all="ignore"):
         for k in range(len(u)):
