@@ -18,6 +18,7 @@ from sensorless.core.api import Array
 from sensorless.core.machine import flux_map_currents
 from sensorless.machine.magnetics import Floats, extra_terms, flux, flux_map_record
 from sensorless.machine.motor import Motor
+from sensorless.units import wrapped
 
 TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 FLUX_STEP = 1e-6
@@ -86,7 +87,7 @@ class MachineEkf:
         f.predict(change)
         i_hat, slope = self.measured(f.x)
         f.update(i[:, None], lambda _: slope, lambda _: i_hat)
-        f.x[3] = np.remainder(f.x[3] + np.pi, 2.0 * np.pi) - np.pi
+        f.x[3] = wrapped(f.x[3])
         return float(f.x[3, 0]), float(f.x[2, 0])
 
     def measured(self, x: Array) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ TOP = ("agents", "baselines", "core", "envs", "observers")
 """Folders of the package that stand at the top; ``sensorless`` links to them."""
 
 LAYERS = (
-    ("errors", "files", "plain_table", "settings", "units"),
+    ("errors", "files", "plain_json", "plain_table", "settings", "units"),
     ("core",),
     ("machine", "table", "versions"),
     ("observers",),

@@ -4,14 +4,16 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from sensorless.units import RAD_S_TO_RPM, RPM_TO_RAD_S, rad_per_s
+from sensorless.units import RAD_S_TO_RPM, RPM_TO_RAD_S, rad_per_s, wrapped
 
 ROOT = Path(__file__).parents[1]
 CODE = tuple(
     "agents baselines benchmarks core docs envs examples observers sensorless studies web".split()
 )
+WRAP = re.compile(r"remainder\([^()]*\+ (?:np|math)\.pi, 2")
 BY_HAND = re.compile(
     r"\b(?:pi|PI)\s*/\s*30\b|\b30(?:\.0?)?\s*/\s*(?:\w+\.)?pi\b|9\.549\d*|0\.10471\d*"
 )
@@ -37,3 +39,15 @@ def test_nobody_else_converts_speeds() -> None:
         if path.name != "units.py" and BY_HAND.search(path.read_text(encoding="utf-8"))
     }
     assert not by_hand, "take them from sensorless/units.py"
+
+
+def test_an_angle_is_wrapped() -> None:
+    """To the half-open turn around 0, whatever its shape."""
+    angles = np.array([[0.0, math.pi], [-math.pi, 7.0]])
+    assert wrapped(angles) == pytest.approx(np.array([[0.0, -math.pi], [-math.pi, 7.0 - math.tau]]))
+    assert wrapped(-4.0) == pytest.approx(math.tau - 4.0)
+
+
+def test_nobody_else_wraps_angles() -> None:
+    code = [p for name in CODE for p in (ROOT / name).rglob("*.py") if p.name != "units.py"]
+    assert not [p for p in code if WRAP.search(p.read_text(encoding="utf-8"))], "take wrapped()"

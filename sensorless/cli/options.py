@@ -1,7 +1,6 @@
 """Options, consoles and progress bars that several commands share."""
 
 import json
-import math
 import shlex
 import sys
 import time
@@ -180,7 +179,9 @@ def say_if_unsuited(motor: "Motor", design: "DriveDesign") -> None:
 
 def say_json(data: object) -> None:
     """Print data for programs; what is no number becomes null."""
-    typer.echo(json.dumps(_finite(data), indent=1))
+    from sensorless.plain_json import plain
+
+    typer.echo(json.dumps(plain(data), indent=1))
 
 
 def say_wrote(*paths: Path | None) -> None:
@@ -192,14 +193,6 @@ def say_wrote(*paths: Path | None) -> None:
 def typed() -> str:
     """Command that the user typed."""
     return shlex.join(["sensorless", *sys.argv[1:]])
-
-
-def _finite(data: object) -> object:
-    if isinstance(data, Mapping):
-        return {str(key): _finite(value) for key, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [_finite(value) for value in data]
-    return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
 def describe(scores: Mapping[str, float]) -> str:

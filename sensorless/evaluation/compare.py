@@ -17,6 +17,7 @@ from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.objective import Cost, weighted
 from sensorless.evaluation.rollout import Floats, rollouts, with_twin_to_the_end
+from sensorless.plain_json import plain
 from sensorless.policy import Policy
 
 SUITE, SEED, SIZE = "stress-1", 97, 400
@@ -133,7 +134,7 @@ class Comparison:
     def facts(self) -> dict[str, Any]:
         """All of it in JSON types."""
         values = asdict(self)
-        values["interval"] = [x if np.isfinite(x) else None for x in self.interval]
+        values["interval"] = plain(self.interval)
         return {"verdict": self.sentence, "suite": values.pop("where"), "seed": SEED, **values}
 
 

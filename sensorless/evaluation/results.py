@@ -17,6 +17,7 @@ from sensorless.evaluation.metrics.held import BACK_TIME, BAND_PCT
 from sensorless.evaluation.metrics.hop import HOP
 from sensorless.evaluation.metrics.ripple import HANDOVER
 from sensorless.files import write_atomic
+from sensorless.plain_json import plain
 from sensorless.plain_table import PlainTable
 
 DIGITS = 9
@@ -191,20 +192,7 @@ def _rate(policy: dict[str, Any], key: str, factor: float, decimals: int) -> str
 def _text(x: object, indent: str = "") -> str:
     """JSON with one line per entry of an object, so that a list of numbers stays on one line."""
     if not isinstance(x, dict) or not x:
-        return json.dumps(_plain(x), allow_nan=False)
+        return json.dumps(plain(x, DIGITS), allow_nan=False)
     inner = indent + " "
     lines = (f"{inner}{json.dumps(str(key))}: {_text(value, inner)}" for key, value in x.items())
     return "{\n" + ",\n".join(lines) + f"\n{indent}}}"
-
-
-def _plain(x: object) -> object:
-    """Values that JSON knows; floats rounded, null for what is not finite."""
-    if isinstance(x, np.ndarray | np.generic):
-        x = x.tolist()
-    if isinstance(x, list | tuple):
-        return [_plain(entry) for entry in x]
-    if isinstance(x, dict):
-        return {str(key): _plain(value) for key, value in x.items()}
-    if isinstance(x, float):
-        return float(f"{x:.{DIGITS}g}") if math.isfinite(x) else None
-    return x

@@ -23,6 +23,7 @@ from sensorless.evaluation.rollout import CAUSES, cause_of, twins_alone
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, decide, decide_gains, gains_of
+from sensorless.units import wrapped
 
 Trace = dict[str, Array]
 """Columns of ``TRACE_NAMES`` (``core/sim/trace.h``), each (periods,): SI units, rad, rad/s.
@@ -96,7 +97,7 @@ def trace(
     of_rows = np.repeat(np.array(own), counts, axis=0)[: len(table)]
     for name in (name for name in out if name.startswith("theta_e_err")):
         far = np.abs(out[name]) > np.pi  # of a drive so fast that the core no longer wraps it
-        out[name][far] = np.remainder(out[name][far] + np.pi, 2.0 * np.pi) - np.pi
+        out[name][far] = wrapped(out[name][far])
     lost, fails = int(sim["lost"][0]), np.inf
     if lost:
         twin = twins_alone(factory, scenario, policy.settings, change)

@@ -70,6 +70,13 @@ def currents(s: Saturation, psi: Floats) -> Floats:
     return flux_map_currents(flux_map_record(s), extra_terms(s), psi)
 
 
+def cross_term(psi: Floats, U: int, V: int) -> tuple[Floats, Floats]:
+    """i_d and i_q (n,) of the cross term of ``Saturation`` for a_dq = 1, at psi (n, 2)."""
+    d, q = psi.T
+    ad, aq = np.abs(d), np.abs(q)
+    return ad**U * aq ** (V + 2) * d / (V + 2), ad ** (U + 2) * aq**V * q / (U + 2)
+
+
 SIDES = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])[:, None]
 """Steps to both sides of a flux linkage, axis by axis."""
 

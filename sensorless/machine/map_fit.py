@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import least_squares, nnls
 
 from sensorless.errors import UserError
-from sensorless.machine.magnetics import Floats, currents, flux, inverse_inductance
+from sensorless.machine.magnetics import Floats, cross_term, currents, flux, inverse_inductance
 from sensorless.machine.motor import Saturation
 
 EXPONENTS = {"S": 7, "T": 7, "U": 5, "V": 5, "W": 6}
@@ -171,8 +171,9 @@ def _parts(psi: Floats, exponents: Sequence[int]) -> Floats:
     S, T, U, V = exponents[:4]
     d, q = psi.T
     ad, aq, zero = np.abs(d), np.abs(q), np.zeros(len(psi))
-    of_d = [d, -np.ones(len(psi)), ad**S * d, zero, zero, ad**U * aq ** (V + 2) * d / (V + 2)]
-    of_q = [zero, zero, zero, q, aq**T * q, ad ** (U + 2) * aq**V * q / (U + 2)]
+    cross_d, cross_q = cross_term(psi, U, V)
+    of_d = [d, -np.ones(len(psi)), ad**S * d, zero, zero, cross_d]
+    of_q = [zero, zero, zero, q, aq**T * q, cross_q]
     return np.concatenate([np.stack(of_d, axis=1), np.stack(of_q, axis=1)])
 
 

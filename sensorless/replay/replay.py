@@ -21,6 +21,7 @@ from sensorless.plain_table import PlainTable
 from sensorless.policy import Policy, PrivilegedPolicy, design_for, gains_of
 from sensorless.replay.log import Log, clarke, read_log
 from sensorless.replay.signature import of_encoder, of_injection
+from sensorless.units import wrapped
 
 SAMPLE = Path(__file__).parent / "sample_log.csv"
 """A log of the paper's motor that comes with the package."""
@@ -69,7 +70,7 @@ class Replay:
         if self.log.theta_e is None:
             return None
         turn = self.log.theta_e - self.estimates[name].theta_e
-        return np.asarray(np.remainder(turn + np.pi, 2.0 * np.pi) - np.pi)
+        return np.asarray(wrapped(turn))
 
     def write_csv(self, path: Path) -> None:
         """Write angle, speed and error of every estimator, one row per sample."""

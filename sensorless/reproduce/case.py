@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.motor import Motor
 from sensorless.observers.smo_design import deadbeat_gain
+from sensorless.plain_json import plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -72,8 +73,8 @@ class Row:
         return {
             "unit": self.unit,
             "paper": self.paper,
-            "published": _finite(self.published),
-            "corrected": _finite(self.corrected),
+            "published": plain(self.published),
+            "corrected": plain(self.corrected),
         }
 
 
@@ -103,7 +104,3 @@ def gain(motor: Motor, g: float) -> float:
 def sigmoid_lag(motor: Motor, g: float, rpm: float) -> float:
     """Lag [deg] of the sigmoid observer without cure, arg(g + R_s + j omega L_q), slope g [V/A]."""
     return math.degrees(math.atan2(motor.rpm_to_electrical(rpm) * motor.L_q, g + motor.R_s))
-
-
-def _finite(cell: Cell) -> Cell:
-    return None if isinstance(cell, float) and not math.isfinite(cell) else cell

@@ -11,6 +11,7 @@ from sensorless.errors import UserError
 from sensorless.machine.magnetics import (
     apparent_q_inductance,
     cross_angle,
+    cross_term,
     currents,
     flux,
     inverse_inductance,
@@ -132,3 +133,10 @@ def test_a_map_without_solution_is_refused() -> None:
     folded = Saturation(a_d0=1.0, a_q0=-1.0, a_qq=1.0, T=2)
     with pytest.raises(UserError, match="saturation"):
         flux(folded, np.array([[0.0, math.nan]]))
+
+
+def test_the_cross_term_is_that_of_the_core(motor: Motor) -> None:
+    s, psi = motor.saturation, np.array([[0.9, 0.4], [1.2, -0.7], [-0.3, 0.5]])
+    both = currents(s, psi) - currents(replace(s, a_dq=0.0), psi)
+    assert s.a_dq > 0.0
+    assert s.a_dq * np.stack(cross_term(psi, s.U, s.V), axis=1) == pytest.approx(both, rel=1e-9)

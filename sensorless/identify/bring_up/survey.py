@@ -12,6 +12,7 @@ from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.identify.bring_up.check import check, drives_at_rest
 from sensorless.identify.bring_up.mistakes import MISTAKES, RIGHT
 from sensorless.machine.motor import Motor
+from sensorless.units import wrapped
 
 TURNING = 0.3
 """Speed at which a turn of the shaft is counted, over rated."""
@@ -63,7 +64,7 @@ def count_pole_pairs(drive: Array) -> int:
         if not len(rows):
             break
         angles = rows[:, column["theta_e"]] - rows[:, column["theta_e_err"]]
-        for angle in np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi:
+        for angle in wrapped(angles):
             lib.turn_count(count, angle)
         shaft += period * float(rows[:, column["omega_m"]].sum())
     return int(lib.turn_pole_pairs(count, shaft / (2.0 * np.pi)))

@@ -14,7 +14,7 @@ from scipy.optimize import nnls
 
 from sensorless.errors import UserError
 from sensorless.identify.machine.pulses import Samples
-from sensorless.machine.magnetics import Floats, currents
+from sensorless.machine.magnetics import Floats, cross_term, currents
 from sensorless.machine.map_fit import MapFit, fit_map
 from sensorless.machine.motor import Saturation
 
@@ -112,9 +112,7 @@ def _columns(psi: Floats) -> tuple[dict[tuple[str, object], int], Floats]:
         columns.append(np.r_[zero, aq**n * q])
     for U, V in filter(None, CROSS):
         places["cross", (U, V)] = len(columns)
-        columns.append(
-            np.r_[ad**U * aq ** (V + 2) * d / (V + 2), ad ** (U + 2) * aq**V * q / (U + 2)]
-        )
+        columns.append(np.concatenate(cross_term(psi, U, V)))
     return places, np.stack(columns, axis=-1)
 
 

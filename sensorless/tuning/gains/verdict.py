@@ -8,6 +8,7 @@ from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.aggregate import mean_interval
 from sensorless.evaluation.compare import SEED, SIZE, contrast
 from sensorless.machine.motor import Motor
+from sensorless.plain_json import plain
 from sensorless.policy import Policy
 from sensorless.tuning.gains.choice import with_gains
 from sensorless.tuning.gains.measure import (
@@ -79,5 +80,4 @@ def changed(name: str, ours: Measured, start: Measured) -> dict[str, Any]:
     here, there = pairs(name, ours, start)
     mean = float(there.mean()) if len(there) else 0.0
     interval = mean_interval((here - there) / mean, SEED) if mean > 0.0 else (math.nan, math.nan)
-    known = [x if math.isfinite(x) else None for x in interval]
-    return {"change": rise(name, ours, start), "interval": known}
+    return {"change": rise(name, ours, start), "interval": plain(interval)}
