@@ -96,7 +96,7 @@ def distill_command(
     from sensorless.agents.loading import CONFIG, TABLE
     from sensorless.agents.table.start import grid
     from sensorless.agents.train.run_folder import LIBRARIES, fresh
-    from sensorless.cli.train import RUNS
+    from sensorless.cli.train import named_run
     from sensorless.design.carried import record
     from sensorless.envs.counter_random import check_seed
     from sensorless.envs.scenarios.scenario import SimFactory
@@ -105,13 +105,14 @@ def distill_command(
     from sensorless.versions import versions
 
     check_seed(seed)
+    folder = named_run(name)
     teacher, design, motor, known, origin = _teacher(run)
     if axes == "start" and known is None:
         raise UserError(
             f"axes: start: {run!r} is a policy in Python and starts from no table; give --axes, "
             "for example speed:0:1:16"
         )
-    folder, shape = RUNS / name, known if known is not None and axes == "start" else grid(axes)
+    shape = known if known is not None and axes == "start" else grid(axes)
 
     def report(number: int, rms: float, cost: Cost) -> None:
         errors.print(

@@ -22,7 +22,7 @@ from sensorless.cli.options import (
     say_verdict,
     say_wrote,
 )
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.settings import settings_of
 
 if TYPE_CHECKING:
@@ -144,8 +144,12 @@ def named_run(name: str) -> Path:
     Raises
     ------
     UserError
-        The name leads elsewhere.
+        The name leads elsewhere, or has characters that no terminal shows.
     """
+    if not name.isprintable():
+        raise UserError(
+            f"name: {shown(name)}: has control characters; use letters, digits, - and _"
+        )
     path = Path(os.path.normpath(name))
     if (
         not name.strip()

@@ -186,6 +186,8 @@ def _from_tables(data: dict[str, Any], where: str) -> Motor:
             raise UserError(f"{where}: {text}: missing: give a text")
         if not isinstance(texts[text], str) or (text == "name" and not texts[text].strip()):
             raise UserError(f"{where}: {text}: {shown(texts[text])}: must be a text")
+    if not texts["name"].isprintable():
+        raise UserError(f"{where}: name: {shown(texts['name'])}: leave out control characters")
     numbers = read(Motor, values, f"{where}: ")
     if sat is None:
         saturation = Saturation.linear(numbers["L_d"], numbers["L_q"], numbers["psi_f"])

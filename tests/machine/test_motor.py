@@ -173,6 +173,13 @@ def test_not_a_motor_file(content: bytes, tmp_path: Path) -> None:
     refusal(path)
 
 
+@pytest.mark.parametrize("character", ["\\n", "\\u001b", "\\u202e"])
+def test_a_name_with_control_characters_is_refused(character: str, tmp_path: Path) -> None:
+    """Such a name would break lines of reports and of exported code."""
+    text = PAPER.replace('name = "paper"', f'name = "a{character}b"')
+    assert "leave out control characters" in refusal(write(tmp_path, text))
+
+
 def test_unknown_name_lists_the_known() -> None:
     """A typing error in the name shows what there is."""
     with pytest.raises(UserError, match=r"motor 'papre'.*shipped motors: .*paper"):
