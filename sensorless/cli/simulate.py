@@ -1,7 +1,8 @@
 """The command ``sensorless simulate``."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,6 +20,9 @@ from sensorless.cli.options import (
     typed,
 )
 from sensorless.errors import UserError
+
+if TYPE_CHECKING:
+    from sensorless.evaluation.trace import Trace
 
 
 def simulate_command(
@@ -152,16 +156,7 @@ def simulate_command(
         sensorless simulate --speed 0:150,1:650 --ramp 600 --load 0:0,0.5:6
         sensorless simulate --scenario stress-1:7:12 --policy hysteresis --out run.csv
     """
-    from sensorless.files import check_writable
-    from sensorless.plots.wave import FOLDED, wave
-    from sensorless.report.picture import check_drawable, write_waves
-
-    check_drawable(plot)
-    unknown = [pane for pane in show or () if pane not in FOLDED]
-    if unknown:
-        raise UserError(f"show: {unknown[0]!r} is none of {', '.join(FOLDED)}; give one of these")
-    check_writable(out)
-    check_writable(save_log, "log")
+    check_outputs(plot, show or (), out, save_log)
     if plant is not None or inputs is not None:
         machine_alone(plant, inputs, out)
         return
@@ -172,48 +167,85 @@ def simulate_command(
         plan_from,
         scenario_from,
     )
-    from sensorless.evaluation.trace import cut_short, outcome, trace, write_csv
-    from sensorless.evaluation.trace_summary import plateaus, summary_table
+    from sensorless.evaluation.trace import cut_short, trace
 
     made = bench_of([policy], motor, settings, override)
     if scenario is not None:
         own, scenario = own_machine(scenario)
         made = made if own is None else made.on(own)
     machine, rule = made.motor, made.policy(policy)
-    case = (
-        scenario_from(scenario, machine)
-        if scenario is not None
-        else plan_from(
-            fig9(machine) if speed is None else speed,
-            load,
-            ramp,
-            duration,
-            machine,
-            seed,
-            start=start,
-            theta_err=theta_err,
-            spin=spin,
+    if scenario is not None:
+        case = scenario_from(scenario, machine)
+    else:
+        plan = fig9(machine) if speed is None else speed
+        case = plan_from(
+            plan, load, ramp, duration, machine, seed, start=start, theta_err=theta_err, spin=spin
         )
-    )
     if foreign := found_elsewhere(scenario or "", machine, made.design.estimator):
         errors.print(f"note: {foreign}", highlight=False, soft_wrap=True)
     run = trace(rule, case, machine, made.design, go_on=True)
     short = cut_short(run, float(case.duration[0]))
+    say_run(run, rule.name, short, as_json)
+    title = f"{machine.name}, {rule.name}, {scenario or 'planned run'}"
+    write_run(run, title, short, out, save_log, plot, show or ())
+
+
+def check_outputs(
+    plot: Path | None, show: Sequence[str], out: Path | None, save_log: Path | None
+) -> None:
+    """Check before the run that what is asked for can be drawn and written.
+
+    Raises
+    ------
+    UserError
+        A pane is unknown, or a file cannot be written.
+    """
+    from sensorless.files import check_writable
+    from sensorless.plots.wave import FOLDED
+    from sensorless.report.picture import check_drawable
+
+    check_drawable(plot)
+    unknown = [pane for pane in show if pane not in FOLDED]
+    if unknown:
+        raise UserError(f"show: {unknown[0]!r} is none of {', '.join(FOLDED)}; give one of these")
+    check_writable(out)
+    check_writable(save_log, "log")
+
+
+def say_run(run: "Trace", name: str, short: str | None, as_json: bool) -> None:
+    """Print how a run went; ``short`` says why it ended early, if it did."""
+    from sensorless.evaluation.trace import outcome
+    from sensorless.evaluation.trace_summary import plateaus, summary_table
+
     if as_json:
-        facts = {"policy": rule.name, "outcome": outcome(run), "cut_short": short}
+        facts = {"policy": name, "outcome": outcome(run), "cut_short": short}
         say_json({**facts, "plateaus": plateaus(run)})
-    console.print(summary_table(run, rule.name))
+    console.print(summary_table(run, name))
     if short is not None:
         console.print(short, highlight=False, soft_wrap=True)
+
+
+def write_run(
+    run: "Trace",
+    title: str,
+    short: str | None,
+    out: Path | None,
+    save_log: Path | None,
+    plot: Path | None,
+    show: Sequence[str],
+) -> None:
+    """Write the files of a run that were asked for."""
+    from sensorless.evaluation.trace import write_csv
+    from sensorless.plots.wave import wave
+    from sensorless.replay.log import write_log
+    from sensorless.report.picture import write_waves
+
     if out is not None:
         write_csv(run, out)
     if save_log is not None:
-        from sensorless.replay.log import write_log
-
         write_log(run, save_log)
     if plot is not None:
-        title = f"{machine.name}, {rule.name}, {scenario or 'planned run'}"
-        write_waves([wave(title, run)], plot, typed(), [short] if short else [], show or ())
+        write_waves([wave(title, run)], plot, typed(), [short] if short else [], show)
     say_wrote(out, save_log, plot)
 
 
