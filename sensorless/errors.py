@@ -1,6 +1,7 @@
 """User errors, which the command line shows as one line without a traceback."""
 
 from collections.abc import Callable
+from unicodedata import category
 
 
 class UserError(ValueError):
@@ -26,6 +27,11 @@ def shown(value: object) -> str:
     except ValueError:  # Python writes no whole number of so many digits
         text = "a number of too many digits"
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]} ..."
+
+
+def has_control(text: str) -> bool:
+    """Whether a text has characters that break or turn lines: control, format, line ends."""
+    return any(category(character) in ("Cc", "Cf", "Zl", "Zp") for character in text)
 
 
 class StaleCoreError(ImportError):

@@ -155,9 +155,10 @@ def new_command(
     from sensorless.design.new_motor import new_motor, plain
     from sensorless.files import check_writable, write_atomic
     from sensorless.machine.datasheet import Datasheet, inertia_from
-    from sensorless.machine.motor import Motor
+    from sensorless.machine.motor import Motor, check_name
     from sensorless.machine.motor_file import written
 
+    check_name(name)
     check_writable(out)
     given = {"poles": poles, "speed": speed, "current": current, "r": r, "u_dc": u_dc, "pwm": pwm}
     known: dict[str, Any] = {key: _asked(key, value) for key, value in given.items()}

@@ -22,7 +22,7 @@ from sensorless.cli.options import (
     say_verdict,
     say_wrote,
 )
-from sensorless.errors import UserError, shown
+from sensorless.errors import UserError, has_control, shown
 from sensorless.settings import settings_of
 
 if TYPE_CHECKING:
@@ -144,9 +144,9 @@ def named_run(name: str) -> Path:
     Raises
     ------
     UserError
-        The name leads elsewhere, or has characters that no terminal shows.
+        The name leads elsewhere, or has control characters.
     """
-    if not name.isprintable():
+    if has_control(name):
         raise UserError(
             f"name: {shown(name)}: has control characters; use letters, digits, - and _"
         )

@@ -15,7 +15,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-from sensorless.errors import UserError, shown
+from sensorless.errors import UserError, has_control, shown
 from sensorless.files import is_device
 from sensorless.machine.flux_correction import FluxCorrection, read_correction
 from sensorless.settings import REQUIRED, derived, number, read
@@ -169,6 +169,18 @@ class Motor:
         return _from_tables(dict(data), where)
 
 
+def check_name(name: str, where: str = "") -> None:
+    """Refuse the name of a machine that would break lines of reports and of exported code.
+
+    Raises
+    ------
+    UserError
+        It has control characters.
+    """
+    if has_control(name):
+        raise UserError(f"{where}name: {shown(name)}: leave out control characters")
+
+
 def _from_tables(data: dict[str, Any], where: str) -> Motor:
     tables = {key: data.pop(key, {}) for key in ("machine", "rating", "drive")}
     sat = data.pop("saturation", None)
@@ -186,8 +198,7 @@ def _from_tables(data: dict[str, Any], where: str) -> Motor:
             raise UserError(f"{where}: {text}: missing: give a text")
         if not isinstance(texts[text], str) or (text == "name" and not texts[text].strip()):
             raise UserError(f"{where}: {text}: {shown(texts[text])}: must be a text")
-    if not texts["name"].isprintable():
-        raise UserError(f"{where}: name: {shown(texts['name'])}: leave out control characters")
+    check_name(texts["name"], f"{where}: ")
     numbers = read(Motor, values, f"{where}: ")
     if sat is None:
         saturation = Saturation.linear(numbers["L_d"], numbers["L_q"], numbers["psi_f"])

@@ -113,6 +113,7 @@ def test_what_is_missing_is_asked_for(tmp_path: Path, monkeypatch: pytest.Monkey
         ({"inertia": "much"}, "inertia"),
         ({"out": "no/such/mine.toml"}, "no/such"),
         ({"poles": None}, "--poles"),
+        ({"name": "a\nb"}, r"error: name: 'a\nb': leave out control characters"),
     ],
 )
 def test_a_wrong_sheet_is_one_line_and_no_file(
