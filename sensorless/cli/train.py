@@ -151,12 +151,7 @@ def named_run(name: str) -> Path:
             f"name: {shown(name)}: has control characters; use letters, digits, - and _"
         )
     path = Path(os.path.normpath(name))
-    if (
-        not name.strip()
-        or not name.isprintable()
-        or path.is_absolute()
-        or path.parts[:1] in ((), ("..",))
-    ):
+    if not name.strip() or path.is_absolute() or path.parts[:1] in ((), ("..",)):
         raise UserError(f"name: {name!r}: give a name below {RUNS}/, such as first")
     return RUNS / path
 
