@@ -59,6 +59,8 @@ LOCK = (
     "drive.x.lock.",
     "drive.x.control.u_sum.",
     "drive.x.control.i_sum.",
+    "drive.x.control.i_d_end",
+    "drive.x.control.i_q_least",
     "drive.x.coupled.gain_",
     "drive.x.fault",
 )

@@ -37,6 +37,8 @@ typedef struct {
     float k_fw;           /* field-weakening gain times T_s [A/V] */
     float fw_margin;      /* share of the voltage limit that the fundamental may use */
     float i_d_min;        /* most negative d current [A] */
+    float i_q_brake;      /* torque current with which a generator needs the least voltage [A] */
+    float i_int_max;      /* bound that nothing but damage takes the integrator beyond [A] */
     float u_dt;           /* dead-time voltage of a leg to compensate [V], 0 = off */
     float inv_i_dt;       /* slope of its transition through zero current [1/A] */
     curve_t i_d_mtpa;     /* d current of maximum torque per ampere over |i_q| [A] */
@@ -44,16 +46,18 @@ typedef struct {
 } control_params_t;
 
 typedef struct {
-    dq_t i_1;     /* sample k-1 in the control frame [A] */
-    dq_t i;       /* mean of samples k-1 and k [A] */
-    dq_t i_ref;   /* [A] */
-    dq_t u_int;   /* integrators of the current control [V] */
-    float i_int;  /* integrator of the speed control [A] */
-    float i_d_fw; /* field-weakening part of i_d_ref, at most 0 [A] */
-    dq_t u_sum;   /* voltages since lock.h looked, before injection [V] */
-    dq_t i_sum;   /* currents since then [A] */
-    float u_abs;  /* magnitude of the voltage before the limit [V] */
-    float u_max;  /* voltage limit of the last period [V] */
+    dq_t i_1;        /* sample k-1 in the control frame [A] */
+    dq_t i;          /* mean of samples k-1 and k [A] */
+    dq_t i_ref;      /* [A] */
+    dq_t u_int;      /* integrators of the current control [V] */
+    float i_int;     /* integrator of the speed control [A] */
+    float i_d_fw;    /* field-weakening part of i_d_ref, at most 0 [A] */
+    dq_t u_sum;      /* voltages since lock.h looked, before injection [V] */
+    dq_t i_sum;      /* currents since then [A] */
+    float u_abs;     /* magnitude of the voltage before the limit [V] */
+    float u_max;     /* voltage limit of the last period [V] */
+    float i_d_end;   /* d current reference from which down the torque current gives way [A] */
+    float i_q_least; /* torque current that it keeps then, as a magnitude [A] */
 } control_state_t;
 
 /* Torque-current reference from the speed error [A]. omega_ref, omega: electrical [rad/s].
@@ -66,12 +70,24 @@ CORE_INLINE float speed_control(const control_params_t *p, control_state_t *x, f
     float i_d = x->i_ref.d;
     float i_q_max = sqrt_f(p->i_max * p->i_max - i_d * i_d);
     float held = abs_f(x->i_ref.q);
-    held = i_d > p->i_d_min ? held : max_f(held - p->i_q_step, 0.0f);
+    held = i_d > x->i_d_end ? held : max_f(held - p->i_q_step, x->i_q_least);
     i_q_max = x->u_abs > x->u_max ? min_f(i_q_max, held) : i_q_max;
     float step = bound_f(want - x->i_ref.q, p->i_q_step);
     float i_q = bound_f(x->i_ref.q + step, i_q_max);
     x->i_int += T_s * p->k_i_speed * (omega_ref - omega + (i_q - want) / p->k_p_speed);
     return i_q;
+}
+
+/* Where the torque current gives way until the next call, and what it keeps then. omega_ref, omega:
+ * electrical [rad/s]; far [A]. To brake, a generator keeps the torque current with which it needs
+ * the least voltage, and gives way too while the d current is `far` beyond its reference: there the
+ * flux lies behind the rotor, and more torque current turns it further back. */
+CORE_INLINE void control_ends(const control_params_t *p, control_state_t *x, float omega_ref,
+                              float omega, float far) {
+    int brakes = (omega_ref - omega) * omega < 0.0f;
+    int beyond = x->i_ref.d - x->i.d > far;
+    x->i_q_least = brakes ? p->i_q_brake : 0.0f;
+    x->i_d_end = brakes && beyond ? 0.0f : p->i_d_min;
 }
 
 /* Takes in sample k [A] in the frame r of the estimate at k; x->i becomes the mean with sample
@@ -141,6 +157,8 @@ CORE_INLINE void control_sum_anew(control_state_t *x) {
 CORE_INLINE void control_ready(const control_params_t *p, control_state_t *x, float omega) {
     x->i_ref.q = 0.0f;
     x->i_int = p->k_p_speed * (1.0f - p->weight_ref) * omega;
+    x->i_d_end = p->i_d_min;
+    x->i_q_least = 0.0f;
 }
 
 #endif

@@ -73,21 +73,27 @@ CORE_INLINE void coupled_correct(const coupled_params_t *p, coupled_state_t *x, 
 }
 
 /* How fast the flux is corrected until the next evaluation of lock.h. emf: magnitude of the
- * auxiliary flux's EMF [V]; i_q: torque current [A]; omega: electrical [rad/s].
+ * auxiliary flux's EMF [V]; i_q: torque current [A]; omega: electrical [rad/s]; used: whether the drive
+ * runs on this observer; otherwise the rates stay as they are.
  * Less in braking: a generator with little voltage has no angle at which a wrong resistance comes
  * to rest, if the flux is corrected faster than that allows. More without torque current, where
  * nobody knows what dead time takes: docs/coupled-observer.md. */
 CORE_INLINE void coupled_rates(const coupled_params_t *p, coupled_state_t *x, float k_s, float emf,
-                               float i_q, float omega) {
+                               float i_q, float omega, int used) {
+    if (SHORTCUT(!used)) {
+        return;
+    }
     float w = abs_f(omega);
     float takes = p->brake * -times_sign_f(i_q, omega) * (p->gain_0 + p->gain_w * w);
     float has = w * emf;
     float share = has < takes ? has / takes : 1.0f;
-    coupled_correct(p, x, max_f(share, p->brake_least + (1.0f - p->brake_least) * k_s));
+    share = max_f(share, p->brake_least + (1.0f - p->brake_least) * k_s);
+    coupled_correct(p, x, used ? share : 1.0f);
     if (SHORTCUT(!(p->idle > 0.0f))) {
         return;
     }
-    x->gain_0 += k_s * p->idle * max_f(1.0f - abs_f(i_q) * p->inv_i_idle, 0.0f);
+    float idle = k_s * p->idle * max_f(1.0f - abs_f(i_q) * p->inv_i_idle, 0.0f);
+    x->gain_0 += used ? idle : 0.0f;
 }
 
 /* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] without

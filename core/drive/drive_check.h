@@ -55,14 +55,10 @@ CORE_INLINE int drive_angles_sound(const drive_state_t *x) {
     return angles <= 4.0f * PI_F && bits_of(x->k_s) <= BITS_OF_ONE;
 }
 
-/* Whether the shares of what was learned are, and the integrator of the speed control. Each period
- * moves that towards i_q plus the part of the reference that the proportional part leaves out, so it
- * stays within the largest of these; a hundredth of that part more, for rounding. */
+/* Whether the shares of what was learned are, and the integrator of the speed control. */
 CORE_INLINE int drive_learned_sound(const drive_params_t *p, const drive_state_t *x) {
-    const control_params_t *c = &p->control;
-    float left_out = c->k_p_speed * (1.01f - c->weight_ref) * p->coupled.omega_max;
     const drift_state_t *d = &x->coupled.drift;
-    return abs_f(x->control.i_int) <= c->i_max + left_out && bits_of(d->trust) <= BITS_OF_ONE &&
+    return abs_f(x->control.i_int) <= p->control.i_int_max && bits_of(d->trust) <= BITS_OF_ONE &&
            abs_f(d->sign) <= 1.0f;
 }
 

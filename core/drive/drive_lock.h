@@ -36,17 +36,20 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     control_sum_anew(y);
 }
 
-/* Second part, and how much of its flux the coupled observer corrects until the next. */
-CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
-    lock_judge(&p->lock, &x->lock, x->est.omega, p->coupled.omega_max);
-    coupled_rates(&p->coupled, &x->coupled, x->k_s, x->lock.emf, x->lock.i.q, x->est.omega);
-    x->lock.wait = p->lock.n;
-    x->fault |= x->lock.alarm != 0 ? FAULT_LOCK : 0;
-}
-
 /* Whether the coupled observer can still take the place of the drive's own. */
 CORE_INLINE int drive_can_change(const drive_params_t *p, const drive_state_t *x) {
     return p->estimator != ESTIMATE_COUPLED && x->start.again == 0;
+}
+
+/* Second part; and until the next, where the torque current gives way, and how much of its flux the
+ * coupled observer corrects. */
+CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
+    lock_judge(&p->lock, &x->lock, x->est.omega, p->coupled.omega_max);
+    control_ends(&p->control, &x->control, x->signal.omega_ref, x->est.omega, p->lock.i_off);
+    coupled_rates(&p->coupled, &x->coupled, x->k_s, x->lock.emf, x->lock.i.q, x->est.omega,
+                  !drive_can_change(p, x));
+    x->lock.wait = p->lock.n;
+    x->fault |= x->lock.alarm != 0 ? FAULT_LOCK : 0;
 }
 
 /* Whether the drive has to act. */

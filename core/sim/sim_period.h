@@ -80,6 +80,7 @@ CORE_INLINE ab_t sensored_step(const drive_params_t *p, chain_t *c, const drive_
     if (starting) {
         return drive_hold(p, &c->x, &in, i_ab, truth);
     }
+    control_ends(&p->control, &c->x.control, in.omega_ref, truth.omega, p->lock.i_off);
     return drive_actuate(p, &c->x, &in, i_ab, truth, rot_of(truth.theta), 0.0f);
 }
 

@@ -34,6 +34,7 @@ def control_block(motor: Motor, design: DriveDesign, by: Derived) -> Fields:
         current_hz=by.current_hz,
         i_q_slew=by.i_q_slew,
         u_dt=by.dead_time_share * motor.dead_time_voltage,
+        omega_max=largest_speed(motor, design),
     )
 
 

@@ -91,6 +91,24 @@ def reference_share(motor: Motor) -> float:
     return min(max((turn - BY_REFERENCE) / RAMP, 0.0), 1.0)
 
 
+WORTH = 0.1
+"""Least share of ``i_max`` with which a generator brakes rather than lower its torque."""
+
+
+def braking_current(motor: Motor, i_d: float) -> float:
+    """Torque current of a generator at rated speed that needs the least voltage [A].
+
+    With the auxiliary flux psi_a at the d current ``i_d`` and i_q against the speed, the voltage
+    |u|^2 = (R i_d + w L_q |i_q|)^2 + (w psi_d - R |i_q|)^2 is least at
+    |i_q| = R w psi_a / (R^2 + w^2 L_q^2), psi_a = psi_f + (L_d - L_q) i_d. With this current at
+    twice rated speed it is about what it is without torque. 0 where it is not worth it.
+    """
+    w, L_q = motor.omega_rated, half_load_inductance(motor)
+    psi_a = motor.psi_f + (motor.L_d - L_q) * i_d
+    least = motor.R_s * w * psi_a / (motor.R_s**2 + (w * L_q) ** 2)
+    return least if least > WORTH * motor.i_max else 0.0
+
+
 def weakening(speed_hz: float, current_hz: float) -> float:
     """Bandwidth of field weakening at rated speed [rad/s].
 
@@ -107,6 +125,7 @@ def design_control(
     current_hz: float,
     i_q_slew: float,
     u_dt: float,
+    omega_max: float,
 ) -> dict[str, Any]:
     """Fields of ``control_params_t`` except its curve ``i_d_mtpa``.
 
@@ -116,6 +135,10 @@ def design_control(
     the rated current. Field weakening: at rated speed its integrator, du/di_d = w L_d, has the
     bandwidth ``weakening``.
 
+    Each period moves the speed integrator towards i_q plus the part of the reference that the
+    proportional part leaves out, so it stays within ``i_int_max``, the largest of these; with a
+    hundredth of that part more, for rounding.
+
     Parameters
     ----------
     speed_weight : float
@@ -124,13 +147,16 @@ def design_control(
         Largest slope of the torque-current reference [A/s].
     u_dt : float
         Dead-time voltage to compensate [V], 0 for none.
+    omega_max : float
+        Bound of the speed estimate, electrical [rad/s].
     """
     w = 2.0 * math.pi * speed_hz
     k_t = torque_constant(motor)
     alpha = 2.0 * math.pi * current_hz
     L_q = half_load_inductance(motor)
+    k_p = 2.0 * w * motor.J / k_t
     return {
-        "k_p_speed": 2.0 * w * motor.J / k_t,
+        "k_p_speed": k_p,
         "k_i_speed": w * w * motor.J / k_t,
         "weight_ref": speed_weight,
         "i_q_step": i_q_slew * motor.T_s,
@@ -148,6 +174,8 @@ def design_control(
         "k_fw": weakening(speed_hz, current_hz) * motor.T_s / (motor.omega_rated * motor.L_d),
         "fw_margin": USABLE,
         "i_d_min": -0.9 * motor.i_max,
+        "i_q_brake": braking_current(motor, -0.9 * motor.i_max),
+        "i_int_max": motor.i_max + k_p * (1.01 - speed_weight) * omega_max,
         "u_dt": u_dt,
         "inv_i_dt": 1.0 / (0.05 * motor.i_rated),
         "curve_inv_step": (CURVE_N - 1) / motor.i_max,

@@ -28,7 +28,8 @@ static void control(int j) {
                          {0, 0},
                          draw_f(0, 300),
                          draw_f(100, 300)};
-    x.i_ref.d = j % 5 ? x.i_ref.d : p.i_d_min;
+    x.i_d_end = j % 5 ? p.i_d_min : x.i_ref.d;
+    x.i_q_least = j % 3 ? 0.0f : draw_f(0, 5);
     estimate_t est = {draw_f(-3, 3), draw_f(-300, 300)};
     ab_t i_ab = {draw_f(-5, 5), draw_f(-5, 5)};
     float u_dc = j % 9 ? draw_f(400, 600) : 0.0f, w_ref = draw_f(-300, 300),
@@ -41,7 +42,8 @@ static void control(int j) {
     double want = (double)p.k_p_speed * ((double)p.weight_ref * ref - w) + (double)was.i_int;
     double most = sqrt(fmax(pow((double)p.i_max, 2.0) - pow((double)was.i_ref.d, 2.0), 0.0));
     double held = fabs((double)was.i_ref.q);
-    held = was.i_ref.d > p.i_d_min ? held : fmax(held - (double)p.i_q_step, 0.0);
+    held = was.i_ref.d > was.i_d_end ? held
+                                     : fmax(held - (double)p.i_q_step, (double)was.i_q_least);
     most = was.u_abs > was.u_max ? fmin(most, held) : most;
     double i_q = (double)was.i_ref.q;
     i_q = bounded(i_q + bounded(want - i_q, (double)p.i_q_step), most);
@@ -79,6 +81,21 @@ static void control(int j) {
     check("field weakening", near((double)x.i_d_fw, fmin(fmax(fw, (double)p.i_d_min), 0.0), 1e-4));
     control_ready(&p, &x, est.omega);
     check("ready", x.i_ref.q == 0.0f && near((double)x.i_int, 0.02 * 0.6 * w, 1e-5));
+    check("ready: gives way at its end", x.i_d_end == p.i_d_min && x.i_q_least == 0.0f);
+}
+
+/* Where the torque current gives way, and what a generator keeps: 1.5 A here. */
+static void ends(void) {
+    for (int j = 0; j < 400; j++) {
+        control_params_t p = {.i_d_min = -6.0f, .i_q_brake = 1.5f};
+        control_state_t x = {.i_ref = {draw_f(-5, 0), 1.0f}, .i = {draw_f(-7, 1), 1.0f}};
+        float w = draw_f(-300, 300), ref = draw_f(-300, 300), far = draw_f(0, 2);
+        control_ends(&p, &x, ref, w, far);
+        int brakes = w > 0.0f ? ref < w : ref > w;
+        int beyond = x.i.d < x.i_ref.d - far;
+        check("kept in braking", x.i_q_least == (brakes ? 1.5f : 0.0f));
+        check("gives way at once", x.i_d_end == (brakes && beyond ? 0.0f : -6.0f));
+    }
 }
 
 /* Each signal in words: magnitudes, and signs seen in the direction of motion. */
@@ -162,6 +179,7 @@ void check_control(void) {
     for (int j = 0; j < 2000; j++) {
         control(j);
     }
+    ends();
     signals();
     filters();
 }

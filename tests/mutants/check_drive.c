@@ -196,6 +196,8 @@ static void begins(void) {
         sum += fabs((double)w[k]);
     }
     double ready = fabs((double)x.control.i_int);
+    ready += fabs((double)x.control.i_d_end);
+    check("init: gives way at its end", x.control.i_d_end == PARAMS[4].control.i_d_min);
     ready += (double)PARAMS[4].coupled.drift.u_dt;              /* lost as the drive compensates */
     ready += fabs((double)PARAMS[4].coupled.drift.ind_0) + 1.0; /* all trust in the flux */
     ready += 2.0 * (double)PARAMS[4].coupled.gain_0;            /* all of the flux correction */

@@ -39,10 +39,8 @@ static void state_learned(void) {
     for (int j = 0; j < 400; j++) {
         drive_params_t p = PARAMS[4];
         p.lock.action = LOCK_REPORT;
-        p.control.weight_ref = draw_f(0, 1), p.control.i_max = draw_f(1, 20);
-        double left = (double)p.control.k_p_speed * (double)p.coupled.omega_max *
-                      (1.01 - (double)p.control.weight_ref);
-        double most = (double)p.control.i_max + left;
+        p.control.i_int_max = draw_f(1, 20);
+        double most = (double)p.control.i_int_max;
         drive_state_t x = idle_drive(&p);
         int good = j % 2;
         x.control.i_int = (float)((j % 4 < 2 ? 1 : -1) * most * (good ? 0.9999 : 1.0001));

@@ -29,6 +29,13 @@ AMPLE = 1e5
 DESIGN = DriveDesign(speed_hz=2.5, speed_weight=0.0, current_hz=120.0, i_q_slew=150.0)
 
 
+def rest() -> Array:
+    """Nothing yet; the torque current does not give way."""
+    x = np.zeros(1, dtype=STATE)
+    x["i_d_end"] = -np.inf
+    return x
+
+
 def params(motor: Motor, **changes: Any) -> Array:
     return np.array(control_record(motor, replace(DESIGN, **changes))["control"]).reshape(1)
 
@@ -70,7 +77,7 @@ def test_voltage_circle_with_reserve(c: Call, motor: Motor, reserve: float) -> N
     p = params(motor)
     longest = 0.0
     for _ in range(400):
-        x = np.zeros(1, dtype=STATE)
+        x = rest()
         x["u_int"]["d"], x["u_int"]["q"] = rng.normal(0.0, 150.0, 2)
         x["i_ref"]["q"] = rng.normal(0.0, 5.0)
         i = complex(*rng.normal(0.0, 5.0, 2))
@@ -93,7 +100,7 @@ def test_voltage_circle_with_reserve(c: Call, motor: Motor, reserve: float) -> N
 def test_limited_voltage_keeps_its_direction(c: Call, motor: Motor) -> None:
     """The limit shortens the vector and does not turn it."""
     p = params(motor)
-    free, tight = (np.zeros(1, dtype=STATE) for _ in range(2))
+    free, tight = (rest() for _ in range(2))
     for x in (free, tight):
         x["u_int"]["d"], x["u_int"]["q"] = 30.0, 40.0
     u = step(c, motor, p, free, 0j, reserve=0.0)
@@ -106,7 +113,7 @@ def test_limited_voltage_keeps_its_direction(c: Call, motor: Motor) -> None:
 @pytest.mark.parametrize("omega", [-400.0, 0.0, 150.0])
 def test_voltage_is_turned_to_the_middle_of_its_hold(c: Call, motor: Motor, omega: float) -> None:
     """theta + 1.5 omega T_s: one period of computation and half of the hold."""
-    p, x = params(motor), np.zeros(1, dtype=STATE)
+    p, x = params(motor), rest()
     p["k_fw"] = 0.0
     x["u_int"]["d"] = 20.0
     x["i_int"] = p["k_p_speed"] * (1.0 - p["weight_ref"]) * omega
@@ -124,7 +131,7 @@ class Bench:
 
     def __init__(self, c: Call, motor: Motor, p: Array, omega: float) -> None:
         self.c, self.motor, self.p, self.omega = c, motor, p, omega
-        self.x = np.zeros(1, dtype=STATE)
+        self.x = rest()
         self.L = (float(p["L_d"][0]), float(p["L_q"][0]))
         self.i, self.theta, self.wait = 0j, 0.0, 0j
 
@@ -204,7 +211,7 @@ def test_field_weakening_holds_the_voltage(c: Call, motor: Motor) -> None:
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_reference_limits(c: Call, motor: Motor, sign: float) -> None:
     """The torque current rises by its slew and stays within the current limit with i_d."""
-    p, x = params(motor), np.zeros(1, dtype=STATE)
+    p, x = params(motor), rest()
     p["k_fw"] = 0.0
     last = 0.0
     for k in range(400):
@@ -224,17 +231,17 @@ def test_reference_limits(c: Call, motor: Motor, sign: float) -> None:
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_torque_current_waits_for_voltage(c: Call, motor: Motor, sign: float) -> None:
     """Short of voltage |i_q| does not rise and the speed integrator rests; it may still fall."""
-    p, x = params(motor), np.zeros(1, dtype=STATE)
+    p, x = params(motor), rest()
     p["k_fw"] = 0.0
     x["i_ref"]["q"] = x["i_int"] = 2.0 * sign
     x["u_abs"], x["u_max"] = 200.0, 199.0
     for _ in range(3000):
         step(c, motor, p, x, 0j, omega_ref=sign * 100.0, u_dc=60.0, reserve=0.0)
         assert abs(float(x["i_ref"]["q"][0])) <= 2.0
-    rest = float(x["i_int"][0])
-    assert abs(rest) < 50.0
+    before = float(x["i_int"][0])
+    assert abs(before) < 50.0
     step(c, motor, p, x, 0j, omega_ref=sign * 100.0, u_dc=60.0, reserve=0.0)
-    assert float(x["i_int"][0]) == pytest.approx(rest, abs=1e-3)
+    assert float(x["i_int"][0]) == pytest.approx(before, abs=1e-3)
     step(c, motor, p, x, 0j, omega_ref=-sign * 1e3, u_dc=60.0, reserve=0.0)
     for _ in range(300):
         step(c, motor, p, x, 0j, omega_ref=-sign * 1e3, u_dc=60.0, reserve=0.0)
@@ -243,7 +250,7 @@ def test_torque_current_waits_for_voltage(c: Call, motor: Motor, sign: float) ->
 
 def test_speed_control_does_not_wind_up(c: Call, motor: Motor) -> None:
     """Two seconds at the current limit leave a bounded integrator and a small overshoot."""
-    p, x = params(motor), np.zeros(1, dtype=STATE)
+    p, x = params(motor), rest()
     p["k_fw"] = 0.0
     k_t = 1.5 * motor.n_p**2 * motor.psi_f
     for _ in range(10_000):
@@ -260,7 +267,7 @@ def test_speed_control_does_not_wind_up(c: Call, motor: Motor) -> None:
 
 def test_speed_step_without_limits_does_not_overshoot(c: Call, motor: Motor) -> None:
     """The IP form follows a critically damped second order: 2 % within 5.9 / w, no overshoot."""
-    p, x = params(motor, i_q_slew=1e6, mtpa=False), np.zeros(1, dtype=STATE)
+    p, x = params(motor, i_q_slew=1e6, mtpa=False), rest()
     k_t, speed = 1.5 * motor.n_p**2 * motor.psi_f, []
     omega, hertz = 0.0, derive(motor, DESIGN).speed_hz
     for _ in range(int(1.5 / motor.T_s)):

@@ -1,5 +1,7 @@
 """The drive where its DC link ends: loads and references beyond rated speed."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -55,3 +57,64 @@ def test_a_reference_beyond_what_the_voltage_allows(name: str, share: float, loa
         ends.append(run["omega_m"][-1] * motor.n_p / motor.omega_rated)
     assert ends[0] == pytest.approx(ends[1], abs=0.01)
     assert ends[0] < share - 0.1
+
+
+SMALL = """
+name = "small"
+description = "100 W at 4000 r/min, much resistance, linear: made up"
+[machine]
+n_p = 7
+R_s = 0.12
+L_d = 6e-5
+L_q = 9e-5
+psi_f = 0.0032636
+J = 2.5e-5
+B = 5.7e-6
+[rating]
+tau_rated = 0.23873
+i_rated = 7.3539
+n_rated_rpm = 4000.0
+u_dc = 24.0
+[drive]
+T_s = 5e-5
+u_inj = 0.55
+i_max = 11.031
+i_trip = 22.062
+dead_time = 5e-7
+adc_range = 14.708
+adc_bits = 12
+"""
+
+
+@pytest.mark.parametrize("load", [-0.1, -0.3])
+def test_braking_from_beyond_rated_speed_ends_at_rest(tmp_path: Path, load: float) -> None:
+    """Where resistance takes much of the voltage, a generator's torque current lowers the voltage.
+
+    A drive that lets it give way as it does a motor's stays up there for as long as a load of a
+    tenth drives the shaft, whatever the reference.
+    """
+    path = tmp_path / "small.toml"
+    path.write_text(SMALL, encoding="utf-8")
+    motor = Motor.load(path)
+    plan = plan_from("0:8000,1.1:0", f"0:0,0.8:{load * motor.tau_rated}", 13333.0, 3.0, motor, 1)
+    run = trace(make_policy("eq25", motor), plan, motor, DriveDesign())
+    assert not run["lost"].any()
+    assert abs(run["omega_m"][-1]) < 0.01 * motor.omega_m_rated
+
+
+@pytest.mark.parametrize("load", [-0.1, 0.0, 0.1])
+@pytest.mark.parametrize("share", [1.7, 2.0])
+def test_a_step_down_from_far_beyond_rated_speed(share: float, load: float) -> None:
+    """A reluctance machine brakes from there without running into its current limit.
+
+    Short of voltage the flux falls behind the rotor, the d current runs away beyond its reference
+    and with it the generator's torque, unless its torque current gives way.
+    """
+    motor = Motor.load("pmsyrm_5600w")
+    n = motor.n_rated_rpm
+    plan = plan_from(
+        f"0:{share * n},1.1:{0.5 * n}", f"0:{load * motor.tau_rated}", None, 2.2, motor, 1
+    )
+    run = trace(make_policy("eq25", motor), plan, motor, DriveDesign())
+    assert not run["lost"].any() and not run["alarm"].any()
+    assert run["omega_m"][-1] == pytest.approx(0.5 * motor.omega_m_rated, rel=0.01)
