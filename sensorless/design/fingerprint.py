@@ -12,10 +12,12 @@ from sensorless.machine.motor import Motor
 
 OBSERVER = {"smo": "smo", "unwrapped": "smo", "errors": "smo", "flux": "flux", "coupled": "coupled"}
 """Part of ``drive_params_t`` that an estimator reads, by ``DriveDesign.estimator``."""
-LATER = {"control.by_reference"} | {
+LATER = {"control.by_reference", "control.i_q_brake"} | {
     f"coupled.{name}" for name in ("brake", "brake_least", "idle", "inv_i_idle")
 }
 """Numbers that were added later and change nothing where they are 0: there they do not count."""
+DAMAGE = {"control.i_int_max"}
+"""Bounds that only a damaged state passes."""
 DIGITS = 4
 """Of the numbers that count: other computers round the last ones otherwise."""
 
@@ -39,7 +41,7 @@ def fingerprint(motor: Motor, design: DriveDesign) -> dict[str, str]:
 
 def _lines(record: Array, path: str) -> Iterator[str]:
     names = record.dtype.names
-    if path in LATER and not record.any():
+    if path in DAMAGE or (path in LATER and not record.any()):
         return
     if names is None:
         yield f"{path} " + " ".join(f"{x:.{DIGITS}g}" for x in np.ravel(record))
