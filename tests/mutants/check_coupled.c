@@ -155,6 +155,10 @@ static void rates(int j) {
     coupled_state_t x = {0};
     float k_s = j % 5 ? draw_f(0, 1) * (float)(j % 2) : 0.0f, emf = draw_f(0, 250);
     float i_q = draw_f(-5, 5), w = draw_f(-240, 240);
+    coupled_correct(&p, &x, 1.0f);
+    check("rates: all", x.gain_0 == 2.0f * p.gain_0 && x.gain_w == 2.0f * p.gain_w);
+    coupled_rates(&p, &x, k_s, emf, i_q, w, 0);
+    check("rates: as they were", x.gain_0 == 2.0f * p.gain_0 && x.gain_w == 2.0f * p.gain_w);
     coupled_rates(&p, &x, k_s, emf, i_q, w, 1);
     double a = fabs((double)w), against = (w < 0.0f ? 1.0 : -1.0) * (double)i_q;
     double rate = (double)p.gain_0 + (double)p.gain_w * a;
