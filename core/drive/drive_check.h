@@ -49,17 +49,18 @@ CORE_INLINE int drive_seek_sound(const drive_state_t *x) {
            abs_f(from) <= CHECK_LIMIT;
 }
 
-/* Whether both estimators' angles and the weight are such as a drive computes. */
+/* Whether both estimators' angles, the weight and the torque current's sign are such as a drive
+ * computes. */
 CORE_INLINE int drive_angles_sound(const drive_state_t *x) {
     float angles = abs_f(x->hfi.pll.theta) + abs_f(x->emf.pll.theta);
-    return angles <= 4.0f * PI_F && bits_of(x->k_s) <= BITS_OF_ONE;
+    return angles <= 4.0f * PI_F && bits_of(x->k_s) <= BITS_OF_ONE &&
+           abs_f(x->coupled.drift.sign) <= 1.0f;
 }
 
-/* Whether the shares of what was learned are, and the integrator of the speed control. */
-CORE_INLINE int drive_learned_sound(const drive_params_t *p, const drive_state_t *x) {
-    const drift_state_t *d = &x->coupled.drift;
-    return abs_f(x->control.i_int) <= p->control.i_int_max && bits_of(d->trust) <= BITS_OF_ONE &&
-           abs_f(d->sign) <= 1.0f;
+/* Whether the trust in the flux and the integrator of the speed control are. */
+CORE_INLINE int drive_loops_sound(const drive_params_t *p, const drive_state_t *x) {
+    return abs_f(x->control.i_int) <= p->control.i_int_max &&
+           bits_of(x->coupled.drift.trust) <= BITS_OF_ONE;
 }
 
 #endif

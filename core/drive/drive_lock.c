@@ -28,5 +28,5 @@ ab_t drive_lock(const drive_params_t *p, drive_state_t *x, ab_t u) {
     if (drive_acts(p, x)) {
         drive_act(p, x);
     }
-    return drive_unless(drive_learned_sound(p, x), &p->guard, u);
+    return drive_unless(drive_loops_sound(p, x), &p->guard, u);
 }

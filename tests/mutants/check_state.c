@@ -11,7 +11,7 @@ static drive_state_t idle_drive(const drive_params_t *p) {
 
 static int finite_u(ab_t u) { return isfinite(u.a) && isfinite(u.b); }
 
-/* Angles of both estimators within two turns together, the weight within [0, 1]. */
+/* Angles of both estimators within two turns together, weight and sign within 1. */
 static void state_angles(void) {
     const drive_params_t *p = &PARAMS[4];
     const struct {
@@ -31,11 +31,15 @@ static void state_angles(void) {
         ab_t u = {1.0f, -2.0f}, v = drive_lock(p, &x, u);
         check("angles: passed on", (v.a == 1.0f && v.b == -2.0f) == cases[j].sound);
         check("angles: refused", drive_sound(&p->guard, &x, v) == 0 || cases[j].sound);
+        for (int k = 0; k < 4 && cases[j].sound; k++) {
+            x.coupled.drift.sign = (k < 2 ? 1.0f : -1.0f) * (k % 2 ? 1.0f : 1.0001f);
+            check("sign", drive_angles_sound(&x) == k % 2);
+        }
     }
 }
 
-/* The speed integrator within its invariant set, shares within 1. */
-static void state_learned(void) {
+/* The speed integrator within its invariant set, trust within 1. */
+static void state_loops(void) {
     for (int j = 0; j < 400; j++) {
         drive_params_t p = PARAMS[4];
         p.lock.action = LOCK_REPORT;
@@ -44,17 +48,14 @@ static void state_learned(void) {
         drive_state_t x = idle_drive(&p);
         int good = j % 2;
         x.control.i_int = (float)((j % 4 < 2 ? 1 : -1) * most * (good ? 0.9999 : 1.0001));
-        check("integrator", drive_learned_sound(&p, &x) == good);
+        check("integrator", drive_loops_sound(&p, &x) == good);
         x.lock.wait = 0;
         ab_t u = {1.0f, -2.0f}, v = drive_lock(&p, &x, u);
         check("integrator: passed on", (v.a == 1.0f && v.b == -2.0f) == good);
         check("integrator: refused", drive_sound(&p.guard, &x, v) == 0 || good);
         x.control.i_int = 0.0f;
-        x.coupled.drift.sign = (j % 4 < 2 ? 1.0f : -1.0f) * (good ? 1.0f : 1.0001f);
-        check("sign", drive_learned_sound(&p, &x) == good);
-        x.coupled.drift.sign = 0.0f;
         x.coupled.drift.trust = good ? (j % 4 < 2 ? 0.0f : 1.0f) : (j % 4 < 2 ? -0.01f : 1.01f);
-        check("trust", drive_learned_sound(&p, &x) == good);
+        check("trust", drive_loops_sound(&p, &x) == good);
     }
 }
 
@@ -124,7 +125,7 @@ static void state_sound(void) {
 
 void check_state(void) {
     state_angles();
-    state_learned();
+    state_loops();
     state_seeks();
     state_sound();
 }
