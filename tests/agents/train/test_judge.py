@@ -7,7 +7,7 @@ import pytest
 
 from sensorless.agents.loading import TABLE, VERDICT
 from sensorless.agents.train.judge import judge
-from sensorless.agents.train.run_folder import PROGRESS
+from sensorless.agents.train.run_folder import START
 from sensorless.baselines.linear import linear_table
 from sensorless.table.ks_table import KsTable
 from tests.helpers.command import run
@@ -28,16 +28,32 @@ def test_a_run_ends_with_its_verdict(tmp_path: Path) -> None:
     assert last == f"verdict: {text}"
     assert json.loads((folder / VERDICT).read_text())["verdict"] == text
 
-    rows = (folder / PROGRESS).read_text().splitlines()
-    longer = ",".join(["641", *rows[-1].split(",")[1:]])
-    (folder / PROGRESS).write_text("\n".join([*rows, longer]) + "\n")
-    assert "all 3 validations are equal" in judge(folder) and "start a new run" in judge(folder)
-    (folder / PROGRESS).write_text("\n".join([*rows, rows[-1].replace("0.", "1.")]) + "\n")
-    assert "none of 3 validations was better" in judge(folder)
-
     known = KsTable.load(folder / TABLE).provenance
     linear_table(0.6, 0.9).save(folder / TABLE, known)
     sentence = judge(folder)
     assert "its start, eq25: objective" in sentence and "8 scenarios of stress-1" in sentence
     found = json.loads((folder / VERDICT).read_text())
     assert found["verdict"] == sentence and found["scenarios"] == 8
+
+
+@pytest.mark.usefixtures("brief")
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["--lr-nodes", "1e-6"], "the run never moved: in 1600 decisions no weight changed"),
+        (["--lr-nodes", "1e-2"], "the run never moved k_s: its weights changed by up to"),
+        (["--lr-nodes", "1", "--lr-end", "1", "--margin", "0"], "its start, eq25: "),
+    ],
+)
+def test_whether_a_run_moved_is_told_by_its_weights(
+    tmp_path: Path, given: list[str], said: str
+) -> None:
+    longer = ["--steps", "1600", "--n-steps", "100", "--warm-up", "0"]
+    done = run("train", "--name", "slow", *TINY, *longer, *given, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert said in done.stdout.splitlines()[-1]
+    folder = tmp_path / "runs/slow"
+    if "never" not in said:
+        start = KsTable.load(folder / START)
+        start.save(folder / TABLE, KsTable.load(folder / TABLE).provenance)
+        assert "the run moved k_s by up to" in judge(folder) and "none of 2 " in judge(folder)
