@@ -37,6 +37,8 @@ from sensorless.versions import versions
 
 ROOT = Path(__file__).parents[1]
 CSV, PAGE = ROOT / "results" / "leaderboard.csv", ROOT / "docs" / "leaderboard.md"
+FORM = ROOT / "docs" / "site" / "leaderboard.md"
+"""The page without its tables."""
 EACH = ROOT / "results" / "leaderboard.npz"
 STEP, LOST = 1e-4, 65535
 """Unit of ``EACH``, over rated torque; its largest number stands for a scenario not survived."""
@@ -53,34 +55,14 @@ COLUMNS = (
 )
 """Metric, heading, factor and decimals."""
 FIRST = FROZEN[0].suite
-TEXT = """# Leaderboard
-
-Every row is a policy on the same scenarios of the machine `paper`; none of them was used to tune,
-train or select. A policy brings its estimator, so compare within a table, and in pairs: neighbours
-are often not different. `python studies/leaderboard.py --pair reference linear-coupled-tuned`
-compares two on `stress-1`, scenario by scenario, without a run; `sensorless evaluate --details`
-does on any suite. *Lost* has its exact 95 %
-interval (Clopper and Pearson); other columns are means over the scenarios survived, ± half the 95 %
-bootstrap interval. The order is that of the objective of training and tuning, 10 lost rate + mean
-torque deviation + mean torque ripple. *Headroom*: how far a policy comes from Eq. 25 to
-[the best k_s(t) found](judge-a-schedule.md#how-far-k_s-alone-can-go) for each scenario, with the
-95 % interval. [Suites](suites.md) has the other terms.
-
-{tables}
-## Enter a policy of your own
-
-`--policy MODULE:NAME` takes a Python class or function of the motor; it needs `act(obs)`, from the
-signals that firmware knows to weights between 0 and 1 (`examples/own_rule.py`,
-`examples/own_policy.py`). The file of `sensorless tune` and the folder of `sensorless train` enter
-as well.
-
-    python studies/leaderboard.py --policy examples.own_rule:MoreUnderLoad
-
-judges it on all suites, in about a minute, and puts its rows into `results/leaderboard.csv` and on
-this page. The scenarios are frozen: suite, seed and size give them, and a digest over all their
-numbers holds them (`envs/scenarios/frozen.py`; a test compares). `make reference` judges everything
-that ships anew.
-"""
+TITLES = {
+    "coupled": "The default drive: coupled observer",
+    "flux": "Flux observer",
+    "smo": "The paper's sliding-mode observer",
+    "errors": "Injection and sliding-mode observer in one loop",
+    "": "Position sensor: the bound",
+}
+"""What a table is headed by, by estimator."""
 
 Row = Mapping[str, str]
 Short = NDArray[np.uint16]
@@ -206,16 +188,17 @@ def page(rows: Sequence[Row]) -> str:
     for estimator in (*groups, ""):
         some = [row for row in first if row["estimator"] == estimator]
         if some:
-            title = f"Estimator `{estimator}`" if estimator else "Position sensor: the bound"
-            about = f"`{FIRST}`, seed {SEED}, {FROZEN[0].size} scenarios:"
+            setting = f"`--set estimator={estimator}`, " if estimator else ""
+            about = f"{setting}`{FIRST}`, seed {SEED}, {FROZEN[0].size} scenarios:"
+            title = TITLES.get(estimator, f"Estimator `{estimator}`")
             parts.append(f"## {title}\n\n{about}\n\n{_table(heads, some, _cells)}")
     by_key = {(row["suite"], row["policy"]): row for row in rows}
     heads = ("policy", "estimator", *(f"`{f.suite}`, of {f.size}" for f in FROZEN))
     parts.append(
-        "## Lost by suite\n\nLost scenarios, and below the mean torque deviation of the others "
-        f"[%]:\n\n{_table(heads, first, lambda row: _suites(row, by_key))}"
+        "## Lost by suite\n\nScenarios lost; below, the mean torque deviation of the others [%]:"
+        f"\n\n{_table(heads, first, lambda row: _suites(row, by_key))}"
     )
-    return TEXT.format(tables="\n".join(parts))
+    return FORM.read_text(encoding="utf-8").format(tables="\n".join(parts))
 
 
 def _table(heads: Sequence[str], rows: Sequence[Row], cells: Callable[[Row], list[str]]) -> str:
@@ -232,7 +215,7 @@ def _label(row: Row) -> str:
 def _cells(row: Row) -> list[str]:
     low, high = (f"{100.0 * float(row[key]):.2f}" for key in ("lost_low", "lost_high"))
     out = [_label(row), f"{100.0 * float(row['objective']):.2f}"]
-    out += [f"{row['lost']} of {row['feasible']} ({low}–{high} %)", row["not_held"]]
+    out += [f"{row['lost']} of {row['feasible']}<br>({low}–{high} %)", row["not_held"]]
     for name, _, factor, decimals in COLUMNS:
         value, low_, high_ = (factor * float(row[name + end]) for end in ("", "_low", "_high"))
         out.append(

@@ -50,6 +50,10 @@ OPEN = f'<a class="md-button" href="{PLAY}">Open the playground</a>\n\n'
 LINK = re.compile(r"(?<=\])\(([^)\s:]+)\)")
 FENCE = re.compile(r"^ *```.*?^ *```", re.DOTALL | re.MULTILINE)
 CODE_IN_LIST = re.compile(r"(?<=\n\n) {6}(?=\S)")
+NUMBER = re.compile(r"<td>(?=[−+-]?\d(?:[^<]|<br ?/?>){0,40}</td>)")
+"""Opens a cell of a table that is a number with what belongs to it."""
+WIDE = ("leaderboard.md", "results/reference.md", "results/flux.md")
+"""Pages whose tables take the room of the table of contents."""
 LIST_AFTER_TEXT = re.compile(r"^((?![-*] |\d+\. |\s|\||#)\S.*)\n((?:[-*]|1\.) )", re.MULTILINE)
 
 
@@ -65,6 +69,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Turn links within the repository into links within the site."""
     here = page.file.src_uri
+    if here in WIDE:
+        page.meta["hide"] = ["toc"]
     if here == "playground.md" and PLAYGROUND.is_file():
         markdown = markdown.replace("## What it shows", f"{OPEN}## What it shows", 1)
     source = HOME.get(here, f"docs/{here}")
@@ -73,6 +79,11 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         parts += [_prose(markdown[end : fence.start()], here, source), fence.group()]
         end = fence.end()
     return "".join([*parts, _prose(markdown[end:], here, source)])
+
+
+def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Keep numbers of tables on one line, with their interval."""
+    return NUMBER.sub('<td class="number">', html)
 
 
 def on_post_build(config: MkDocsConfig) -> None:
