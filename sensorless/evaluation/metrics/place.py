@@ -83,11 +83,12 @@ def _sums(r: Rollout, place: Places, places: int) -> Array:
         "dev_sq": r.sums["dev_sq"] / rated_sq,
         "ripple_sq": ripple_sq(r, "tau_sq") / rated_sq,
     }
-    out = np.zeros((len(r.lost), places), dtype=PLACE)
-    for j in range(places):
-        inside = r.alive & (place == j)
-        for name, x in parts.items():
-            out[name][:, j] = np.where(inside, x, 0.0).sum(axis=0, dtype=np.float64)
+    n = len(r.lost)
+    out = np.zeros((n, places), dtype=PLACE)
+    bins = (np.where(r.alive, place, places) + (places + 1) * np.arange(n)).ravel()
+    for name, x in parts.items():  # a sum in the order of time, those after the end set aside
+        found = np.bincount(bins, x.ravel(), n * (places + 1)).reshape(n, places + 1)
+        out[name] = found[:, :places]
     rows = np.flatnonzero((r.lost != 0) & r.feasible & r.alive.any(axis=0))
     last = r.alive[:, rows].sum(axis=0) - 1
     out["lost"][rows, place[last, rows]] = True

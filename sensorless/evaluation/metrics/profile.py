@@ -20,8 +20,10 @@ def reference(r: Rollout) -> Floats:
     at_start = reference_at_starts(r)
     out = np.zeros((len(t), len(s)))
     for j in range(s.t.shape[1]):
-        moved = _moved(at_start[:, j], s.omega[:, j], s.omega_rate[:, j], t - s.t[:, j])
-        out = np.where(t >= s.t[:, j], moved, out)
+        some = _while(r, t[:, 0], j)
+        time = t[some] - s.t[:, j]
+        moved = _moved(at_start[:, j], s.omega[:, j], s.omega_rate[:, j], time)
+        np.copyto(out[some], moved, where=time >= 0.0)
     r.kept["omega_m_ref"] = out
     return out
 
@@ -54,9 +56,7 @@ def since_change(r: Rollout) -> Floats:
     out = np.zeros((len(t), n))
     last = np.zeros(n)
     for j in range(segments):
-        row = np.searchsorted(t[:, 0], s.t[:, j].min())  # the others are before the segment
-        stop = np.searchsorted(t[:, 0], begins[:, j].max())  # or after it
-        some = slice(row, stop)
+        some = _while(r, t[:, 0], j)
         np.subtract(t[some], np.fmax(last, end[:, j]), out=out[some], where=t[some] >= s.t[:, j])
         last = np.fmax(last, np.fmin(end[:, j], begins[:, j]))
     starting = r.sums["starting"] > 0.0
@@ -65,6 +65,13 @@ def since_change(r: Rollout) -> Floats:
         out = np.minimum(out, np.where(begun > 0.0, t - begun, np.inf))
     r.kept["since_change"] = out
     return out
+
+
+def _while(r: Rollout, t: Floats, j: int) -> slice:
+    """Decisions at times ``t`` in which segment j of any scenario runs: later ones overrule it."""
+    begin, after = r.scenarios.t[:, j], r.scenarios.t[:, j + 1 : j + 2]
+    stop = after.max(initial=0.0) if after.size else np.inf
+    return slice(np.searchsorted(t, begin.min(initial=np.inf)), np.searchsorted(t, stop))
 
 
 def _moved(x: Floats, target: Floats, rate: Floats, time: Floats) -> Floats:

@@ -47,7 +47,8 @@ def torque_ripple_window(r: Rollout) -> Floats:
     hand-over window; NaN for a drive that never was in it.
     """
     deviation = r.sums["tau"].astype(np.float64) - r.sums["tau_twin"]
-    return _rms(r, _about_mean(r, deviation, r.sums["dev_lf_sq"]), in_handover(r))
+    about = _about(r, deviation, r.sums["dev_lf_sq"], _moving_mean(r, deviation))
+    return _rms(r, about, in_handover(r))
 
 
 def torque_p2p_window(r: Rollout) -> Floats:
@@ -89,21 +90,44 @@ def ripple_sq(r: Rollout, square: str) -> Floats:
     As in ``torque_ripple_rms``; ``square`` names the sum Q, ``tau_sq`` or ``tau_lf_sq``. Rounding
     may leave a single decision below zero.
     """
-    return _about_mean(r, np.asarray(r.sums["tau"], dtype=np.float64), r.sums[square])
+    key = f"ripple of {square}"
+    if key not in r.kept:
+        total = np.asarray(r.sums["tau"], dtype=np.float64)
+        if "moving mean" not in r.kept:
+            r.kept["moving mean"] = _moving_mean(r, total)
+        r.kept[key] = _about(r, total, r.sums[square], r.kept["moving mean"])
+    return r.kept[key]
 
 
-def _about_mean(r: Rollout, total: Floats, square: Floats) -> Floats:
-    """(d, n) sum of (x - x_mean)^2 of each decision, from its sums of x and of x^2."""
-    h = _half_window(r)
-    weights = np.ones(2 * h + 1)
-    weights[[0, -1]] = 0.5
-    count = np.asarray(r.sums["n"], dtype=np.float64)
+def _moving_mean(r: Rollout, total: Floats) -> Floats:
+    """(d, n) moving mean of x over the ripple window, from its sum in each decision."""
     if not len(total):
         return np.zeros(total.shape)
-    mean = convolve1d(total, weights, axis=0, mode="constant")
-    mean /= np.maximum(convolve1d(count, weights, axis=0, mode="constant"), 0.5)
+    if "window periods" not in r.kept:
+        count = np.asarray(r.sums["n"], dtype=np.float64)
+        r.kept["window periods"] = np.maximum(_windowed(r, count), 0.5)
+    mean = _windowed(r, total)
+    mean /= r.kept["window periods"]
+    return mean
+
+
+def _windowed(r: Rollout, x: Floats) -> Floats:
+    """(d, n) sum of x over the ripple window around each decision."""
+    weights = np.ones(2 * _half_window(r) + 1)
+    weights[[0, -1]] = 0.5
+    return np.asarray(convolve1d(x, weights, axis=0, mode="constant"))
+
+
+def _about(r: Rollout, total: Floats, square: Floats, mean: Floats) -> Floats:
+    """(d, n) sum of (x - mean)^2 of each decision, from its sums of x and of x^2."""
     with np.errstate(over="ignore", invalid="ignore"):  # of a run that left all bounds
-        return np.asarray(square - 2.0 * mean * total + count * mean**2)
+        out = 2.0 * mean
+        out *= total
+        np.subtract(square, out, out=out)
+        about = mean**2
+        about *= r.sums["n"]
+        out += about
+    return out
 
 
 def _rms(r: Rollout, squares: Floats, where: NDArray[np.bool_]) -> Floats:
