@@ -92,7 +92,7 @@ def bring_up_command(
             console.print(line, highlight=False)
         if as_json:
             say_json({"faults": list(found.faults), "said": verdict(found), "limits": limits})
-        if found.faults:
+        if found.faults or found.other_pulses:
             raise typer.Exit(1)
         return
     table = Table(title=f"{machine.name}: {size} drives with the errors of the suite stress")

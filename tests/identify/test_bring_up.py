@@ -1,5 +1,6 @@
 """The check of the installation on simulated drives, and the command that reads its result."""
 
+import itertools
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -9,10 +10,17 @@ import pytest
 
 from sensorless.core.bring_up import FAULTS, WIRINGS
 from sensorless.errors import UserError
-from sensorless.identify.bring_up.check import check, check_log, drives_at_rest, write_log
+from sensorless.identify.bring_up.check import (
+    check,
+    check_log,
+    drives_at_rest,
+    params_of,
+    write_log,
+)
 from sensorless.identify.bring_up.mistakes import MISTAKES
+from sensorless.identify.bring_up.pulses import shows_others
 from sensorless.identify.bring_up.survey import count_pole_pairs, survey, turning_drive
-from sensorless.identify.bring_up.words import CURE, FAR, WIRING, verdict
+from sensorless.identify.bring_up.words import CURE, FAR, OTHERS, WIRING, verdict
 from sensorless.machine.motor import MOTORS, Motor, Saturation
 from sensorless.observers.bring_up_design import plan_bring_up
 from tests.helpers.command import run
@@ -86,8 +94,58 @@ def test_a_log_of_another_motor_gives_no_impossible_numbers(motor: Motor, tmp_pa
     write_log(check(other, drives_at_rest(other, SEEDS[:1]))[1], tmp_path / "log.csv")
     found = check_log(motor, tmp_path / "log.csv")
     assert "scale" in found.faults and abs(found.lost) > FAR
-    text = " ".join(verdict(found))
+    assert found.other_pulses
+    text = " ".join(verdict(replace(found, other_pulses=False)))
     assert "is --motor the file of the export?" in text and "ohm" not in text
+
+
+@pytest.mark.parametrize(("name", "other"), [("paper", "ebike_hub"), ("ebike_hub", "paper")])
+def test_a_log_of_other_pulses_is_told(name: str, other: str, tmp_path: Path) -> None:
+    motor, path = Motor.load(name), tmp_path / "log.csv"
+    rows = check(motor, drives_at_rest(motor, SEEDS[:1]))[1]
+    write_log(rows, path)
+    found = check_log(Motor.load(other), path)
+    assert found.other_pulses and verdict(found) == [OTHERS]
+    assert check_log(motor, path).faults == ()
+    done = run("identify", "bring-up", "--motor", other, "--log", str(path), cwd=tmp_path)
+    assert done.returncode == 1 and "not a log of this check" in done.stdout
+
+
+def test_between_which_shipped_motors_logs_are_told_apart() -> None:
+    """As docs/bring-up.md counts them."""
+    motors = [Motor.load(path.stem) for path in sorted(MOTORS.glob("*.toml"))]
+    logs = {m.name: check(m, drives_at_rest(m, SEEDS[:1]))[1] for m in motors}
+    alike = {
+        (name, other.name)
+        for name, rows in logs.items()
+        for other in motors
+        if other.name != name and not shows_others(params_of(other), rows[:, 0], rows[:, 1])
+    }
+    assert alike == {
+        ("brusa_hsm1", "ipmsm_2200w"),
+        ("ipmsm_2200w", "brusa_hsm1"),
+        ("pmsyrm_5600w", "brusa_hsm1"),
+        ("pmsyrm_5600w", "ipmsm_2200w"),
+    }
+
+
+def test_a_log_that_begins_late_is_told(motor: Motor, tmp_path: Path) -> None:
+    rows = check(motor, drives_at_rest(motor, SEEDS[:1]))[1]
+    write_log(np.concatenate([rows[5:], rows[:8]]), tmp_path / "log.csv")
+    assert verdict(check_log(motor, tmp_path / "log.csv")) == [OTHERS]
+
+
+@pytest.mark.parametrize("name", ["paper", "formula_wheel", "pmsrm_15kw", "pmsyrm_5600w"])
+def test_no_mistake_makes_a_log_look_like_another_motors(name: str) -> None:
+    """Also where the log goes on at rest after the check has ended early."""
+    motor = Motor.load(name)
+    params, drives = params_of(motor), drives_at_rest(motor, SEEDS[:2])
+    for j, mistake in itertools.product(range(len(drives)), MISTAKES.values()):
+        i_a, i_b = check(motor, drives[j : j + 1], mistake)[1][:, :2].T
+        assert not shows_others(params, i_a, i_b)
+        rest = np.arange(1500) % 8
+        longer = [np.concatenate([x, x[rest]]) for x in (i_a, i_b)]
+        assert not shows_others(params, *longer)
 
 
 def test_there_are_words_for_everything() -> None:

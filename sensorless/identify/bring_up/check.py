@@ -1,7 +1,7 @@
 """Runs the check and reads its result."""
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,7 @@ from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.errors import UserError
 from sensorless.files import reason, write_atomic
 from sensorless.identify.bring_up.mistakes import RIGHT, Mistake
+from sensorless.identify.bring_up.pulses import shows_others
 from sensorless.machine.motor import Motor
 from sensorless.observers.bring_up_design import KNEE
 
@@ -38,14 +39,16 @@ class Found:
     """voltage lost by dead time over what the motor file says; 1: not judged"""
     R_s: float
     """[ohm]; 0: not measured"""
+    other_pulses: bool = False
+    """a log has pulses, but not when this motor's check makes them"""
 
     @classmethod
     def of(cls, state: Array) -> "Found":
         """Read the core's record."""
         bits = int(state["fault"])
         faults = tuple(name for name, bit in FAULTS.items() if bits & bit)
-        numbers = (float(state[name]) for name in ("delay", "scale", "lost", "R_s"))
-        return cls(faults, WIRINGS[int(state["wiring"])], *numbers)
+        delay, scale, lost, R_s = (float(state[name]) for name in ("delay", "scale", "lost", "R_s"))
+        return cls(faults, WIRINGS[int(state["wiring"])], delay, scale, lost, R_s)
 
 
 def params_of(motor: Motor) -> Array:
@@ -108,11 +111,12 @@ def check_log(motor: Motor, path: Path) -> Found:
         ) from None
     if not (np.isfinite(i_a).all() and np.isfinite(i_b).all()):
         raise UserError(f"log {str(path)!r}: a cell is not a finite number; give currents in A")
-    state, used = bring_up_replay(params_of(motor), i_a, i_b)
+    params = params_of(motor)
+    state, used = bring_up_replay(params, i_a, i_b)
     if int(state["phase"]) != 0:
         raise UserError(
             f"log {str(path)!r}: ends after {used} periods, before the check of motor "
             f"{motor.name!r} does; log every period until bring_up_state_t.phase is BRING_UP_DONE, "
             "and give --motor the file of the export"
         )
-    return Found.of(state)
+    return replace(Found.of(state), other_pulses=shows_others(params, i_a, i_b))

@@ -29,12 +29,22 @@ CURE = {
 }
 """By the names of BRING_UP_FAULT_*."""
 
+OTHERS = (
+    "not a log of this check: it has pulses, but not when the check of this motor makes them; give "
+    "--motor the file of the export that made the log, and every period from the first call of "
+    "bring_up_step on"
+)
 FAR = 10.0
 """Lost voltage over the motor file's beyond which it is none."""
 
 
 def verdict(found: Found) -> list[str]:
-    """Lines for the screen: what was measured, then each fault and its cure."""
+    """Lines for the screen: what was measured, then each fault and its cure.
+
+    Of a log with other pulses nothing else is told: it says nothing about this motor.
+    """
+    if found.other_pulses:
+        return [OTHERS]
     lines = [f"delay {found.delay:.2f} periods (right: 1.00); wiring: {WIRING[found.wiring]}"]
     if found.scale and not abs(found.lost) <= FAR:
         lines.append(
