@@ -108,7 +108,8 @@ def judged(run: QuickRun) -> list[Finding]:
     if run.not_held > 0.0 and run.lost + run.not_held > LOOSE:
         text = "the drive under Eq. 25 keeps its angle, but swings or stays off its speed in "
         text += f"{run.not_held:.0%} of the feasible scenarios of {run.suite}"
-        text += ": less dead time or a slower speed loop, --set speed_hz, may hold it"
+        text += ": smaller offsets of the current sensors, less dead time or a slower speed loop, "
+        text += "--set speed_hz, may hold it"
         found.append(Finding(LIMIT, "run", text))
     return found
 

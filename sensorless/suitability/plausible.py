@@ -19,6 +19,11 @@ BEYOND = 3.0
 """A value this factor outside its usual range is an error, not an unusual machine."""
 BEYOND_J = 100.0
 """The same of the start time, which a flywheel makes long."""
+ROUNDING = 1e-6
+"""Relative difference of a value from its bound that counts as none."""
+MUCH_R_S = 0.2
+"""Voltage of rated current in R_s over the EMF at rated speed from which on a winding that is
+warmer than the file's costs speed and lock."""
 AT_SPEED = ("psi_f", "L_d", "L_q")
 """Numbers whose voltage is that at rated speed."""
 TURN = (20.0, 8.0)
@@ -41,6 +46,7 @@ def plausible(motor: Motor) -> Iterator[Finding]:
         return
     yield from _saturation(motor)
     yield from _correction(motor)
+    yield from _resistance(motor)
     yield from _inverter(motor)
 
 
@@ -146,11 +152,19 @@ def _correction(m: Motor) -> Iterator[Finding]:
     )
 
 
+def _resistance(m: Motor) -> Iterator[Finding]:
+    share = m.R_s * m.i_rated / (m.omega_rated * m.psi_f)
+    if share >= MUCH_R_S:
+        text = f"rated current in R_s = {m.R_s:g} ohm takes {share:.0%} of the EMF at rated speed: "
+        text += "a winding much warmer than that may lose speed and rotor; give the warm motor's"
+        yield Finding(NOTE, "R_s", text)
+
+
 def _inverter(m: Motor) -> Iterator[Finding]:
     turn = 2.0 * math.pi / (m.omega_rated * m.T_s)
-    if turn < TURN[0]:
+    if turn < TURN[0] * (1.0 - ROUNDING):
         weight = NO if turn < TURN[1] else LIMIT
-        text = f"rated speed has {turn:.1f} PWM periods per electrical turn; needed: {TURN[0]:g}"
+        text = f"rated speed has {turn:.4g} PWM periods per electrical turn; needed: {TURN[0]:g}"
         yield Finding(weight, "T_s", text)
     if m.i_max < LEAST_LIMIT * m.i_rated:
         text = f"i_max = {m.i_max:g} A is {m.i_max / m.i_rated:.2g} of i_rated = {m.i_rated:g} A"

@@ -14,7 +14,7 @@ from sensorless.observers.injection_signal import (
     suggested_injection,
 )
 from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
-from sensorless.suitability.plausible import TURN
+from sensorless.suitability.plausible import ROUNDING, TURN
 
 RATIO = (1.3, 1.05)
 """Inductance ratio under load below which errors of the machine's parameters may lose the rotor, or
@@ -25,8 +25,6 @@ CROSS = (25.0, 40.0)
 """Turn of the magnetic axes above which the drive is limited, or unable [deg].
 
 Compensation has to be exact to a fraction of it."""
-ROUNDING = 1e-6
-"""Relative difference of a value from its bound that counts as none."""
 
 
 @dataclass(frozen=True)

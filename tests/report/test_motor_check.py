@@ -20,7 +20,7 @@ from sensorless.suitability.finding import LIMIT, NO
         (0.6, 0.0, 0.0, [NO], "loses 60%"),
         (0.1, 0.0, 0.2, [LIMIT, LIMIT], "fails 20% of unload"),
         (0.0, 0.62, 0.0, [LIMIT], "stays off its speed in 62% of the feasible scenarios of unload"),
-        (0.03, 0.03, 0.0, [LIMIT], "unload: less dead time or a slower speed loop"),
+        (0.03, 0.03, 0.0, [LIMIT], "unload: smaller offsets of the current sensors, less dead"),
         (math.nan, math.nan, 1.0, [NO], "fails all of unload"),
     ],
 )

@@ -183,3 +183,27 @@ def test_the_heaviest_finding_decides() -> None:
 def test_a_flux_map_without_inverse_is_a_verdict_not_an_error() -> None:
     e = examine(replace(LINEAR, saturation=Saturation(a_d0=1e-11, a_q0=1e11, i_f=1.0)), 15.0)
     assert e.verdict.word == "no"
+
+
+def test_twenty_periods_a_turn_are_enough() -> None:
+    """3000 r/min with five pole pairs at 5 kHz are 20, and 19.999... in binary."""
+    few = [
+        [
+            f.text
+            for f in changed(LINEAR, n_p=5, n_rated_rpm=n, T_s=2e-4).findings
+            if f.field == "T_s"
+        ]
+        for n in (3000.0, 3001.0)
+    ]
+    assert few == [[], ["rated speed has 19.99 PWM periods per electrical turn; needed: 20"]]
+
+
+def test_much_resistance_is_noted() -> None:
+    """Voltage of rated current in R_s over the EMF: 8 % of this machine's."""
+    notes = [
+        [f.text for f in changed(LINEAR, R_s=R_s).findings if (f.weight, f.field) == (NOTE, "R_s")]
+        for R_s in (LINEAR.R_s, 3.0 * LINEAR.R_s)
+    ]
+    assert not notes[0]
+    (said,) = notes[1]
+    assert "R_s = 10.8 ohm takes 26% of the EMF at rated speed" in said
