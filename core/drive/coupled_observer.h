@@ -73,8 +73,8 @@ CORE_INLINE void coupled_correct(const coupled_params_t *p, coupled_state_t *x, 
 }
 
 /* How fast the flux is corrected until the next evaluation of lock.h. emf: magnitude of the
- * auxiliary flux's EMF [V]; i_q: torque current [A]; omega: electrical [rad/s]; used: whether the drive
- * runs on this observer; otherwise the rates stay as they are.
+ * auxiliary flux's EMF [V]; i_q: torque current [A]; omega: electrical [rad/s]; used: whether the
+ * drive runs on this observer; otherwise the rates stay as they were.
  * Less in braking: a generator with little voltage has no angle at which a wrong resistance comes
  * to rest, if the flux is corrected faster than that allows. More without torque current, where
  * nobody knows what dead time takes: docs/coupled-observer.md. */

@@ -155,6 +155,7 @@ def design_control(
     alpha = 2.0 * math.pi * current_hz
     L_q = half_load_inductance(motor)
     k_p = 2.0 * w * motor.J / k_t
+    i_d_min = -0.9 * motor.i_max
     return {
         "k_p_speed": k_p,
         "k_i_speed": w * w * motor.J / k_t,
@@ -173,8 +174,8 @@ def design_control(
         "by_reference": reference_share(motor),
         "k_fw": weakening(speed_hz, current_hz) * motor.T_s / (motor.omega_rated * motor.L_d),
         "fw_margin": USABLE,
-        "i_d_min": -0.9 * motor.i_max,
-        "i_q_brake": braking_current(motor, -0.9 * motor.i_max),
+        "i_d_min": i_d_min,
+        "i_q_brake": braking_current(motor, i_d_min),
         "i_int_max": motor.i_max + k_p * (1.01 - speed_weight) * omega_max,
         "u_dt": u_dt,
         "inv_i_dt": 1.0 / (0.05 * motor.i_rated),

@@ -41,9 +41,12 @@ FLOATS = dict(floats(STATE))
 class Drive:
     """A drive on a turning current, as after a start or while it seeks its rotor."""
 
-    def __init__(self, motor: Motor, estimator: str, seek: bool, moment: int) -> None:
+    def __init__(
+        self, motor: Motor, estimator: str, seek: bool, moment: int, weight: float = 0.0
+    ) -> None:
         self.params = np.zeros(1, dtype=CONTROL)
-        self.params[0] = control_record(motor, DriveDesign(estimator=estimator))
+        design = DriveDesign(estimator=estimator, speed_weight=weight)
+        self.params[0] = control_record(motor, design)
         unwatched(self.params)
         self.x, self.signal = np.zeros(1, dtype=STATE), np.zeros(1, dtype=INPUT)
         self.pointers = (
@@ -199,9 +202,8 @@ def test_the_speed_integrator_is_flagged_beyond_what_speed_control_can_make_it(
     """Its bound: the current limit, and what the reference leaves to it at the highest speed."""
     motor = Motor.load(machine)
     for share, flagged in ((1.0, False), (-1.0, False), (1.5, True), (-1.5, True)):
-        drive = Drive(motor, "coupled", False, 4)
+        drive = Drive(motor, "coupled", False, 4, weight)
         p = drive.params["control"]
-        p["weight_ref"] = weight
         omega = drive.params["coupled"]["omega_max"][0]
         assert omega >= drive.params["guard"]["omega"][0]
         most = p["i_max"][0] + p["k_p_speed"][0] * (1.0 - weight) * omega
