@@ -17,10 +17,10 @@ from sensorless.observers.match_design import design_match
 from sensorless.observers.smo_design import low_pass
 from sensorless.observers.tracking import (
     HAND_OVER,
-    LEFT_RESISTANCE,
     flux_noise,
     injection_bandwidth,
     rated_acceleration,
+    resistance_drift,
     tracking,
     voltage_drift,
 )
@@ -99,8 +99,8 @@ def damping(motor: Motor) -> float:
     """
     least, most = DAMPING
     omega = HAND_OVER * motor.omega_rated
-    drift = LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
-    return max(least, min(most, 0.5 * LEAN * omega / drift - standstill_rate(motor) / omega))
+    lean = 0.5 * LEAN * omega / resistance_drift(motor)
+    return max(least, min(most, lean - standstill_rate(motor) / omega))
 
 
 def brake(motor: Motor) -> float:

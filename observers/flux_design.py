@@ -16,16 +16,20 @@ STANDSTILL_SHARE = 0.1
 correction has twice this rate. At the hand-over, a fifth of rated speed, it may be as fast as the
 flux turns: with rate g, a voltage error of share v of the EMF turns the angle by delta with
 sin(delta) = g / omega (1 - cos(delta) + v) + v, which has no solution for large g / omega."""
+LEAST_SHARE = 0.03
+"""The least, over rated electrical speed. Where resistance is that small, its bound leaves errors
+of sensors and L_q next to undamped at low speed, and held braking loses the rotor:
+docs/coupled-observer.md."""
 
 
 def standstill_rate(motor: Motor) -> float:
     """Half the rate of the flux correction at standstill [1/s].
 
-    b = R_s (L_d + L_q) / (2 L_d L_q), the bound of doi 10.1109/TIA.2018.2858753, within
-    ``STANDSTILL_SHARE``.
+    b = R_s (L_d + L_q) / (2 L_d L_q), the bound of doi 10.1109/TIA.2018.2858753, from
+    ``LEAST_SHARE`` to ``STANDSTILL_SHARE``.
     """
     b = 0.5 * motor.R_s * (motor.L_d + motor.L_q) / (motor.L_d * motor.L_q)
-    return min(b, STANDSTILL_SHARE * motor.omega_rated)
+    return max(LEAST_SHARE, min(b / motor.omega_rated, STANDSTILL_SHARE)) * motor.omega_rated
 
 
 def design_flux(

@@ -9,7 +9,7 @@ import numpy as np
 
 from sensorless.machine.magnetics import apparent_q_inductance, flux, mtpa
 from sensorless.machine.motor import Motor
-from sensorless.observers.tracking import HAND_OVER, injection_bandwidth
+from sensorless.observers.tracking import HAND_OVER, bandwidth, voltage_drift
 
 LOW = 0.85
 """The q inductance over the apparent one where nothing asks for more."""
@@ -18,7 +18,7 @@ TURN, BY_TURN, MOST = 0.16, 1.25, 0.95
 more [rad], the rise with it, and the most."""
 HELD = 0.8
 """Lean that injection holds, over its bandwidth as a share of the hand-over's frequency."""
-LEAN, BY_LEAN, RISE = 0.3, 0.5, 0.1
+LEAN, BY_LEAN, RISE = 0.29, 1.5, 0.1
 """Lean beyond that from which the inductance rises, its rise with it, and the most."""
 LEARNED, LESS = 0.09, 0.6
 """Largest error of the inductance that is learned from injection, over the file's unsaturated one,
@@ -38,8 +38,11 @@ def learned_share(motor: Motor) -> float:
 
 
 def rise_by_lean(motor: Motor) -> float:
-    """Rise of the q inductance, from 0 to ``RISE``, where injection does not hold the lean."""
-    held = HELD * injection_bandwidth(motor) / (HAND_OVER * motor.omega_rated)
+    """Rise of the q inductance, from 0 to ``RISE``, where injection does not hold the lean.
+
+    Only a bandwidth for the dead time counts: one that resistance raises holds no more of it.
+    """
+    held = HELD * bandwidth(motor, voltage_drift(motor)) / (HAND_OVER * motor.omega_rated)
     return max(0.0, min(BY_LEAN * (lean(motor) - held - LEAN), RISE))
 
 

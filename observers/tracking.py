@@ -26,6 +26,9 @@ LEFT_DEAD_TIME = 0.75
 compensated by 0.75."""
 LEFT_RESISTANCE = 1.0 / 3.0
 """What is not known of the resistance, over the file's: a cold winding's to a hot one's."""
+CHANGING = 0.5
+"""Share of that by which a rated load turns the flux beside the dead time. With all of it the
+injection's noise swings machines at a steady load that lose nothing: docs/coupled-observer.md."""
 
 HAND_OVER = 0.2
 """Speed at which Eq. 25 leaves injection, over rated."""
@@ -45,6 +48,11 @@ def voltage_drift(motor: Motor) -> float:
     return motor.u_dc * max(motor.dead_time / motor.T_s, LEAST_DEAD_TIME) / motor.psi_f
 
 
+def resistance_drift(motor: Motor) -> float:
+    """Rate at which ``LEFT_RESISTANCE`` at rated current turns the flux [rad/s]."""
+    return LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
+
+
 def flux_noise(motor: Motor) -> float:
     """Noise of the flux angle of a sample [rad]: L_q ``SAMPLE_ERRORS`` of it over psi_f."""
     return motor.L_q * SAMPLE_ERRORS * sample_error(motor) / motor.psi_f
@@ -62,13 +70,21 @@ def injection_noise(motor: Motor) -> float:
 
 
 def injection_bandwidth(motor: Motor) -> float:
+    """W of the injection's double pole [rad/s], for the larger drift of the flux.
+
+    That of the dead time, or ``CHANGING`` of the resistance's.
+    """
+    return bandwidth(motor, max(voltage_drift(motor), CHANGING * resistance_drift(motor)))
+
+
+def bandwidth(motor: Motor, drift: float) -> float:
     """W of the injection's double pole [rad/s]: steady-state Kalman gains, as of ``tracking``.
 
-    A drift of ``voltage_drift`` v changes as often as the acceleration; with ``injection_noise``
+    A drift of v = ``drift`` [rad/s] changes as often as the acceleration; with ``injection_noise``
     sigma, W^2 = v sqrt(CHANGES) / (sigma sqrt(T_s)) / 2.
     """
     often = math.sqrt(CHANGES / motor.T_s)
-    return math.sqrt(0.5 * voltage_drift(motor) * often / injection_noise(motor))
+    return math.sqrt(0.5 * drift * often / injection_noise(motor))
 
 
 def tracking(motor: Motor, noise: float) -> float:

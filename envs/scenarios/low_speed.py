@@ -1,10 +1,10 @@
-"""Load at and near standstill, where injection is alone: ``hold`` and ``crawl``."""
+"""Load at low speed, where injection leads: ``hold``, ``crawl`` and ``braking``."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.envs.counter_random import Draws, Seeds
-from sensorless.envs.scenarios.ranges import any_inertia, by_turns
+from sensorless.envs.scenarios.ranges import add_errors, any_inertia, by_turns
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.machine.motor import Motor
 
@@ -12,6 +12,8 @@ HOLD_SPEEDS = (0.0, 5.0 / 1500.0, -5.0 / 1500.0, 20.0 / 1500.0, -20.0 / 1500.0)
 """Over rated: standstill, 5 and 20 r/min of a machine for 1500."""
 HOLD_TIME = 10.0
 """[s]"""
+BRAKING_SPEEDS = (0.02, 0.3)
+"""Over rated: up to half again the speed at which Eq. 25 ends injection."""
 
 
 def hold_scenarios(motor: Motor, seeds: Seeds, indices: NDArray[np.int64], *_: object) -> Scenarios:
@@ -59,4 +61,27 @@ def crawl_scenarios(
     s.t[:, 1] = 0.2
     s.tau[:, 1:] = (sign * d.uniform(0.25, 1.0) * motor.tau_rated)[:, None]
     s.tau_rate[:] = motor.tau_rated / 0.1
+    return s
+
+
+def braking_scenarios(
+    motor: Motor, seeds: Seeds, indices: NDArray[np.int64], *_: object
+) -> Scenarios:
+    """A load of 50 to 100 % that drives the shaft, held for 2 s at 2 to 30 % of rated speed.
+
+    The drive is a generator with next to no EMF. It starts at that speed, its direction
+    alternating by row; from 0.2 s the load rises within 2 to 300 ms and stays. Parameters, inertia
+    and sensors are off by as much as in ``stress-1``.
+    """
+    d = Draws(seeds)
+    s = Scenarios.nominal(motor, seeds, 2.2)
+    s.detailed[:] = True
+    add_errors(s, d, motor)
+    s.theta_0 = d.uniform(-np.pi, np.pi)
+    way = by_turns(indices)
+    s.omega_0 = way * d.uniform(*BRAKING_SPEEDS) * motor.omega_rated / motor.n_p
+    s.omega[:] = s.omega_0[:, None]
+    s.t[:, 1] = 0.2
+    s.tau[:, 1:] = (-way * d.uniform(0.5, 1.0) * motor.tau_rated)[:, None]
+    s.tau_rate[:] = (motor.tau_rated / np.exp(d.uniform(np.log(0.002), np.log(0.3))))[:, None]
     return s

@@ -55,6 +55,17 @@ def any_inertia(d: Draws) -> Floats:
     return np.asarray(np.exp(d.uniform(*np.log(INERTIA))))
 
 
+def add_errors(s: Scenarios, d: Draws, motor: Motor) -> None:
+    """Draw all in which plant and sensors leave what the controller takes them for."""
+    s.R_s = d.uniform(*R_S)
+    s.L_q_hat = d.uniform(*L_Q_HAT)
+    s.psi_f = d.uniform(*PSI_F)
+    s.J = any_inertia(d)
+    s.cross_hat = d.uniform(*CROSS_HAT)
+    s.dead_time = d.uniform(*DEAD_TIME) * motor.dead_time
+    add_sensor_errors(s, d, motor)
+
+
 def add_sensor_errors(s: Scenarios, d: Draws, motor: Motor) -> None:
     """Draw noise, gains and offsets of the current channels."""
     s.noise = d.uniform(*SENSOR_NOISE) * (motor.i_rated / NOISE_AT)

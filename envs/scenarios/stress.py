@@ -5,24 +5,18 @@ import numpy as np
 from sensorless.design.new_motor import LOW_VOLTAGE
 from sensorless.envs.counter_random import Chosen, Draws, Floats, Seeds
 from sensorless.envs.scenarios.ranges import (
-    CROSS_HAT,
-    DEAD_TIME,
     EMF_5,
     EMF_7,
     IRON,
-    L_Q_HAT,
     MAGNET_SHARE,
-    PSI_F,
     PSI_F_COLD,
-    R_S,
     R_S_COLD,
     RIPPLE,
     SALIENCY_6,
     U_DIODE,
     U_TRANSISTOR,
     WINDING_K,
-    add_sensor_errors,
-    any_inertia,
+    add_errors,
 )
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.machine.motor import Motor
@@ -48,13 +42,7 @@ def stress_1_scenarios(motor: Motor, seeds: Seeds | Chosen) -> Scenarios:
     s = Scenarios.nominal(motor, d.seeds, DURATION)
     omega_rated = motor.omega_m_rated
 
-    s.R_s = d.uniform(*R_S)
-    s.L_q_hat = d.uniform(*L_Q_HAT)
-    s.psi_f = d.uniform(*PSI_F)
-    s.J = any_inertia(d)
-    s.cross_hat = d.uniform(*CROSS_HAT)
-    s.dead_time = d.uniform(*DEAD_TIME) * motor.dead_time
-    add_sensor_errors(s, d, motor)
+    add_errors(s, d, motor)
 
     s.omega_0 = np.where(d.chance(0.5), 0.0, d.uniform(-1.0, 1.0) * omega_rated)
     s.theta_0 = d.uniform(-np.pi, np.pi)

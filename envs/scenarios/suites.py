@@ -18,7 +18,7 @@ from sensorless.envs.scenarios.load_steps import (
     stop_scenarios,
     unload_scenarios,
 )
-from sensorless.envs.scenarios.low_speed import crawl_scenarios, hold_scenarios
+from sensorless.envs.scenarios.low_speed import braking_scenarios, crawl_scenarios, hold_scenarios
 from sensorless.envs.scenarios.published import paper_scenarios
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.starts import starts_scenarios
@@ -139,6 +139,7 @@ SUITES: dict[str, Callable[[Motor, Seeds, Indices, int], Scenarios]] = {
     "impact": impact_scenarios,
     "stop": stop_scenarios,
     "unload": unload_scenarios,
+    "braking": braking_scenarios,
     "envelope": envelope_scenarios,
     "motors": motors_scenarios,
     "starts": starts_scenarios,

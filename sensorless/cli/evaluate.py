@@ -65,9 +65,9 @@ SuiteOption = Annotated[
         metavar="SUITE",
         help="Judge on this suite of scenarios: stress and stress-1 (everything at random), hold "
         "and crawl (loads at and near standstill), impact (rated load steps at all speeds), stop "
-        "(rated speed to zero under load), unload (loads taken off), handoff (crossings between "
-        "the estimators), mismatch (wrong parameters), low-inertia (15 to 50 % of the design's), "
-        "hard and hard-train (what a search found), "
+        "(rated speed to zero under load), unload (loads taken off), braking (held at low speed), "
+        "handoff (crossings between the estimators), mismatch (wrong parameters), "
+        "low-inertia (15 to 50 % of the design's), hard and hard-train (what a search found), "
         "starts (unknown rotor angle), envelope (a grid of speed and load), nominal "
         "(stress-1 without errors of parameters and sensors), paper (figures of the "
         "source paper), motors (handoff and stress-1 by turns) or machines (stress-1 on random "

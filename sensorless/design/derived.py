@@ -14,10 +14,10 @@ from sensorless.observers.q_inductance import coupled_L_q_bias
 from sensorless.observers.tracking import (
     HAND_OVER,
     LEFT_DEAD_TIME,
-    LEFT_RESISTANCE,
     flux_noise,
     injection_noise,
     rated_acceleration,
+    resistance_drift,
     tracking,
     voltage_drift,
 )
@@ -125,8 +125,7 @@ def injection_loop(motor: Motor) -> float:
 
 def speed_floor(motor: Motor) -> float:
     """Speed [r/min] whose EMF is as large as the voltage that the drive does not know."""
-    unknown = LEFT_DEAD_TIME * voltage_drift(motor)
-    unknown += LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
+    unknown = LEFT_DEAD_TIME * voltage_drift(motor) + resistance_drift(motor)
     return min(unknown, FLOOR_MOST * motor.omega_rated) / motor.n_p / RPM_TO_RAD_S
 
 

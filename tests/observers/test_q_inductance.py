@@ -39,7 +39,7 @@ def test_shipped_machines_keep_the_low_inductance() -> None:
 def test_it_rises_with_the_turn_in_a_period() -> None:
     assert FAST.omega_rated * FAST.T_s == pytest.approx(0.265, abs=0.01)
     assert derive(FAST, DriveDesign()).coupled_L_q_bias == 0.95
-    slower = member(8101, 8)
+    slower = member(8101, 102)
     turn = slower.omega_rated * slower.T_s
     assert derive(slower, DriveDesign()).coupled_L_q_bias == 0.85 + 1.25 * (turn - 0.16)
 
@@ -68,7 +68,7 @@ def test_the_rise_by_lean_is_bounded_and_takes_from_what_is_learned() -> None:
     assert rise_by_lean(LEANING) == 0.1
     assert derive(LEANING, DriveDesign()).coupled_L_q_bias == pytest.approx(0.95)
     assert learned_share(LEANING) == pytest.approx(0.03)
-    part = member(7207, 49)
+    part = member(7207, 58)
     assert 0.01 < rise_by_lean(part) < 0.09
     assert learned_share(part) == 0.09 - 0.6 * rise_by_lean(part)
     assert derive(part, DriveDesign()).coupled_L_q_bias == 0.85 + rise_by_lean(part)

@@ -56,7 +56,7 @@ def test_help_names_every_suite() -> None:
     assert all(f"`{name}`" in document for name in SUITES)
 
 
-@pytest.mark.parametrize("name", ["hold", "crawl", "impact", "stop", "unload"])
+@pytest.mark.parametrize("name", ["hold", "crawl", "impact", "stop", "unload", "braking"])
 @pytest.mark.parametrize("motor", ["paper", "ipmsm_2200w"])
 def test_inertia_is_drawn_and_speeds_scale(name: str, motor: str) -> None:
     machine = Motor.load(motor)
@@ -73,6 +73,17 @@ def test_hold_has_every_speed_with_both_signs_for_ten_seconds() -> None:
     cases = {(round(x / RPM_TO_RAD_S), tau) for x, tau in zip(s.omega_0, s.tau[:, -1], strict=True)}
     assert cases == {(rpm, tau) for rpm in (0, 5, -5, 20, -20) for tau in (14.0, -14.0)}
     np.testing.assert_allclose(s.duration - s.t[:, 1] - MOTOR.tau_rated / s.tau_rate[:, 1], 10.0)
+
+
+def test_a_braking_load_drives_the_shaft_at_low_speed_until_the_end() -> None:
+    s, wrong = suite("braking", MOTOR, 5, 200), suite("stress-1", MOTOR, 5, 200)
+    speed = np.abs(s.omega_0) / RPM_TO_RAD_S
+    assert 30.0 <= speed.min() < 60.0 and 420.0 < speed.max() <= 450.0
+    assert (s.tau[:, -1] * s.omega_0 < 0.0).all(), "against the sign of a motor's load"
+    assert (np.abs(s.tau[:, -1]) >= 0.5 * MOTOR.tau_rated).all()
+    assert not s.tau[:, 0].any() and (s.omega == s.omega_0[:, None]).all()
+    for name in ("R_s", "psi_f", "L_q_hat", "cross_hat", "dead_time", "gain", "offset"):
+        np.testing.assert_array_equal(getattr(s, name), getattr(wrong, name))
 
 
 def test_impact_comes_and_goes_within_two_milliseconds_at_any_speed() -> None:

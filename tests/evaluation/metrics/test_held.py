@@ -142,7 +142,9 @@ def test_ordinary_scenarios_hold() -> None:
         assert not not_held(r)[r.lost == 0].any()
 
 
-@pytest.mark.parametrize("name", ["hold", "crawl", "impact", "stop", "unload", "stress-1"])
+@pytest.mark.parametrize(
+    "name", ["hold", "crawl", "impact", "stop", "unload", "braking", "stress-1"]
+)
 def test_the_sensored_drive_itself_holds_every_suite(name: str) -> None:
     """Its own speed against the reference: within 2 % after 0.5 s, without a swing of 1 %."""
     scenarios = suite(name, MOTOR, 3, 32)
