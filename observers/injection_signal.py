@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sensorless.machine.inverter import threshold_voltage
 from sensorless.machine.magnetics import Floats, mtpa
 from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import principal
@@ -26,8 +27,9 @@ LINK_SHARE = 0.2
 """Largest injected voltage over the DC link; the limit of the source paper."""
 RIPPLE_SHARE = 0.2
 """Largest injected current over rated current; more would load the machine itself."""
-DEAD_TIME_SHARE = 2.0
-"""Least injected voltage over that lost by dead time; with less it falls into the dead band."""
+LOST_SHARE = 2.0
+"""Least injected voltage over what dead time and the switches' thresholds take; with less it falls
+into the dead band."""
 
 
 @dataclass(frozen=True)
@@ -96,9 +98,9 @@ def sample_error(motor: Motor) -> float:
 
 
 def suggested_injection(motor: Motor, pll_hz: float) -> float:
-    """Injected voltage [V], two digits: enough for noise, converter and dead time, within limits.
+    """Injected voltage [V], two digits: enough for noise, converter and inverter, within limits.
 
-    ``NOISE_DEG``, ``STEP_DEG`` and ``DEAD_TIME_SHARE`` say what is enough; the limits are
+    ``NOISE_DEG``, ``STEP_DEG`` and ``LOST_SHARE`` say what is enough; the limits are
     ``LINK_SHARE`` of the DC link and ``RIPPLE_SHARE`` of rated current.
     """
     one = injection_signal(replace(motor, u_inj=1.0), pll_hz)
@@ -106,7 +108,7 @@ def suggested_injection(motor: Motor, pll_hz: float) -> float:
     wanted = max(
         float(one.noise_deg[rated].max()) / NOISE_DEG,
         float(one.step_deg[rated].max()) / STEP_DEG,
-        DEAD_TIME_SHARE * motor.dead_time_voltage,
+        LOST_SHARE * (motor.dead_time_voltage + threshold_voltage(motor)),
     )
     most = min(LINK_SHARE * motor.u_dc, RIPPLE_SHARE * motor.i_rated / one.amplitude)
     volt = min(wanted, most)

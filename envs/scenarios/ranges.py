@@ -38,9 +38,6 @@ SALIENCY_6 = 0.05
 """Largest second saliency over the first, of either sign."""
 IRON = (0.005, 0.03)
 """Iron loss at rated speed without load over rated power."""
-U_TRANSISTOR = (0.7, 1.2)
-U_DIODE = (0.6, 1.0)
-"""Threshold voltages of IGBTs and their diodes [V]."""
 RIPPLE = (0.0, 0.03)
 """Amplitude over the link; six pulses a period of a three-phase mains of 50 or 60 Hz."""
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from sensorless.design.new_motor import LOW_VOLTAGE
 from sensorless.envs.counter_random import Chosen, Draws, Floats, Seeds
 from sensorless.envs.scenarios.ranges import (
     EMF_5,
@@ -13,12 +12,11 @@ from sensorless.envs.scenarios.ranges import (
     R_S_COLD,
     RIPPLE,
     SALIENCY_6,
-    U_DIODE,
-    U_TRANSISTOR,
     WINDING_K,
     add_errors,
 )
 from sensorless.envs.scenarios.scenario import Scenarios
+from sensorless.machine.inverter import LOW_VOLTAGE, U_DIODE, U_TRANSISTOR
 from sensorless.machine.motor import Motor
 
 DURATION = 2.0

@@ -9,6 +9,7 @@ from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.machine.datasheet import Datasheet, Number, machine_numbers
+from sensorless.machine.inverter import LOW_VOLTAGE
 from sensorless.machine.motor import Motor
 from sensorless.machine.motor_file import tables
 from sensorless.machine.saliency import require_saliency
@@ -16,8 +17,6 @@ from sensorless.observers.injection_signal import suggested_injection
 from sensorless.settings import settings_of
 from sensorless.units import RPM_TO_RAD_S
 
-LOW_VOLTAGE = 150.0
-"""Below this link voltage, inverters have MOSFETs with short dead times [V]."""
 OVERLOAD, TRIP = 1.5, 3.0
 """Current limit of the control, and trip, over rated current; see also ``ADC_ROOM``."""
 ADC_ROOM = 0.9
@@ -89,7 +88,7 @@ def new_motor(
         for _ in range(ROUNDS):  # the loop's bandwidth follows from the voltage
             volt = suggested_injection(motor, derive(motor, design).hfi_pll_hz)
             motor = replace(motor, u_inj=volt)
-        why = "chosen: angle noise and converter step at rated current, dead time, u_dc / 5"
+        why = "chosen: angle noise, converter step at rated current, dead time, switches, u_dc / 5"
         numbers["u_inj"] = Number(volt, why)
     return tables(name, what, numbers)
 

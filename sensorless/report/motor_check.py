@@ -27,7 +27,7 @@ from sensorless.suitability.seen import Seen
 
 Row = tuple[str, str, str]
 """Quantity, what was found, and what is suggested, in words."""
-SUITES, SEED, SIZE = ("stress-1", "unload", "braking"), 1, 100
+SUITES, SEED, SIZE = ("stress", "unload", "braking"), 1, 100
 """Scenarios of a quick run: all that is uncertain, and loads at low speed that go or drive."""
 LOST = (0.05, 0.2)
 """Lost share of a quick run above which the drive is limited, or unable."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sensorless.errors import UserError
+from sensorless.machine.inverter import threshold_voltage
 from sensorless.machine.magnetics import currents, flux, plant_currents
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import polar
@@ -191,10 +192,9 @@ def _inverter(m: Motor) -> Iterator[Finding]:
     elif m.u_inj > 1.01 * LINK_SHARE * m.u_dc:
         text = f"u_inj = {m.u_inj:g} V is above a fifth of the DC link, {LINK_SHARE * m.u_dc:g} V"
         yield Finding(LIMIT, "u_inj", text)
-    elif m.u_inj < MOST_DEAD_TIME * m.dead_time_voltage:
-        least = MOST_DEAD_TIME * m.dead_time_voltage
+    elif m.u_inj < (least := MOST_DEAD_TIME * m.dead_time_voltage + threshold_voltage(m)):
         text = f"u_inj = {m.u_inj:g} V is below {least:.3g} V, which "
-        text += f"{MOST_DEAD_TIME:g} times dead_time may take"
+        text += f"dead_time, {MOST_DEAD_TIME:g} times the file's, and the switches may take"
         yield Finding(LIMIT, "u_inj", text)
     if m.dead_time > 0.1 * m.T_s:
         weight = NO if m.dead_time > 0.5 * m.T_s else LIMIT

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sensorless.machine.inverter import threshold_voltage
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.observers.injection_signal import (
     injection_signal,
@@ -61,9 +62,12 @@ def test_suggestion_is_near_what_was_chosen_by_hand_and_scales() -> None:
 
 
 def test_limits_of_the_suggestion() -> None:
-    """Never beyond a fifth of the link; above the voltage that dead time takes."""
+    """Never beyond a fifth of the link; twice what dead time and switches take."""
     assert suggested_injection(replace(PAPER, u_dc=100.0), 15.0) == pytest.approx(20.0)
     assert suggested_injection(replace(PAPER, u_dc=88.0), 15.0) == pytest.approx(17.0)  # not 17.6
     late = replace(PAPER, dead_time=12e-6)
     assert late.dead_time_voltage == pytest.approx(32.4)
-    assert suggested_injection(late, 15.0) == pytest.approx(65.0)
+    assert suggested_injection(late, 15.0) == pytest.approx(67.0)  # 2 (32.4 + 0.875)
+    measured = replace(late, u_transistor=2.0, u_diode=1.0)
+    assert suggested_injection(measured, 15.0) == pytest.approx(68.0)  # 2 (32.4 + 1.5)
+    assert threshold_voltage(replace(PAPER, u_dc=149.0)) == 0.0  # MOSFETs

@@ -64,7 +64,7 @@ def test_random_machines_are_suitable() -> None:
         (
             {"dead_time": 1.9e-5, "u_inj": 70.0},
             "with limits",
-            "70 V is below 76.9 V, which 1.5 times",
+            "70 V is below 77.8 V, which dead_time, 1.5 times the file's",
         ),
         ({"i_max": 5.0}, "with limits", "i_max = 5 A is below i_rated"),
         ({"i_max": 9e-6}, "no", "i_max = 9e-06 A is 1.5e-06 of i_rated"),

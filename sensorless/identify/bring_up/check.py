@@ -9,7 +9,6 @@ import numpy as np
 from sensorless.core.api import Array
 from sensorless.core.bring_up import FAULTS, WIRINGS, bring_up_replay, bring_up_run
 from sensorless.design.drive import DriveDesign
-from sensorless.design.new_motor import LOW_VOLTAGE
 from sensorless.design.records import bring_up_record
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
@@ -57,17 +56,12 @@ def params_of(motor: Motor) -> Array:
 
 
 def drives_at_rest(motor: Motor, seeds: Array) -> Array:
-    """Simulated drives with the errors and details of the suite stress, at rest at any angle.
-
-    A drive below ``LOW_VOLTAGE`` has MOSFETs, which have no threshold.
-    """
+    """Simulated drives with the errors and details of the suite stress, at rest at any angle."""
     s = stress_scenarios(motor, seeds)
     still = Scenarios.nominal(motor, seeds, 1.0)
     for name in ("t", "omega", "omega_rate", "tau", "tau_rate", "omega_0", "duration"):
         setattr(s, name, getattr(still, name))
     s.u_dc = np.repeat(s.u_dc.min(axis=1, keepdims=True), s.u_dc.shape[1], axis=1)
-    if motor.u_dc < LOW_VOLTAGE:
-        s.u_transistor[:] = s.u_diode[:] = 0.0
     return SimFactory(motor, DriveDesign()).build(s, twin=False)
 
 

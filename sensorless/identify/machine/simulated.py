@@ -7,7 +7,6 @@ import numpy as np
 from sensorless.core.api import Array
 from sensorless.core.machine import COMMAND, commission_run
 from sensorless.design.drive import DriveDesign
-from sensorless.design.new_motor import LOW_VOLTAGE
 from sensorless.envs.counter_random import check_seed
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
@@ -27,8 +26,7 @@ DETAILS = ("emf_5", "emf_7", "saliency_6", "p_iron", "ripple", "ripple_hz", "rip
 def real_drive(motor: Motor, seed: int, details: bool = False) -> Scenarios:
     """One drive at rest whose sensors and inverter have errors; rotor at any angle.
 
-    A drive below ``LOW_VOLTAGE`` has MOSFETs, which have no threshold. ``details`` adds harmonics,
-    iron loss and the ripple of the DC link.
+    ``details`` adds harmonics, iron loss and the ripple of the DC link.
 
     Raises
     ------
@@ -40,8 +38,6 @@ def real_drive(motor: Motor, seed: int, details: bool = False) -> Scenarios:
     s = Scenarios.nominal(motor, drawn.seed, 1.0)
     for name in ERRORS + (DETAILS if details else ()):
         setattr(s, name, getattr(drawn, name))
-    if motor.u_dc < LOW_VOLTAGE:
-        s.u_transistor[:] = s.u_diode[:] = 0.0
     s.theta_0[:] = drawn.theta_0
     return s
 
