@@ -1,4 +1,4 @@
-"""Speed and memory of core, environments and training: prints them, writes ``build/bench.json``.
+"""Speed and memory of core, evaluation, environments and training, also to ``build/bench.json``.
 
 Usage: python -m benchmarks.bench [SECONDS], the least time for a variant, 3 by default.
 """
@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from benchmarks import core_speed, env_speed, memory, training_speed
+from benchmarks import core_speed, env_speed, evaluation_speed, memory, training_speed
 from benchmarks.words import parser
 from sensorless.core.api import ffi, lib
 from sensorless.files import write_atomic
@@ -52,6 +52,7 @@ def main() -> None:
     show("machine", result)
     parts: dict[str, Callable[[], dict[str, Any]]] = {
         "core": lambda: core_speed.measure(seconds),
+        "evaluation": lambda: evaluation_speed.measure(2.0 * seconds),
         "environments": lambda: env_speed.measure(seconds),
         "memory": memory.measure,
         "training": lambda: training_speed.measure(4.0 * seconds),

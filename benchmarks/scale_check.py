@@ -21,8 +21,9 @@ import numpy as np
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import suite
-from sensorless.evaluation.engines.engine import LOCAL, Engine
+from sensorless.evaluation.engines.engine import Engine
 from sensorless.evaluation.engines.named import engine_named
+from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.evaluate import Scores, score
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy

@@ -27,7 +27,6 @@ from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
-from sensorless.evaluation.engines.threads import Threads
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.over_seeds import contrast, survived
 from sensorless.files import write_atomic, write_record
@@ -185,9 +184,7 @@ def validated(
         value = validate(policy, factory, size).weighted(case.ripple_weight)
         for name in case.losses:
             rows = SuiteRows(name, factory.motor, 0, size, "tune")
-            value += LOST_BESIDE * float(
-                (score(policy, rows, factory, engine=Threads()).lost != 0).mean()
-            )
+            value += LOST_BESIDE * float((score(policy, rows, factory).lost != 0).mean())
         out[seed] = round(value, 5)
     return out
 
@@ -204,9 +201,7 @@ def judge(
     for suite in suites:
         for seed in JUDGED[suite]:
             rows = SuiteRows(suite, factory.motor, seed, size)
-            found = {
-                name: score(p, rows, factory, engine=Threads()) for name, p in policies.items()
-            }
+            found = {name: score(p, rows, factory) for name, p in policies.items()}
             ours = [found[name] for name in agents]
             against = {
                 name: {metric: contrast(ours, s, metric) for metric in NAMES}

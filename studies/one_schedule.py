@@ -25,7 +25,7 @@ from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
-from sensorless.evaluation.engines.threads import Threads
+from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.rollout import rollout
@@ -105,11 +105,11 @@ def search(motors: Sequence[Motor], words: argparse.Namespace) -> KsTable:
     """Best of the judged centres."""
     es = evolution([0.4] * 2 + [0.5] * (len(RANGES) * len(SPEEDS)), SIGMA, words.seed)
     best, least = np.array(es.x0), np.inf
-    own = list(Threads().map(lambda motor: own_ramp(motor, words.budget), motors))
+    own = list(LOCAL.map(lambda motor: own_ramp(motor, words.budget), motors))
 
     def found(xs: Sequence[Floats], seed: int, size: int) -> Floats:
         jobs = zip(own, motors, strict=True)
-        parts = Threads().map(lambda job: against_own(*job, xs, seed, size), jobs)
+        parts = LOCAL.map(lambda job: against_own(*job, xs, seed, size), jobs)
         return np.stack(list(parts), axis=1)
 
     for generation in range(words.generations):

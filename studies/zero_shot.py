@@ -24,7 +24,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import paired
-from sensorless.evaluation.engines.threads import Threads
+from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.rollout import are_feasible
 from sensorless.files import write_record
@@ -100,7 +100,7 @@ def main() -> None:
     done = old["machines"] if old.get("asked") == asked else []
     n = words.machines
     before = [*done[:n], *({} for _ in range(n - len(done)))]
-    entries = Threads().map(lambda job: study(job[0], words, job[1]), enumerate(before))
+    entries = LOCAL.map(lambda job: study(job[0], words, job[1]), enumerate(before))
     for index, entry in enumerate(entries):
         done[index : index + 1] = [entry]
         write_record(words.out, {"asked": asked, "machines": done})

@@ -102,7 +102,7 @@ def certify_command(
     with engine_named(engine, ray_address) as where:
         common: dict[str, Any] = {
             "out": out,
-            "engine": None if engine == "local" else where,
+            "engine": where,
             "progress": say_progress(size),
         }
         if suite == MACHINES:

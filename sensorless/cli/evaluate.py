@@ -167,7 +167,7 @@ def evaluate_command(
                 out=out,
                 every=every,
                 progress=report,
-                engine=None if engine == "local" else where,
+                engine=where,
             )
         else:
             results = run(

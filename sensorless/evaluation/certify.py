@@ -20,7 +20,7 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import UserError
 from sensorless.evaluation.certificate import Tally, counted, result, write
 from sensorless.evaluation.engines.engine import Engine
-from sensorless.evaluation.engines.threads import Threads
+from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.metrics.held import NEEDED, not_held
 from sensorless.evaluation.rollout import Rollout, at_a_time, rollouts, with_twin_to_the_end
 from sensorless.files import check_writable
@@ -47,7 +47,7 @@ def certify(
     size: int,
     *,
     out: Path | None = None,
-    engine: Engine | None = None,
+    engine: Engine = LOCAL,
     progress: Callable[[Tally, float], None] | None = None,
 ) -> dict[str, Any]:
     """Count lost scenarios and those not held.
@@ -57,8 +57,8 @@ def certify(
     out : Path, optional
         File of the result, written every ``SAVE_EVERY`` too. If it exists and is of the same run,
         its scenarios are not run again; ``size`` may be larger than it was.
-    engine : Engine, optional
-        Default: threads of this process. The result is the same to the bit.
+    engine : Engine
+        Where the scenarios run; the result is the same to the bit.
     progress : callable, optional
         Called with what is counted so far, and the time since the start [s].
 
@@ -92,7 +92,7 @@ def certify_machines(
     size: int,
     *,
     out: Path | None = None,
-    engine: Engine | None = None,
+    engine: Engine = LOCAL,
     progress: Callable[[Tally, float], None] | None = None,
 ) -> dict[str, Any]:
     """The same on the suite ``machines``, every ``SCENARIOS`` scenarios on another machine.
@@ -120,7 +120,7 @@ def _counted(
     jobs: Callable[[int], Iterator[Job]],
     size: int,
     out: Path | None,
-    engine: Engine | None,
+    engine: Engine,
     progress: Callable[[Tally, float], None] | None,
 ) -> dict[str, Any]:
     """Count what ``jobs`` from a number of scenarios on yields; ``certify`` has the rest."""
@@ -133,7 +133,7 @@ def _counted(
         )
     begin = saved = time.monotonic()
     try:
-        for more in (engine or Threads()).map(_count, jobs(tally.scenarios)):
+        for more in engine.map(_count, jobs(tally.scenarios)):
             tally = tally + more
             now = time.monotonic()
             if progress is not None:
@@ -150,10 +150,10 @@ def _counted(
 def _count(job: Job) -> Tally:
     policy, factory, first, rows = job
     scenarios = rows.draw()
-    own, tally = copy.deepcopy(policy), Tally()  # rules with memory run on several threads
+    tally = Tally()
     some = at_a_time(scenarios, factory.motor)
-    for r in rollouts(own, scenarios, factory, some, keep=NEEDED):
-        done = with_twin_to_the_end(r, factory, own.settings)
+    for r in rollouts(policy, scenarios, factory, some, keep=NEEDED):
+        done = with_twin_to_the_end(r, factory, policy.settings)
         tally = tally + _tally(done, first + tally.scenarios)
     return tally
 

@@ -17,7 +17,8 @@ from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
 from sensorless.errors import UserError
 from sensorless.evaluation.aggregate import by_place, paired, summary, worst
-from sensorless.evaluation.engines.engine import LOCAL, Engine
+from sensorless.evaluation.engines.engine import Engine
+from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.lock import LOCK, lock_summary
 from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.evaluation.metrics.place import QUADRANTS, SPEED_EDGES

@@ -16,7 +16,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
 from sensorless.evaluation.aggregate import Rows, interval_of
 from sensorless.evaluation.engines.engine import Engine
-from sensorless.evaluation.engines.threads import Threads
+from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.evaluate import PolicyProgress, Scores, joined, results_of, score_chunk
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.rollout import Floats, are_feasible
@@ -38,7 +38,7 @@ def evaluate_machines(
     out: Path | None = None,
     every: bool = True,
     progress: PolicyProgress | None = None,
-    engine: Engine | None = None,
+    engine: Engine = LOCAL,
 ) -> Results:
     """Run every policy on ``size`` machines.
 
@@ -47,9 +47,7 @@ def evaluate_machines(
     policies_on : callable
         From a machine to its policies by name, the same names on every machine; each is compared
         with the first.
-    engine : Engine, optional
-        Default: threads of this process. The results are the same to the bit.
-    out, every, progress
+    out, every, progress, engine
         As in ``evaluate``.
 
     Raises
@@ -65,7 +63,7 @@ def evaluate_machines(
     parts: dict[str, list[Scores]] = {name: [] for name in policies[0]}
     for name, found in parts.items():
         jobs = zip((p[name] for p in policies), factories, rows, strict=True)
-        for scores in (engine or Threads()).map(_scored, jobs):
+        for scores in engine.map(_scored, jobs):
             found.append(scores)
             if progress is not None:
                 progress(name, len(found) / size)

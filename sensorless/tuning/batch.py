@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from sensorless.core.api import Array
 from sensorless.core.gains import Values
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.evaluation.engines.engine import LOCAL, Engine
+from sensorless.evaluation.engines.engine import Engine
+from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.objective import Cost, nearness

@@ -22,7 +22,8 @@ from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
-from sensorless.evaluation.engines.engine import LOCAL, Engine
+from sensorless.evaluation.engines.engine import Engine
+from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.objective import NEAR_OBJECTIVE, NEAR_SUITE, Cost, NearCost
 from sensorless.evaluation.rollout import Floats
 from sensorless.machine.motor import Motor

@@ -12,7 +12,6 @@ from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.evaluation.certificate import Tally, exact_interval
 from sensorless.evaluation.certify import certify, certify_machines
-from sensorless.evaluation.engines.engine import LOCAL
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.machines import evaluate_machines
 from sensorless.machine.motor import Motor
@@ -34,13 +33,17 @@ def test_the_exact_interval() -> None:
     assert exact_interval(0, 0) == (0.0, 1.0)
 
 
-def test_it_counts_as_evaluate_does_and_goes_on(tmp_path: Path) -> None:
+def test_it_counts_as_evaluate_does_and_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """In two parts and on threads the same file as in one; memory of a rule does no harm."""
+    monkeypatch.setenv("SENSORLESS_THREADS", "2")
     rule, size, parts, whole = "hysteresis", 96, tmp_path / "parts.json", tmp_path / "whole.json"
     for n in (40, size):
         certify(make_policy(rule, PAPER), PAPER, SMO, SUITE, SEED, n, out=parts)
     policy = make_policy(rule, PAPER)
-    found = certify(policy, PAPER, SMO, SUITE, SEED, size, out=whole, engine=LOCAL)
+    monkeypatch.setenv("SENSORLESS_THREADS", "1")
+    found = certify(policy, PAPER, SMO, SUITE, SEED, size, out=whole)
     assert parts.read_bytes() == whole.read_bytes()
     judged = evaluate(PAPER, SMO, SUITE, SEED, size, {rule: policy}).policies[rule]
     lost = np.flatnonzero(judged["scenarios"]["lost"])

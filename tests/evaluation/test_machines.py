@@ -11,7 +11,6 @@ from sensorless.envs.scenarios.machines_suite import JUDGED, SCENARIOS, on_machi
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.words import scenario_from
 from sensorless.errors import UserError
-from sensorless.evaluation.engines.engine import LOCAL
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.machines import evaluate_machines
 from sensorless.evaluation.results import Results
@@ -68,11 +67,16 @@ def test_a_policy_stands_beside_the_first_on_the_same_machine(results: Results) 
     assert machines_table(results).row_count == len(NAMES)
 
 
-def test_any_engine_gives_the_same_file(results: Results) -> None:
+@pytest.mark.parametrize("threads", [1, 2])
+def test_any_number_of_threads_gives_the_same_file(
+    results: Results, monkeypatch: pytest.MonkeyPatch, threads: int
+) -> None:
+    monkeypatch.setenv("SENSORLESS_THREADS", str(threads))
+
     def one(motor: Motor) -> Mapping[str, Policy]:
         return {"sliding_mode": policies_on(motor)["sliding_mode"]}
 
-    found = evaluate_machines(DESIGN, SEED, N, one, engine=LOCAL).policies["sliding_mode"]
+    found = evaluate_machines(DESIGN, SEED, N, one).policies["sliding_mode"]
     assert repr(found) == repr(results.policies["sliding_mode"])
 
 

@@ -1,4 +1,4 @@
-"""Where work runs: one function over many chunks, in this process or on a Ray cluster.
+"""Where work runs: one function over many chunks, on threads or on a Ray cluster.
 
 Results do not depend on the engine: the caller makes the chunks, a result depends on its chunk
 alone, and results come back in the order of the chunks.
@@ -16,14 +16,3 @@ class Engine(Protocol):
 
     def map(self, function: Callable[[Chunk], Result], chunks: Iterable[Chunk]) -> Iterator[Result]:
         """Yield results in the order of the chunks, and hold no more of either than needed."""
-
-
-class Local:
-    """Runs one chunk after the other in this process."""
-
-    def map(self, function: Callable[[Chunk], Result], chunks: Iterable[Chunk]) -> Iterator[Result]:
-        """Compute each result when it is asked for."""
-        return map(function, chunks)
-
-
-LOCAL = Local()

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from sensorless.errors import UserError
-from sensorless.evaluation.engines.engine import LOCAL, Engine
+from sensorless.evaluation.engines.engine import Engine
+from sensorless.evaluation.engines.threads import LOCAL
 
 ENGINES = ("local", "ray")
 

@@ -1,5 +1,6 @@
 """Runs chunks on several threads of this process: the core computes without Python's lock."""
 
+import copy
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -10,16 +11,45 @@ from sensorless.evaluation.engines.engine import Chunk, Result
 
 
 class Threads:
-    """As many threads as calls of the core may use; the function must not change what it shares."""
+    """As many threads as calls of the core may use.
+
+    Every chunk runs on copies of the function and of itself: policies keep what they saw.
+    """
 
     def map(self, function: Callable[[Chunk], Result], chunks: Iterable[Chunk]) -> Iterator[Result]:
-        """Yield results in the order of the chunks; no more than two a thread are under way."""
-        waiting, count = iter(chunks), threads_allowed()
-        window: deque[Future[Result]] = deque()
-        with ThreadPoolExecutor(count) as pool:
-            while True:
-                for chunk in islice(waiting, 2 * count - len(window)):
-                    window.append(pool.submit(function, chunk))
-                if not window:
-                    return
-                yield window.popleft().result()
+        """Yield results in the order of the chunks; no more than two a thread are under way.
+
+        A function that cannot be copied, say of a policy that holds a file, computes one by one.
+        """
+        count = threads_allowed()
+        if count == 1 or not _can_be_copied(function):
+            return map(function, chunks)
+        return _side_by_side(function, iter(chunks), count)
+
+
+LOCAL = Threads()
+
+
+def _side_by_side(
+    function: Callable[[Chunk], Result], chunks: Iterator[Chunk], count: int
+) -> Iterator[Result]:
+    window: deque[Future[Result]] = deque()
+    pool = ThreadPoolExecutor(count)
+    try:
+        while True:
+            for chunk in islice(chunks, 2 * count - len(window)):
+                own, its_own = copy.deepcopy((function, chunk))
+                window.append(pool.submit(own, its_own))
+            if not window:
+                return
+            yield window.popleft().result()
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _can_be_copied(function: object) -> bool:
+    try:
+        copy.deepcopy(function)
+    except Exception:  # a policy may raise anything
+        return False
+    return True

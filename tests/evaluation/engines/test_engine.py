@@ -11,27 +11,64 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.engines.code import arithmetic, code, difference
-from sensorless.evaluation.engines.engine import LOCAL
 from sensorless.evaluation.engines.named import engine_named
+from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import RULES, make_policy
 
 MOTOR = Motor.load("paper")
 
 
-def test_local_work_is_done_in_order_and_only_when_asked_for() -> None:
+@pytest.mark.parametrize(("threads", "ahead"), [(1, 1), (2, 4)])
+def test_local_work_is_done_in_order_and_not_long_before_it_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch, threads: int, ahead: int
+) -> None:
+    monkeypatch.setenv("SENSORLESS_THREADS", str(threads))
     taken = []
 
     def chunks() -> Iterator[int]:
-        for i in range(5):
+        for i in range(9):
             taken.append(i)
             yield i
 
     with engine_named("local") as engine:
         results = engine.map(lambda i: i * i, chunks())
-        assert next(results) == 0 and taken == [0]
-        assert list(results) == [1, 4, 9, 16]
+        assert next(results) == 0 and taken == list(range(ahead))
+        assert list(results) == [i * i for i in range(1, 9)]
     assert engine is LOCAL
+
+
+class Counting:
+    """Counts its calls; ``kept`` is something that it keeps."""
+
+    def __init__(self, kept: object) -> None:
+        self.calls, self.kept = 0, kept
+
+    def __call__(self, _: int) -> int:
+        """Calls so far."""
+        self.calls += 1
+        return self.calls
+
+
+def test_every_chunk_gets_a_function_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SENSORLESS_THREADS", "2")
+    fresh = Counting(None)
+    assert list(LOCAL.map(fresh, range(6))) == [1] * 6
+    assert fresh.calls == 0
+
+
+def test_what_cannot_be_copied_computes_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SENSORLESS_THREADS", "2")
+    with open(__file__, encoding="utf-8") as file:
+        assert list(LOCAL.map(Counting(file), range(6))) == [1, 2, 3, 4, 5, 6]
+
+
+def test_a_chunk_that_fails_ends_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SENSORLESS_THREADS", "2")
+    results = LOCAL.map(lambda i: 1 // (i - 1), range(100))
+    assert next(results) == -1
+    with pytest.raises(ZeroDivisionError):
+        next(results)
 
 
 @pytest.mark.parametrize(
