@@ -10,7 +10,7 @@ from sensorless.envs.counter_random import check_seed, combine
 from sensorless.envs.scenarios.finds import Find, load, scenarios_of, searched_on, without
 from sensorless.envs.scenarios.machines_suite import is_on_machines, machine, on_machine
 from sensorless.envs.scenarios.scenario import RUNAWAY, Scenarios
-from sensorless.envs.scenarios.suites import suite
+from sensorless.envs.scenarios.suites import MOST_SCENARIOS, SuiteRows
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.units import RPM_TO_RAD_S
@@ -51,7 +51,9 @@ def scenario_from(word: str, motor: Motor) -> Scenarios:
         raise UserError(f"scenario: {word!r} depends on its suite's size; append :SIZE")
     if index >= size:
         raise UserError(f"scenario: {word!r}; give an INDEX below SIZE")
-    return suite(name, motor, seed, size)[index : index + 1]
+    if index >= MOST_SCENARIOS:
+        raise UserError(f"scenario: {word!r}; give an INDEX below {MOST_SCENARIOS}")
+    return SuiteRows(name, motor, seed, size)[index : index + 1].draw()
 
 
 def own_machine(word: str) -> tuple[Motor | None, str]:

@@ -56,7 +56,7 @@ def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tupl
     i, psi = i[good], psi[good]
     if not 20 <= len(i) <= MOST_POINTS:
         raise UserError(
-            f"map: {path}: {len(i)} points with four finite numbers; give 20 to {MOST_POINTS}"
+            f"map: {path}: points with four finite numbers: {len(i)}; give 20 to {MOST_POINTS}"
         )
     if turn:
         i, psi = (np.stack([-x[:, 1], x[:, 0]], axis=-1) for x in (i, psi))

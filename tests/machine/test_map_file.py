@@ -82,7 +82,7 @@ def test_the_irons_axis_is_turned(tmp_path: Path) -> None:
     ("text", "said"),
     [
         ("i_d,i_q,psi_d\n1,2,3\n", "no column psi_q; found i_d, i_q, psi_d"),
-        ("i_d,i_q,psi_d,psi_q\n1,2,3,4\n", "1 points"),
+        ("i_d,i_q,psi_d,psi_q\n1,2,3,4\n", "numbers: 1"),
         ("i_d,i_q,psi_d,psi_q\n1,2,much,4\n", "row '1,2,much,4': could not convert"),
         ("i_d,i_q,psi_d,psi_q\n1,2,3\n1,2,3,4\n", "row '1,2,3': 3 numbers; give 4"),
         ("i_d,i_q,psi_d,psi_q\n", "no numbers under the heading"),
