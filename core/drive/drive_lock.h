@@ -9,10 +9,8 @@
 extern "C" {
 #endif
 
-#define DEMAND_HELD 0.75f /* drives that hold want up to a third more voltage than there is */
-
-/* First part of an evaluation, after a period in control. Where voltage is short, the current cannot
- * follow: its distance counts for less. */
+/* First part of an evaluation, after a period in control. Where voltage is short, as when the link
+ * sags, the current cannot follow: its distance does not count. */
 CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     control_state_t *y = &x->control;
     curve_pos_t pos = curve_locate(y->i.q, p->control.curve_inv_step);
@@ -29,9 +27,8 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     in.L_q = p->lock.L_q_true * curve_at(&p->L_q, pos);
     in.psi_d = psi_0 + in.L_d * in.i.d;
     in.psi_a = min_f(psi_0 + (in.L_d - in.L_q) * in.i.d, 2.0f * psi_0);
-    float share = max_f(y->u_max / max_f(y->u_abs, y->u_max), DEMAND_HELD);
     lock_emf(&p->lock, &x->lock, &in);
-    lock_current(&p->lock, &x->lock, share * share * (in.i.q - y->i_ref.q));
+    lock_current(&p->lock, &x->lock, y->u_abs > y->u_max ? 0.0f : in.i.q - y->i_ref.q);
     lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, p->hfi.u_inj, x->k_s);
     control_sum_anew(y);
 }

@@ -161,8 +161,8 @@ static void sums(void) {
         lock_state_t answer = was;
         lock_answer(&p.lock, &answer, x.hfi.answer, x.hfi.valid, p.hfi.u_inj, x.k_s);
         check("answer: of the drive", x.lock.answer == answer.answer);
-        double share = fmin(1.0, fmax(0.75, (double)x.control.u_max / (double)x.control.u_abs));
-        double off = share * share * fabs(i_q - (double)x.control.i_ref.q);
+        int short_of = x.control.u_abs > x.control.u_max;
+        double off = short_of ? 0.0 : fabs(i_q - (double)x.control.i_ref.q);
         to = (double)was.i_off + alpha * (off - (double)was.i_off);
         check("tests: current", near((double)x.lock.i_off, to, 1e-5));
         check("sums: anew", x.control.u_sum.d == 0.0f && x.control.u_sum.q == 0.0f);

@@ -56,7 +56,7 @@ def test_help_names_every_suite() -> None:
     assert all(f"`{name}`" in document for name in SUITES)
 
 
-@pytest.mark.parametrize("name", ["hold", "crawl", "impact", "stop", "unload", "braking"])
+@pytest.mark.parametrize("name", ["hold", "crawl", "impact", "stop", "unload", "braking", "sag"])
 @pytest.mark.parametrize("motor", ["paper", "ipmsm_2200w"])
 def test_inertia_is_drawn_and_speeds_scale(name: str, motor: str) -> None:
     machine = Motor.load(motor)
@@ -84,6 +84,17 @@ def test_a_braking_load_drives_the_shaft_at_low_speed_until_the_end() -> None:
     assert not s.tau[:, 0].any() and (s.omega == s.omega_0[:, None]).all()
     for name in ("R_s", "psi_f", "L_q_hat", "cross_hat", "dead_time", "gain", "offset"):
         np.testing.assert_array_equal(getattr(s, name), getattr(wrong, name))
+
+
+def test_the_link_sags_under_load_and_comes_back() -> None:
+    s = suite("sag", MOTOR, 5, 200)
+    assert (s.u_dc[:, :2] == 1.0).all() and (s.u_dc[:, 3:] == 1.0).all()
+    assert 0.7 <= s.u_dc[:, 2].min() < 0.72 and 0.93 < s.u_dc[:, 2].max() <= 0.95
+    lasts = s.t[:, 3] - s.t[:, 2]
+    assert 0.05 <= lasts.min() < 0.07 and 0.48 < lasts.max() <= 0.5
+    assert (np.abs(s.omega_0) >= 0.5 * MOTOR.omega_m_rated).all()
+    drives = (s.tau[:, -1] * s.omega_0 < 0.0).mean()
+    assert 0.1 < drives < 0.3 and not s.tau[:, 0].any()
 
 
 def test_impact_comes_and_goes_within_two_milliseconds_at_any_speed() -> None:

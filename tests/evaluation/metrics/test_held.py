@@ -143,7 +143,7 @@ def test_ordinary_scenarios_hold() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["hold", "crawl", "impact", "stop", "unload", "braking", "stress-1"]
+    "name", ["hold", "crawl", "impact", "stop", "unload", "braking", "sag", "stress-1"]
 )
 def test_the_sensored_drive_itself_holds_every_suite(name: str) -> None:
     """Its own speed against the reference: within 2 % after 0.5 s, without a swing of 1 %."""
