@@ -133,10 +133,13 @@ def sensor_record(motor: Motor, noise_rms: float = GOOD_NOISE) -> Array:
     return record
 
 
-def bring_up_record(motor: Motor) -> Array:
-    """``bring_up_params_t`` of a motor, shape ()."""
+def bring_up_record(motor: Motor, compensates: bool = True) -> Array:
+    """``bring_up_params_t`` of a motor, shape ().
+
+    A drive that does not compensate its dead time leaves that to the driver: it is not judged.
+    """
     record = np.zeros((), dtype=BRING_UP)
-    fill(record, design_bring_up(motor))
+    fill(record, design_bring_up(motor) | ({} if compensates else {"u_lost": 0.0}))
     return record
 
 

@@ -171,7 +171,7 @@ def _contents(
     drive = control_record(motor, design)
     tests = [*TESTS, *(("cmsis.c", "cmsis.h") if cmsis else ())]
     vectors = len(lookups_f32), len(run.words)
-    check = bring_up_record(motor)
+    check = bring_up_record(motor, compensates=bool(drive["control"]["u_dt"] > 0.0))
     check_time = motor.T_s * periods_of(check)
     text = {
         "README.md": readme(

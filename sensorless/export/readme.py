@@ -22,6 +22,15 @@ The drive has one estimate of the rotor, that of the {observer}, from voltages a
 injection together. The schedule gives `k_s`, the weight with which injection corrects it (1: fully,
 0: voltages alone)"""
 
+COMPENSATED = """\
+Compensation is built in: `drive_step` adds up to {u_dt:.3g} V to each leg by the direction of its
+current. A driver or timer that also compensates makes it twice, which shows as a current that does
+not fall to zero. Keep one: switch the driver's off, or export with `--set dead_time_share=0`, with
+`--force` too if that is refused: it is judged on an inverter that nobody compensates."""
+LEFT = """\
+This export does not compensate it: the driver or the timer has to, once."""
+NOT_OURS = "dead time is not judged, because this export leaves it to the driver"
+
 
 def readme(
     table: KsTable,
@@ -54,10 +63,12 @@ def readme(
     leads = (ONE if observer == "coupled" else TWO).format(
         observer=observer_name(observer).replace("SMO", "sliding-mode observer")
     )
-    judged = plan.u_lost > 0.0
+    u_dt = float(drive["control"]["u_dt"])
+    judged = plan.u_lost > 0.0 and u_dt > 0.0
+    limits = plan.limits if u_dt > 0.0 else (*plan.limits, NOT_OURS)
     tables = fault_tables(bool(table.gains), judged)
-    if plan.limits:
-        tables["check"] += f"\n\nWith this motor, {'; '.join(plan.limits)}."
+    if limits:
+        tables["check"] += f"\n\nWith this motor, {'; '.join(limits)}."
     axes = "\n".join(
         f"| {j} | {a.signal} | {a.lo:g} | {a.hi:g} | {a.n} |" for j, a in enumerate(table.axes)
     )
@@ -70,7 +81,7 @@ def readme(
         i_trip=f"{motor.i_trip:g}",
         i_short=f"{motor.psi_f / motor.L_d:.4g}",
         dead_time=f"{1e9 * motor.dead_time:.6g}",
-        u_dt=f"{float(drive['control']['u_dt']):.3g}",
+        compensation=COMPENSATED.format(u_dt=u_dt) if u_dt > 0.0 else LEFT,
         check_of="delay, signs, phases"
         + (", duty formula and dead time" if judged else " and duty formula"),
         check_ms=f"{1e3 * check_time:.0f}",

@@ -10,7 +10,7 @@ import pytest
 
 from sensorless.core.api import enumeration
 from sensorless.design.drive import DriveDesign
-from sensorless.design.records import control_record
+from sensorless.design.records import bring_up_record, control_record
 from sensorless.export.core_files import core_files
 from sensorless.export.export import Exported
 from sensorless.export.faults import DO, bits, fault_tables
@@ -50,6 +50,18 @@ def test_only_what_the_check_judges_is_promised(share: float, motor: Motor, tabl
     assert bit == ("and dead time are right" in said) == (share == 1.0)
     assert ("dead time is not judged, because its" in said) == (share < 1.0)
     assert f"for a dead time of {1e9 * less.dead_time:.6g} ns at the gates" in said
+
+
+def test_an_export_that_leaves_dead_time_to_the_driver_does_not_judge_it(
+    motor: Motor, table: KsTable
+) -> None:
+    """Its own bit would ask for what has just been done."""
+    drive = control_record(motor, DriveDesign(dead_time_share=0.0))
+    said = readme(table, motor, drive, 0.1, "policy", "smo", 1, (1, 1), ("", ""))
+    assert "BRING_UP_FAULT_DEAD_TIME" not in said and "drive_step` adds up" not in said
+    assert "dead time is not judged, because this export leaves it to the driver" in said
+    assert bring_up_record(motor, compensates=False)["u_lost"] == 0.0
+    assert bring_up_record(motor)["u_lost"] > 0.0
 
 
 @pytest.mark.parametrize("name", ACTIONS)

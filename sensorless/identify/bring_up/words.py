@@ -17,14 +17,16 @@ WIRING = {
 CURE = {
     "current": "the current went beyond the limit: look for a scale or a short circuit",
     "moves": "current without voltage: let the shaft come to rest, and correct the sensors' offset",
-    "deaf": "hardly any current: is the PWM on, the motor connected, the scale right?",
+    "deaf": "hardly any current: is the PWM on, the motor connected, the scale right, and this the "
+    "motor of --motor?",
     "delay": "the voltage has to act from one period after its sample to two: move the sample, the "
     "interrupt, or the event that loads the duty registers",
     "sign": "invert both currents, or the duties (an active-low gate driver)",
     "phases": "exchange the phases in the current channels or in the duties, not in both",
     "channel": "invert that current channel",
     "scale": "check the duty formula 0.5 + u / u_dc, the scale of currents and DC link, and L_d",
-    "dead_time": "somebody else compensates dead time: switch that off, or set u_dt to 0",
+    "dead_time": "somebody else compensates dead time: switch that off, or export with "
+    "--set dead_time_share=0",
     "state": "the state of the check was damaged: repeat it, and look for what overwrites memory",
 }
 """By the names of BRING_UP_FAULT_*."""
