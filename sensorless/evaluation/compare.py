@@ -117,15 +117,15 @@ class Comparison:
         if not self.scenarios:
             return f"not to compare with {self.against}: no scenario of {self.where} is feasible"
         where = f"{counted(self.scenarios, self.size)} of {self.where} that it was not made on"
+        ours, theirs = (round(cost.lost_rate * self.scenarios) for cost in (self.ours, self.theirs))
         if self.same:
-            return f"the same as {self.against}: every one of {where} ends alike"
+            return f"the same as {self.against}: every one of {where} ends alike, {ours} lost"
         start = {
             "better": f"better than {self.against}",
             "worse": f"worse than {self.against}",
             "level": f"neither better nor worse than {self.against}",
         }[self.word]
         share, low, high = (100.0 * x for x in (self.change, *self.interval))
-        ours, theirs = (round(cost.lost_rate * self.scenarios) for cost in (self.ours, self.theirs))
         return (
             f"{start}: objective {share:+.1f} % (95 % interval {low:+.1f} to {high:+.1f} %), lost "
             f"{ours} instead of {theirs} of {where}"
