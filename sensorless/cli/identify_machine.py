@@ -66,11 +66,11 @@ def machine_command(
     from sensorless.identify.machine.simulated import Simulated, real_drive
     from sensorless.identify.machine.source import Recorded, Source
     from sensorless.machine.motor import Motor
-    from sensorless.machine.motor_file import written
+    from sensorless.machine.motor_file import check_motor_out, written
     from sensorless.suitability.plausible import require_plausible
 
     check_writable(save_log, "save-log")
-    check_writable(out)
+    check_motor_out(out)
     given = Motor.load(motor)
     if log is None:
         require_plausible(given)

@@ -69,7 +69,7 @@ def import_map_command(
     """
     from dataclasses import replace
 
-    from sensorless.files import check_writable, write_atomic
+    from sensorless.files import write_atomic
     from sensorless.machine.correction_fit import corrected
     from sensorless.machine.flux_correction import correction_table
     from sensorless.machine.magnetics import plant_currents
@@ -77,10 +77,10 @@ def import_map_command(
     from sensorless.machine.map_fit import fit_map
     from sensorless.machine.mapped import far_from, mapped, saturation_table, tables_of
     from sensorless.machine.motor import Motor
-    from sensorless.machine.motor_file import table_lines, written
+    from sensorless.machine.motor_file import check_motor_out, table_lines, written
     from sensorless.plots.figure import check_picture
 
-    check_writable(out)
+    check_motor_out(out)
     check_picture(plot)
     machine = Motor.load(motor)
     i, psi = load_map(file, columns, turn)

@@ -153,13 +153,13 @@ def new_command(
     """
     from sensorless.design.drive import DriveDesign
     from sensorless.design.new_motor import new_motor, plain
-    from sensorless.files import check_writable, write_atomic
+    from sensorless.files import write_atomic
     from sensorless.machine.datasheet import Datasheet, inertia_from
     from sensorless.machine.motor import Motor, check_name
-    from sensorless.machine.motor_file import written
+    from sensorless.machine.motor_file import check_motor_out, written
 
     check_name(name)
-    check_writable(out)
+    check_motor_out(out)
     given = {"poles": poles, "speed": speed, "current": current, "r": r, "u_dc": u_dc, "pwm": pwm}
     known: dict[str, Any] = {key: _asked(key, value) for key, value in given.items()}
     if ke is None and kt is None:

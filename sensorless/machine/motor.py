@@ -149,7 +149,9 @@ class Motor:
             path = MOTORS / f"{name}.toml"
         if not path.is_file():
             known = ", ".join(sorted(p.stem for p in MOTORS.glob("*.toml")))
-            what = "a folder: give a .toml file" if Path(name).is_dir() else "no such file"
+            what = "a folder: give a .toml file" if name and Path(name).is_dir() else "no such file"
+            if Path(name).is_file():
+                what = "the name of a motor file ends in .toml"
             if is_device(Path(name)):
                 what = "no regular file: give a .toml file"
             raise UserError(f"motor {str(name)!r}: {what}; shipped motors: {known}")

@@ -2,8 +2,11 @@
 
 import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
+from sensorless.errors import UserError
+from sensorless.files import check_writable
 from sensorless.machine.datasheet import Number
 from sensorless.machine.motor import Motor
 from sensorless.settings import settings_of
@@ -14,6 +17,19 @@ TABLES = {
     "drive": ("T_s", "u_inj", "i_max", "i_trip", "dead_time", "adc_range", "adc_bits"),
 }
 WHOLE = ("n_p", "adc_bits")
+
+
+def check_motor_out(out: Path | None) -> None:
+    """Check before the work that a motor file can be written to ``out``, and read again.
+
+    Raises
+    ------
+    UserError
+        Its name does not end in .toml, or as ``check_writable``.
+    """
+    if out is not None and out.suffix != ".toml":
+        raise UserError(f"out: {str(out)!r}: the name of a motor file ends in .toml")
+    check_writable(out)
 
 
 def tables(name: str, description: str, numbers: Mapping[str, Number]) -> dict[str, Any]:

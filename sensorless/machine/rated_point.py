@@ -34,20 +34,22 @@ class RatedPoint:
 
     def objection(self, motor: Motor) -> str | None:
         """Why the rated point is out of reach, and what is reached; None if it is reached."""
-        least = (1.0 - ROUNDING) * motor.tau_rated
-        if self.torque < least:
-            return (
+        few = 1.0 - ROUNDING
+        found = []
+        if self.torque < few * motor.tau_rated:
+            found.append(
                 f"rated torque {motor.tau_rated:g} N m needs "
                 + (f"{self.current:.3g} A" if math.isfinite(self.current) else "more than i_max")
                 + f", but i_rated is {motor.i_rated:g} A, which gives {self.torque:.3g} N m"
             )
-        if self.torque_at_speed < least:
-            return (
+        if self.torque_at_speed < few * min(motor.tau_rated, self.torque):
+            reached = f"up to {self.speed:.0f} r/min" if self.speed > 0.0 else "nowhere"
+            found.append(
                 f"{motor.tau_rated:g} N m at {motor.n_rated_rpm:g} r/min is beyond "
-                f"{motor.u_dc:g} V: rated torque is reached up to {self.speed:.0f} r/min, and "
+                f"{motor.u_dc:g} V: rated torque is reached {reached}, and "
                 f"rated speed with {self.torque_at_speed:.3g} N m"
             )
-        return None
+        return "; ".join(found) or None
 
 
 def rated_point(motor: Motor) -> RatedPoint:

@@ -11,7 +11,7 @@ import pytest
 
 from sensorless.errors import LONGEST, UserError
 from sensorless.machine.motor import MOTORS, Motor, Saturation
-from sensorless.machine.motor_file import toml_value
+from sensorless.machine.motor_file import check_motor_out, toml_value
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -234,3 +234,15 @@ def test_a_text_of_any_bytes_is_read_back() -> None:
     for text in ('a "b" \\ c\nd', "m\u00e9", "\x00\x1f\x7f", "bad\udcff"):
         read = tomllib.loads(f"name = {toml_value(text)}")["name"]
         assert read == text.replace("\udcff", "?")
+
+
+def test_a_motor_file_is_read_and_written_as_toml_alone(tmp_path: Path) -> None:
+    bare = tmp_path / "mine"
+    bare.write_text((MOTORS / "paper.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    with pytest.raises(UserError, match=r"mine': the name of a motor file ends in \.toml"):
+        Motor.load(bare)
+    for name in ("mine", "mine.TOML", "mine.csv"):
+        with pytest.raises(UserError, match=r"the name of a motor file ends in \.toml"):
+            check_motor_out(tmp_path / name)
+    check_motor_out(tmp_path / "mine.toml")
+    check_motor_out(None)

@@ -63,3 +63,9 @@ def test_voltage_at_the_reported_speed_is_the_usable_one() -> None:
     w = top_speeds(PAPER, i, psi)
     u = np.hypot(PAPER.R_s * i[:, 0] - w * psi[:, 1], PAPER.R_s * i[:, 1] + w * psi[:, 0])
     assert u == pytest.approx(np.full(len(u), 0.97 * 540.0 / math.sqrt(3.0)), rel=1e-9)
+
+
+def test_too_little_current_does_not_hide_too_little_voltage() -> None:
+    both = replace(PAPER, i_rated=0.6 * PAPER.i_rated, u_dc=0.5 * PAPER.u_dc)
+    said = rated_point(both).objection(both) or ""
+    assert "but i_rated is" in said and f"is beyond {both.u_dc:g} V" in said and "nowhere" in said
