@@ -207,7 +207,7 @@ class SimFactory:
         if np.any(s.seek) and not knows_poles(motor):
             raise UserError(
                 f"start: {motor.name} does not saturate along d, so its poles look alike; start at "
-                "a known angle, or give the motor file a [saturation]"
+                "a known angle, or give the motor file a [saturation] in which L_d falls with i_d"
             )
         sims = np.repeat(self.template, len(s))
         design = dataclasses.replace(self.design, **settings)

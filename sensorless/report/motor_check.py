@@ -75,7 +75,8 @@ def check(motor: Motor, design: DriveDesign, size: int = SIZE) -> Check:
     if e.verdict.word == "no" or size == 0:
         return Check(e, ())
     runs = tuple(_quick_run(motor, design, suite, size) for suite in SUITES)
-    found = (finding for run in runs for finding in judged(run))
+    speed_hz = derive(motor, design).speed_hz
+    found = (finding for run in runs for finding in judged(run, speed_hz))
     return Check(replace(e, findings=(*e.findings, *found)), runs)
 
 
@@ -90,8 +91,8 @@ def _quick_run(motor: Motor, design: DriveDesign, suite: str, size: int) -> Quic
     )  # fmt: skip
 
 
-def judged(run: QuickRun) -> list[Finding]:
-    """What a quick run adds to the verdict."""
+def judged(run: QuickRun, speed_hz: float) -> list[Finding]:
+    """What a quick run adds to the verdict; ``speed_hz`` [Hz] of the drive that ran."""
     found = []
     if run.infeasible == 1.0:
         return [Finding(NO, "run", f"even with an encoder, the drive fails all of {run.suite}")]
@@ -109,7 +110,7 @@ def judged(run: QuickRun) -> list[Finding]:
         text = "the drive under Eq. 25 keeps its angle, but swings or stays off its speed in "
         text += f"{run.not_held:.0%} of the feasible scenarios of {run.suite}"
         text += ": smaller offsets of the current sensors, less dead time or a slower speed loop, "
-        text += "--set speed_hz, may hold it"
+        text += f"--set speed_hz={0.4 * speed_hz:.2g} instead of {speed_hz:.3g}, may hold it"
         found.append(Finding(LIMIT, "run", text))
     return found
 

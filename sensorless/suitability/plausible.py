@@ -187,7 +187,8 @@ def _inverter(m: Motor) -> Iterator[Finding]:
         text += f"above i_trip = {m.i_trip:g} A; zero voltage shorts it: open the bridge to stop"
         yield Finding(NOTE, "i_trip", text)
     if m.u_inj >= m.u_dc / math.sqrt(3.0):
-        text = f"u_inj = {m.u_inj:g} V is beyond the DC link, {m.u_dc / math.sqrt(3.0):.4g} V"
+        text = f"u_inj = {m.u_inj:g} V is beyond {m.u_dc / math.sqrt(3.0):.4g} V, the most that a "
+        text += f"DC link of {m.u_dc:g} V gives; give at most a fifth of it"
         yield Finding(NO, "u_inj", text)
     elif m.u_inj > 1.01 * LINK_SHARE * m.u_dc:
         text = f"u_inj = {m.u_inj:g} V is above a fifth of the DC link, {LINK_SHARE * m.u_dc:g} V"
@@ -198,4 +199,5 @@ def _inverter(m: Motor) -> Iterator[Finding]:
         yield Finding(LIMIT, "u_inj", text)
     if m.dead_time > 0.1 * m.T_s:
         weight = NO if m.dead_time > 0.5 * m.T_s else LIMIT
-        yield Finding(weight, "dead_time", f"dead time is {m.dead_time / m.T_s:.0%} of T_s")
+        text = f"dead_time = {m.dead_time:g} s is {m.dead_time / m.T_s:.0%} of T_s"
+        yield Finding(weight, "dead_time", text + (": wrong unit?" if weight == NO else ""))
