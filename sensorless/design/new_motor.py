@@ -65,7 +65,7 @@ def new_motor(
         ("adc-range", adc_range, "A"), ("u-inj", u_inj, "V"),
     ):  # fmt: skip
         if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise UserError(f"{label}: {value:g} {unit}; give a number above 0")
+            raise UserError(f"{label}: {value:g} {unit}; give a finite number above 0")
     period = settings_of(Motor)["T_s"]
     if not period.low <= 1.0 / pwm_hz <= period.high:
         raise UserError(

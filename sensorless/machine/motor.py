@@ -177,8 +177,10 @@ def check_name(name: str, where: str = "") -> None:
     Raises
     ------
     UserError
-        It has control characters.
+        It is blank, or has control characters.
     """
+    if not name.strip():
+        raise UserError(f"{where}name: {shown(name)}: give a text")
     if has_control(name):
         raise UserError(f"{where}name: {shown(name)}: leave out control characters")
 

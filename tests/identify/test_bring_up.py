@@ -89,6 +89,25 @@ def test_a_log_gives_the_same_answer(motor: Motor, tmp_path: Path) -> None:
         check_log(motor, tmp_path / "empty.csv")
 
 
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("nan,nan,0,0", "row 49 below the heading: i_a = nan, i_b = nan"),
+        ("1", "line 50 has 1 cells"),
+    ],
+)
+def test_a_bad_row_of_a_log_is_named(motor: Motor, tmp_path: Path, row: str, said: str) -> None:
+    path = tmp_path / "log.csv"
+    write_log(check(motor, drives_at_rest(motor, SEEDS[:1]))[1], path)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    lines[49] = row
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(UserError, match=said):
+        check_log(motor, path)
+    with pytest.raises(UserError, match="no such file"):
+        check_log(motor, tmp_path / "none.csv")
+
+
 def test_a_log_of_another_motor_gives_no_impossible_numbers(motor: Motor, tmp_path: Path) -> None:
     other = replace(motor, u_dc=0.5 * motor.u_dc)
     write_log(check(other, drives_at_rest(other, SEEDS[:1]))[1], tmp_path / "log.csv")

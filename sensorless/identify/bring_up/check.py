@@ -1,5 +1,6 @@
 """Runs the check and reads its result."""
 
+import re
 import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -97,14 +98,22 @@ def check_log(motor: Motor, path: Path) -> Found:
             )
         i_a, i_b = (np.atleast_1d(data[name]) for name in COLUMNS)
     except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"log {str(path)!r}: {reason(error)}; give a file to read") from None
-    except (ValueError, IndexError, TypeError):
+        why = reason(error) if path.exists() else "no such file"
+        raise UserError(f"log {str(path)!r}: {why}; give a file to read") from None
+    except (ValueError, IndexError, TypeError) as error:
+        bad = re.search(r"Line #(\d+) \(got (\d+) columns instead of (\d+)\)", str(error))
+        if bad is not None:
+            told = f"line {bad[1]} has {bad[2]} cells; give {bad[3]}, as in the heading"
+            raise UserError(f"log {str(path)!r}: {told}") from None
         raise UserError(
             f"log {str(path)!r}: not a CSV table with the columns i_a and i_b [A], one row per "
             "PWM period from the first call of bring_up_step on"
         ) from None
-    if not (np.isfinite(i_a).all() and np.isfinite(i_b).all()):
-        raise UserError(f"log {str(path)!r}: a cell is not a finite number; give currents in A")
+    good = np.isfinite(i_a) & np.isfinite(i_b)
+    if not good.all():
+        k = int(np.argmin(good))
+        told = f"row {k + 1} below the heading: i_a = {i_a[k]:g}, i_b = {i_b[k]:g}"
+        raise UserError(f"log {str(path)!r}: {told}; give finite currents in A")
     params = params_of(motor)
     state, used = bring_up_replay(params, i_a, i_b)
     if int(state["phase"]) != 0:
