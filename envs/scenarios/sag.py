@@ -9,7 +9,7 @@ from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.machine.motor import Motor
 
 LEFT = (0.7, 0.95)
-"""Voltage that is left, over nominal: dips of the mains that IEC 61000-4-34 tests drives with."""
+"""Voltage that is left, over nominal: dips of the mains that a drive should ride through."""
 LASTS = (0.05, 0.5)
 """[s]"""
 BEGINS = 0.6

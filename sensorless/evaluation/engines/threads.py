@@ -4,7 +4,7 @@ import copy
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from itertools import islice
+from itertools import chain, islice
 
 from sensorless.core.api import threads_allowed
 from sensorless.evaluation.engines.engine import Chunk, Result
@@ -19,12 +19,16 @@ class Threads:
     def map(self, function: Callable[[Chunk], Result], chunks: Iterable[Chunk]) -> Iterator[Result]:
         """Yield results in the order of the chunks; no more than two a thread are under way.
 
-        A function that cannot be copied, say of a policy that holds a file, computes one by one.
+        Work that cannot be copied, say of a policy that holds a file, is done one by one.
         """
-        count = threads_allowed()
-        if count == 1 or not _can_be_copied(function):
-            return map(function, chunks)
-        return _side_by_side(function, iter(chunks), count)
+        count, waiting = threads_allowed(), iter(chunks)
+        if count == 1:
+            return map(function, waiting)
+        first = list(islice(waiting, 1))
+        every = chain(first, waiting)
+        if not _can_be_copied((function, first)):
+            return map(function, every)
+        return _side_by_side(function, every, count)
 
 
 LOCAL = Threads()
@@ -47,9 +51,9 @@ def _side_by_side(
         pool.shutdown(cancel_futures=True)
 
 
-def _can_be_copied(function: object) -> bool:
+def _can_be_copied(work: object) -> bool:
     try:
-        copy.deepcopy(function)
+        copy.deepcopy(work)
     except Exception:  # a policy may raise anything
         return False
     return True

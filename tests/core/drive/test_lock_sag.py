@@ -18,7 +18,7 @@ from tests.core.drive.test_lost_lock import turn
     "motor", [Motor.load("paper"), Motor.load("ipmsm_2200w"), member(1000501, 8)], ids=str
 )
 def test_no_sag_is_an_alarm(motor: Motor) -> None:
-    """Of 64, 2 of ``ipmsm_2200w`` and 22 of the random machine were while the current counted."""
+    """Of 64, 3 of ``ipmsm_2200w`` and 22 of the random machine were while the current counted."""
     s = score(
         make_policy("eq25", motor), suite("sag", motor, 3, 64), SimFactory(motor, DriveDesign())
     )

@@ -61,6 +61,9 @@ def test_what_cannot_be_copied_computes_one_by_one(monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("SENSORLESS_THREADS", "2")
     with open(__file__, encoding="utf-8") as file:
         assert list(LOCAL.map(Counting(file), range(6))) == [1, 2, 3, 4, 5, 6]
+        counting = Counting(file)
+        assert list(LOCAL.map(lambda own: own(0), [counting] * 6)) == [1, 2, 3, 4, 5, 6]
+    assert list(LOCAL.map(Counting(None), [])) == []
 
 
 def test_a_chunk_that_fails_ends_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
