@@ -38,6 +38,8 @@ SALIENCY_6 = 0.05
 """Largest second saliency over the first, of either sign."""
 IRON = (0.005, 0.03)
 """Iron loss at rated speed without load over rated power."""
+IRON_LOADED = 0.06
+"""Most that it is under rated load: half of what a machine of 88 % efficiency loses."""
 RIPPLE = (0.0, 0.03)
 """Amplitude over the link; six pulses a period of a three-phase mains of 50 or 60 Hz."""
 

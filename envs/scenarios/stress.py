@@ -7,6 +7,7 @@ from sensorless.envs.scenarios.ranges import (
     EMF_5,
     EMF_7,
     IRON,
+    IRON_LOADED,
     MAGNET_SHARE,
     PSI_F_COLD,
     R_S_COLD,
@@ -17,6 +18,7 @@ from sensorless.envs.scenarios.ranges import (
 )
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.machine.inverter import LOW_VOLTAGE, U_DIODE, U_TRANSISTOR
+from sensorless.machine.magnetics import flux, mtpa
 from sensorless.machine.motor import Motor
 
 DURATION = 2.0
@@ -80,12 +82,23 @@ def stress_scenarios(motor: Motor, seeds: Seeds | Chosen) -> Scenarios:
     s.magnet_K = d.uniform(*MAGNET_SHARE) * s.winding_K
     s.emf_5, s.emf_7 = d.uniform(-EMF_5, EMF_5), d.uniform(-EMF_7, EMF_7)
     s.saliency_6 = d.uniform(-SALIENCY_6, SALIENCY_6)
-    s.p_iron = d.uniform(*IRON) * motor.tau_rated * motor.omega_rated / motor.n_p
+    s.p_iron = d.uniform(*IRON) * _drawn_iron(motor) * motor.tau_rated * motor.omega_m_rated
     bipolar = motor.u_dc >= LOW_VOLTAGE
     s.u_transistor, s.u_diode = bipolar * d.uniform(*U_TRANSISTOR), bipolar * d.uniform(*U_DIODE)
     s.ripple, s.ripple_phase = d.uniform(*RIPPLE), d.uniform(-np.pi, np.pi)
     s.ripple_hz = np.where(d.chance(0.5), 300.0, 360.0)
     return s
+
+
+def _drawn_iron(motor: Motor) -> float:
+    """Iron loss without load over what ``IRON`` says, so that load keeps it within ``IRON_LOADED``.
+
+    It grows with the square of the flux linkage, by 11 times to rated current with much reluctance.
+    """
+    i = np.stack(mtpa(motor), axis=-1)
+    size, psi = np.hypot(*i.T), np.hypot(*flux(motor.saturation, i).T)
+    grows = (float(np.interp(motor.i_rated, size, psi)) / motor.psi_f) ** 2
+    return min(1.0, IRON_LOADED / (IRON[1] * grows))
 
 
 def mismatch_scenarios(motor: Motor, seeds: Seeds | Chosen) -> Scenarios:
