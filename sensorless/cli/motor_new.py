@@ -1,5 +1,6 @@
 """The command ``sensorless motor new``: a motor file from a data sheet."""
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -8,16 +9,17 @@ import typer
 from sensorless.cli.motor_check import show_check
 from sensorless.cli.options import (
     JsonOption,
+    errors,
     say_wrote,
 )
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 
 ASKED = {
     "poles": "poles (twice the pole pairs)",
     "speed": "rated speed [r/min]",
     "current": "rated current [A RMS]",
     "r": "resistance [ohm]",
-    "u_dc": "DC-link voltage of the inverter [V]",
+    "u-dc": "DC-link voltage of the inverter [V]",
     "pwm": "PWM frequency [Hz]",
 }
 """What a motor file needs, and the question that asks for it."""
@@ -141,10 +143,10 @@ def new_command(
 ) -> None:
     """Write a motor file from what a data sheet gives, then check it.
 
-    The command asks for what it needs and you did not give. Of --ke and --kt one is enough, and so
-    is one of --power and --torque; if you give both, they have to agree. The file names the source
-    of every number and says what is assumed. Exit status 1: the file is written, and the check
-    says no.
+    The command asks for what it needs and you did not give, again where an answer cannot be. Of
+    --ke and --kt one is enough, and so is one of --power and --torque; if you give both, they have
+    to agree. The file names the source of every number and says what is assumed. Exit status 1: the
+    file is written, and the check says no.
 
     For example:
 
@@ -154,30 +156,45 @@ def new_command(
     from sensorless.design.drive import DriveDesign
     from sensorless.design.new_motor import new_motor, plain
     from sensorless.files import write_atomic
-    from sensorless.machine.datasheet import Datasheet, inertia_from
+    from sensorless.machine.datasheet import Datasheet, check_number, check_words, inertia_from
     from sensorless.machine.motor import Motor, check_name
     from sensorless.machine.motor_file import check_motor_out, written
+    from sensorless.settings import settings_of
 
     check_name(name)
     check_motor_out(out)
-    given = {"poles": poles, "speed": speed, "current": current, "r": r, "u_dc": u_dc, "pwm": pwm}
-    known: dict[str, Any] = {key: _asked(key, value) for key, value in given.items()}
+    check_words(ke_kind, kt_kind, between)
+    rotor = None if inertia is None else inertia_from(inertia)
+    given = {"poles": poles, "speed": speed, "current": current, "r": r, "u-dc": u_dc, "pwm": pwm}
+    others = {
+        "power": power, "torque": torque, "ke": ke, "kt": kt, "l-d": l_d, "l-q": l_q,
+        "l": inductance, "ratio": ratio, "inertia": rotor, "adc-range": adc_range, "u-inj": u_inj,
+    }  # fmt: skip
+    for key, value in {**given, **others}.items():  # before the first question
+        if value is not None:
+            check_number(key, value)
+    for field, number in (("dead_time", dead_time), ("adc_bits", adc_bits)):
+        if number is not None:
+            settings_of(Motor)[field].checked(number)
+    known: dict[str, Any] = {
+        key: _asked(key, ASKED[key]) if value is None else value for key, value in given.items()
+    }
     if ke is None and kt is None:
-        ke = _asked_number("ke", f"Ke [V per 1000 r/min, line to line, {ke_kind}]")
+        ke = _asked("ke", f"Ke [V per 1000 r/min, line to line, {ke_kind}]")
     if power is None and torque is None:
-        torque = _asked_number("torque", "rated torque [N m]")
+        torque = _asked("torque", "rated torque [N m]")
     if l_d is None and l_q is None and inductance is None:
-        l_d = _asked_number("l-d", f"d inductance, {between} [H]")
-        l_q = _asked_number("l-q", f"q inductance, {between} [H]")
+        l_d = _asked("l-d", f"d inductance, {between} [H]")
+        l_q = _asked("l-q", f"q inductance, {between} [H]")
     sheet = Datasheet(
-        poles=known["poles"], speed_rpm=known["speed"], current_rms=known["current"],
+        poles=int(known["poles"]), speed_rpm=known["speed"], current_rms=known["current"],
         R=known["r"], ke=ke, ke_kind=ke_kind, kt=kt, kt_kind=kt_kind, between=between,
         L_d=l_d, L_q=l_q, L=inductance, ratio=ratio, power=power, torque=torque,
-        inertia=None if inertia is None else inertia_from(inertia),
+        inertia=rotor,
     )  # fmt: skip
     design = DriveDesign()
     data = new_motor(
-        name, sheet, u_dc=known["u_dc"], pwm_hz=known["pwm"], adc_range=adc_range,
+        name, sheet, u_dc=known["u-dc"], pwm_hz=known["pwm"], adc_range=adc_range,
         adc_bits=adc_bits, dead_time=dead_time, u_inj=u_inj, design=design,
     )  # fmt: skip
     motor = Motor.from_tables(plain(data), str(out))
@@ -189,25 +206,38 @@ def new_command(
     show_check(motor, design, size, None, f"sensorless motor check {out}", as_json)
 
 
-def _asked(key: str, value: float | None) -> float:
-    """Return a value that was given, or ask for it."""
-    if value is not None:
-        return value
-    number = _asked_number(key.replace("_", "-"), ASKED[key])
-    return int(number) if key == "poles" else number
-
-
-def _asked_number(option: str, question: str) -> float:
-    """Ask for a number.
+def _asked(option: str, question: str) -> float:
+    """Ask for a number, on a terminal until it is one that can be.
 
     Raises
     ------
     UserError
-        There is no answer.
+        There is no answer, or one that cannot be does not come from a terminal.
     """
+    while True:
+        try:
+            text = typer.prompt(question)
+        except (typer.Abort, EOFError):
+            raise UserError(
+                f"{option}: missing; give --{option}, or answer the question: {question}"
+            ) from None
+        try:
+            return _answer(option, text)
+        except UserError as error:
+            if not sys.stdin.isatty():
+                raise
+            errors.print(str(error), highlight=False, soft_wrap=True)
+
+
+def _answer(option: str, text: str) -> float:
+    """Return the number that an answer is; errors as ``check_number``."""
+    from sensorless.machine.datasheet import check_number
+
     try:
-        return float(typer.prompt(question, type=float))
-    except (typer.Abort, EOFError):
+        value = float(text)
+    except ValueError:
         raise UserError(
-            f"{option}: missing; give --{option}, or answer the question: {question}"
+            f"{option}: {shown(text)}; give a number without its unit, such as 12 or 4.5e-3"
         ) from None
+    check_number(option, value)
+    return value

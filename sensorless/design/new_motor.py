@@ -1,20 +1,17 @@
 """The motor file of a data sheet: numbers that it gives, and those chosen or assumed."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
-from sensorless.errors import UserError
-from sensorless.machine.datasheet import Datasheet, Number, machine_numbers
+from sensorless.machine.datasheet import Datasheet, Number, check_number, machine_numbers
 from sensorless.machine.inverter import LOW_VOLTAGE
 from sensorless.machine.motor import Motor
 from sensorless.machine.motor_file import tables
 from sensorless.machine.saliency import require_saliency
 from sensorless.observers.injection_signal import suggested_injection
-from sensorless.settings import settings_of
 from sensorless.units import RPM_TO_RAD_S
 
 OVERLOAD, TRIP = 1.5, 3.0
@@ -56,21 +53,15 @@ def new_motor(
     UserError
         Numbers that contradict each other, are missing or out of range, or no saliency.
     """
-    for label, value, unit in (
-        ("speed", sheet.speed_rpm, "r/min"), ("current", sheet.current_rms, "A"),
-        ("power", sheet.power, "W"), ("torque", sheet.torque, "N m"), ("r", sheet.R, "ohm"),
-        ("ke", sheet.ke, "V"), ("kt", sheet.kt, "N m/A"), ("l-d", sheet.L_d, "H"),
-        ("l-q", sheet.L_q, "H"), ("l", sheet.L, "H"), ("ratio", sheet.ratio, ""),
-        ("inertia", sheet.inertia, "kg m2"), ("u-dc", u_dc, "V"), ("pwm", pwm_hz, "Hz"),
-        ("adc-range", adc_range, "A"), ("u-inj", u_inj, "V"),
+    for label, value in (
+        ("speed", sheet.speed_rpm), ("current", sheet.current_rms), ("power", sheet.power),
+        ("torque", sheet.torque), ("r", sheet.R), ("ke", sheet.ke), ("kt", sheet.kt),
+        ("l-d", sheet.L_d), ("l-q", sheet.L_q), ("l", sheet.L), ("ratio", sheet.ratio),
+        ("inertia", sheet.inertia), ("u-dc", u_dc), ("pwm", pwm_hz), ("adc-range", adc_range),
+        ("u-inj", u_inj),
     ):  # fmt: skip
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise UserError(f"{label}: {value:g} {unit}; give a finite number above 0")
-    period = settings_of(Motor)["T_s"]
-    if not period.low <= 1.0 / pwm_hz <= period.high:
-        raise UserError(
-            f"pwm: {pwm_hz:g} Hz; give {1.0 / period.high:g} to {1.0 / period.low:g} Hz"
-        )
+        if value is not None:
+            check_number(label, value)
     numbers = machine_numbers(sheet)
     tau, i_rated = numbers["tau_rated"].value, numbers["i_rated"].value
     omega = sheet.speed_rpm * RPM_TO_RAD_S

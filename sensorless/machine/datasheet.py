@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 
 from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+from sensorless.settings import settings_of
 from sensorless.units import RPM_TO_RAD_S
 
 KE_KINDS = {"rms": math.sqrt(2.0), "peak": 1.0}
@@ -14,6 +16,12 @@ BETWEEN = {"line": 0.5, "phase": 1.0}
 """Where R and L are measured: between two terminals of a star, or on one phase."""
 INERTIA = {"kgm2": 1.0, "kgcm2": 1e-4, "gm2": 1e-3, "gcm2": 1e-7}
 """Factors of units of inertia to kg m^2."""
+UNITS = {
+    "poles": "", "speed": "r/min", "current": "A", "power": "W", "torque": "N m", "r": "ohm",
+    "ke": "V", "kt": "N m/A", "l-d": "H", "l-q": "H", "l": "H", "ratio": "", "inertia": "kg m2",
+    "u-dc": "V", "pwm": "Hz", "adc-range": "A", "u-inj": "V",
+}  # fmt: skip
+"""Numbers of a sheet and an inverter, as ``sensorless motor new`` names them."""
 ROUNDED = 0.05
 """Largest relative difference of two numbers of one sheet that rounding explains."""
 TOLERANCE = 0.15
@@ -75,6 +83,43 @@ def inertia_from(text: str) -> float:
         ) from None
 
 
+def check_number(name: str, value: float) -> None:
+    """Check one number of a sheet or an inverter, named as in ``UNITS``, without the others.
+
+    Raises
+    ------
+    UserError
+        Names the number, its value, and what to give.
+    """
+    period, pairs = settings_of(Motor)["T_s"], settings_of(Motor)["n_p"]
+    if name == "poles":
+        if not (value >= 2 and value % 2 == 0 and pairs.low <= value / 2 <= pairs.high):
+            most = 2 * pairs.high
+            raise UserError(f"poles: {value:g}; give twice the pole pairs: 2, 4, 6, ..., {most:g}")
+        return
+    if not (math.isfinite(value) and value > 0.0):
+        raise UserError(f"{name}: {value:g} {UNITS[name]}; give a finite number above 0")
+    if name == "pwm" and not period.low <= 1.0 / value <= period.high:
+        raise UserError(f"pwm: {value:g} Hz; give {1.0 / period.high:g} to {1.0 / period.low:g} Hz")
+
+
+def check_words(ke_kind: str, kt_kind: str, between: str) -> None:
+    """Check how a sheet counts its numbers.
+
+    Raises
+    ------
+    UserError
+        Names the word, and those to choose from.
+    """
+    for name, value, known in (
+        ("ke-kind", ke_kind, KE_KINDS),
+        ("kt-kind", kt_kind, KT_KINDS),
+        ("between", between, BETWEEN),
+    ):
+        if value not in known:
+            raise UserError(f"{name}: {value!r}; choose from {', '.join(known)}")
+
+
 def machine_numbers(s: Datasheet) -> dict[str, Number]:
     """Fields of [machine] and [rating] that the sheet determines.
 
@@ -83,15 +128,8 @@ def machine_numbers(s: Datasheet) -> dict[str, Number]:
     UserError
         A number is missing, or two numbers contradict each other; the message has both.
     """
-    if s.poles < 2 or s.poles % 2:
-        raise UserError(f"poles: {s.poles}; give twice the pole pairs: 2, 4, 6, ...")
-    for name, value, known in (
-        ("ke-kind", s.ke_kind, KE_KINDS),
-        ("kt-kind", s.kt_kind, KT_KINDS),
-        ("between", s.between, BETWEEN),
-    ):
-        if value not in known:
-            raise UserError(f"{name}: {value!r}; choose from {', '.join(known)}")
+    check_number("poles", s.poles)
+    check_words(s.ke_kind, s.kt_kind, s.between)
     n_p = s.poles // 2
     L_d, L_q = _inductances(s)
     share, measured = BETWEEN[s.between], f"data sheet, {s.between}"

@@ -1,129 +1,20 @@
-"""From a data sheet to a checked motor file, and what the check says on screen and page."""
+"""What the check of a motor says on screen and page, and a motor file from a flux map."""
 
-import inspect
 import json
-import math
-import re
-import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args, get_type_hints
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
-from sensorless.cli.app import app
-from sensorless.cli.motor_new import new_command
 from sensorless.cli.options import say_if_unsuited
 from sensorless.design.drive import DriveDesign
-from sensorless.design.new_motor import START_TIME, new_motor
 from sensorless.machine import map_fit
-from sensorless.machine.datasheet import Datasheet
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.map_fit import MapFit
 from sensorless.machine.motor import MOTORS, Motor, Saturation
 from tests.helpers.command import run
 from tests.helpers.machines import MEASURED_MAP
-
-DATA = Path(__file__).parents[1] / "data"
-SHEET = {
-    "name": "mine", "out": "mine.toml", "poles": "6", "speed": "1500", "torque": "14",
-    "current": "4.3", "ke": "209.7", "r": "7.2", "l-d": "0.072", "l-q": "0.102",
-    "inertia": "150 kg cm2", "u-dc": "540", "pwm": "5000", "size": "8",
-}  # fmt: skip
-"""The machine of ipmsm_2200w as a data sheet would put it."""
-
-
-def words(**changes: str | None) -> list[str]:
-    given = {**SHEET, **{key.replace("_", "-"): value for key, value in changes.items()}}
-    return [w for key, value in given.items() if value is not None for w in (f"--{key}", value)]
-
-
-def test_a_sheet_becomes_the_machine_it_describes(tmp_path: Path) -> None:
-    done = run("motor", "new", *words(), cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    made, known = Motor.load(tmp_path / "mine.toml"), Motor.load("ipmsm_2200w")
-    for name in ("n_p", "R_s", "L_d", "L_q", "psi_f", "J", "tau_rated", "i_rated", "T_s"):
-        assert getattr(made, name) == pytest.approx(getattr(known, name), rel=2e-3), name
-    assert made.i_max == pytest.approx(1.5 * made.i_rated, rel=1e-4)
-    assert made.u_inj == pytest.approx(known.u_inj, rel=0.1)
-    assert "suitable: yes" in done.stdout
-    text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
-    assert 'psi_f = "data sheet: Ke = 209.7 V/krpm line to line rms"' in text
-    assert 'dead_time = "assumed: usual for IGBTs' in text
-    assert len(re.findall(r"^\w+ += ", text, re.MULTILINE)) == 2 + 2 * 18, "a source each"
-
-
-def sheets() -> dict[str, Any]:
-    return tomllib.loads((DATA / "datasheets.toml").read_text(encoding="utf-8"))
-
-
-@pytest.mark.parametrize("name", sheets())
-def test_real_machines_pass_or_are_refused_for_a_reason(name: str, tmp_path: Path) -> None:
-    sheet = sheets()[name]
-    given = {"name": name, "out": "mine.toml", "size": "0", **sheet["options"]}
-    done = run("motor", "new", *(w for k, v in given.items() for w in (f"--{k}", v)), cwd=tmp_path)
-    said = " ".join((done.stdout + done.stderr).split())
-    status = {"yes": 0, "with": 0, "no,": 1}.get(sheet["verdict"].split()[0], 2)
-    judged = status < 2
-    assert done.returncode == status
-    assert (tmp_path / "mine.toml").exists() is judged
-    assert (f"suitable: {sheet['verdict']}" if judged else sheet["verdict"]) in said
-
-
-def test_the_page_tells_every_sheet_and_its_verdict() -> None:
-    text = (DATA.parents[1] / "docs" / "bring-a-motor.md").read_text(encoding="utf-8")
-    rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines()]
-    told = {row[1].split("`")[1]: row[4] for row in rows if len(row) == 8 and "`" in row[1]}
-    assert set(told) >= set(sheets())
-    for name, sheet in sheets().items():
-        word = sheet["verdict"].split(",")[0]
-        assert told[name].startswith("refused" if word == "saliency" else word), name
-
-
-def test_what_is_missing_is_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    given = words(poles=None, ke=None, torque=None, size="0")
-    done = CliRunner().invoke(app, ["motor", "new", *given], input="6\n209.7\n14\n")
-    assert done.exit_code == 0, done.output
-    assert Motor.load(tmp_path / "mine.toml").psi_f == pytest.approx(0.545, rel=2e-3)
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"kt": "5"}, "Kt = 5 N m/A"),
-        ({"power": "5000"}, "5000 W at 1500 r/min"),
-        ({"l-q": "0.072"}, "without saliency"),
-        ({"l-q": "0.05"}, "L_q must exceed L_d"),
-        ({"u-dc": "-1"}, "u-dc: -1 V"),
-        ({"ke": "-41"}, "ke: -41 V"),
-        ({"r": "inf"}, "r: inf ohm"),
-        ({"l-d": "nan"}, "l-d: nan H"),
-        ({"inertia": "-3 g cm2"}, "inertia: -3e-07 kg m2"),
-        ({"pwm": "0"}, "pwm: 0 Hz"),
-        ({"pwm": "1e9"}, "pwm: 1e+09 Hz; give 1000 to 1e+06 Hz"),
-        ({"speed": "0"}, "speed"),
-        ({"inertia": "much"}, "inertia"),
-        ({"out": "no/such/mine.toml"}, "no/such"),
-        ({"poles": None}, "--poles"),
-        ({"name": "a\nb"}, r"error: name: 'a\nb': leave out control characters"),
-    ],
-)
-def test_a_wrong_sheet_is_one_line_and_no_file(
-    changes: dict[str, str | None], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sys.stdin", open("/dev/null", encoding="utf-8"))
-    done = run("motor", "new", *words(**changes), cwd=tmp_path)
-    assert done.returncode == 2
-    assert said in done.stderr
-    assert not list(tmp_path.iterdir())
 
 
 def test_the_page_has_all_that_the_screen_has(tmp_path: Path) -> None:
@@ -258,26 +149,3 @@ def test_weak_saliency_is_said_and_strong_is_not(capsys: pytest.CaptureFixture[s
     assert "inductance ratio 1.07 within rated current" in " ".join(capsys.readouterr().err.split())
     say_if_unsuited(known, DriveDesign())
     assert not capsys.readouterr().err
-
-
-def test_the_help_names_the_values_that_are_assumed() -> None:
-    """Figures in the help of ``motor new`` are those of the code."""
-    hints = get_type_hints(new_command, include_extras=True)
-    helps = {
-        name: str(get_args(hints[name])[1].help)
-        for name in inspect.signature(new_command).parameters
-    }
-    short, long = (float(x) for x in re.findall(r"\d\S*e-6", helps["dead_time"]))
-    (limit,) = (float(x) for x in re.findall(r"below (\d+) V", helps["dead_time"]))
-    sheet = Datasheet(poles=6, speed_rpm=1500, current_rms=4.3, R=7.2, ke=209.7, torque=14.0,
-                      L_d=0.072, L_q=0.102)  # fmt: skip
-    for volt, pwm, dead_time in (
-        (limit - 1.0, 1e3, short),
-        (limit, 1e3, long),
-        (limit, 2e4, 0.02 / 2e4),
-    ):
-        made = new_motor("mine", sheet, u_dc=volt, pwm_hz=pwm, design=DriveDesign())
-        assert made["drive"]["dead_time"] == pytest.approx(dead_time)
-        assert made["drive"]["adc_range"] == pytest.approx(2.0 * math.sqrt(2.0) * 4.3, rel=1e-4)
-    assert f"{START_TIME:g} s from rest" in helps["inertia"]
-    assert "at most 2 %" in helps["dead_time"] and "twice the rated" in helps["adc_range"]
