@@ -1,4 +1,4 @@
-"""Refuses, before any work, to write over a file that the same command also reads or writes."""
+"""Refuses, before any work, to write over a file of the same command, or over a motor file."""
 
 import os
 from collections.abc import Iterator, Mapping
@@ -12,6 +12,11 @@ READ = (
     "motor", "policy", "run", "file", "log", "plant", "inputs", "scenario", "settings", "names",
 )  # fmt: skip
 """Parameters that may name a file to read, alone or inside a word such as cross=FILE.json."""
+FORCE = "force"
+"""Flag of the commands that may replace a motor file."""
+BY_HAND = ".toml"
+"""Ending of motor files, which a user may have corrected; all others that are written can be made
+again, and are replaced."""
 
 
 def keep_apart(given: Mapping[str, Any], names: Mapping[str, str]) -> None:
@@ -39,6 +44,23 @@ def keep_apart(given: Mapping[str, Any], names: Mapping[str, str]) -> None:
                     "write to another one"
                 )
         others.append((key, path))
+
+
+def keep_motor_files(given: Mapping[str, Any], names: Mapping[str, str]) -> None:
+    """Check that no parameter of a command names an existing motor file to write, unless by force.
+
+    Raises
+    ------
+    UserError
+        Names the parameter and the file.
+    """
+    for key in WRITTEN:
+        path = given.get(key)
+        if path is not None and path.suffix == BY_HAND and path.is_file() and not given.get(FORCE):
+            more = ", or add --force to replace it" if FORCE in given else ""
+            raise UserError(
+                f"{names[key].lstrip('-')}: {str(path)!r} exists; write to another file{more}"
+            )
 
 
 def _files(value: Any) -> Iterator[str]:

@@ -9,6 +9,7 @@ from rich.table import Table
 from sensorless.cli.options import (
     JsonOption,
     MotorOption,
+    ReplaceOption,
     console,
     say_json,
     say_wrote,
@@ -43,6 +44,7 @@ def machine_command(
             help="Draw the errors of the simulated sensors and inverter from this seed.",
         ),
     ] = 0,
+    force: ReplaceOption = False,  # apart.py reads it, before the command runs
     as_json: JsonOption = False,
 ) -> None:
     """Measure resistance, flux linkages, magnet and inertia with the drive's own sensors.

@@ -7,6 +7,7 @@ import typer
 
 from sensorless.cli.options import (
     JsonOption,
+    ReplaceOption,
     console,
     say_json,
     say_wrote,
@@ -53,6 +54,7 @@ def import_map_command(
             "along -q. Default: the map's d axis is the magnet's.",
         ),
     ] = False,
+    force: ReplaceOption = False,  # apart.py reads it, before the command runs
     as_json: JsonOption = False,
 ) -> None:
     """Fit the saturation model to a flux map and say how well it fits.

@@ -9,6 +9,7 @@ import typer
 from sensorless.cli.motor_check import show_check
 from sensorless.cli.options import (
     JsonOption,
+    ReplaceOption,
     errors,
     say_wrote,
 )
@@ -139,6 +140,7 @@ def new_command(
             min=0, metavar="N", help="Simulate this many scenarios in the check; 0: none."
         ),
     ] = 100,
+    force: ReplaceOption = False,  # apart.py reads it, before the command runs
     as_json: JsonOption = False,
 ) -> None:
     """Write a motor file from what a data sheet gives, then check it.
@@ -146,12 +148,12 @@ def new_command(
     The command asks for what it needs and you did not give, again where an answer cannot be. Of
     --ke and --kt one is enough, and so is one of --power and --torque; if you give both, they have
     to agree. The file names the source of every number and says what is assumed. Exit status 1: the
-    file is written, and the check says no.
+    file is written, and the check says no. A file that exists is replaced by --force alone.
 
     For example:
 
         sensorless motor new --name mine --out mine.toml
-        sensorless motor new --name mine --out mine.toml --ke 40 --pwm 8000
+        sensorless motor new --name other --out other.toml --ke 40 --pwm 8000
     """
     from sensorless.design.drive import DriveDesign
     from sensorless.design.new_motor import new_motor, plain

@@ -98,6 +98,13 @@ JsonOption = Annotated[
         is_eager=True,  # known to --list
     ),
 ]
+ReplaceOption = Annotated[
+    bool,
+    typer.Option(
+        "--force",
+        help="Let --out replace a motor file that exists. Default: it is refused.",
+    ),
+]
 QuietOption = Annotated[
     bool,
     typer.Option(

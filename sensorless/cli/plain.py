@@ -4,7 +4,7 @@ from typing import Any, TypeVar
 
 from typer.core import TyperCommand, TyperGroup
 
-from sensorless.cli.apart import keep_apart
+from sensorless.cli.apart import keep_apart, keep_motor_files
 
 P = TypeVar("P")
 
@@ -19,18 +19,19 @@ def without_types(params: list[P]) -> list[P]:
 
 
 class Command(TyperCommand):
-    """A command with plain flags, which never writes over its own input."""
+    """A command with plain flags, which never writes over its own input, or over a motor file."""
 
     def get_params(self, ctx: Any) -> Any:
         """Options and arguments, ``--help`` among them."""
         return without_types(super().get_params(ctx))
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command, unless two of its files are one."""
+        """Run the command, unless two of its files are one, or it would replace a motor file."""
         params: list[Any] = list(self.params)
         names = {p.name: p.opts[0] for p in params}
         names |= {p.name: p.metavar or p.name.upper() for p in params if names[p.name][0] != "-"}
         keep_apart(ctx.params, names)
+        keep_motor_files(ctx.params, names)
         return super().invoke(ctx)
 
 

@@ -46,6 +46,29 @@ def test_a_file_is_not_written_over(words: str, said: str, tmp_path: Path) -> No
     assert {path.name for path in tmp_path.iterdir()} == {"m.toml", "link.toml", "x"}
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "motor new --name a --out m.toml",
+        "motor import-map x --motor paper --out m.toml",
+        "identify machine --out m.toml",
+        "evaluate --policy eq25 --out m.toml",
+        "simulate --plot link.toml",
+    ],
+)
+def test_a_motor_file_is_replaced_by_force_alone(words: str, tmp_path: Path) -> None:
+    """Before the first question, too: there is nobody to answer it."""
+    (tmp_path / "m.toml").write_text("by hand")
+    (tmp_path / "link.toml").symlink_to("m.toml")
+    (tmp_path / "x").touch()
+    done = run(*words.split(), cwd=tmp_path)
+    option, file = words.split()[-2:]
+    more = ", or add --force to replace it" if words.startswith(("motor", "identify")) else ""
+    assert done.returncode == 2 and not done.stdout
+    assert done.stderr == f"error: {option[2:]}: '{file}' exists; write to another file{more}\n"
+    assert (tmp_path / "m.toml").read_text() == "by hand"
+
+
 def test_devices_may_be_given_twice(tmp_path: Path) -> None:
     words = "simulate --duration 0.01 --out /dev/null --log /dev/null --quiet"
     assert run(*words.split(), cwd=tmp_path).returncode == 0

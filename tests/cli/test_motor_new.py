@@ -52,6 +52,11 @@ def test_a_sheet_becomes_the_machine_it_describes(tmp_path: Path) -> None:
     assert 'psi_f = "data sheet: Ke = 209.7 V/krpm line to line rms"' in text
     assert 'dead_time = "assumed: usual for IGBTs' in text
     assert len(re.findall(r"^\w+ += ", text, re.MULTILINE)) == 2 + 2 * 18, "a source each"
+    again = words(name="other", size="0")
+    assert run("motor", "new", *again, cwd=tmp_path).returncode == 2
+    assert (tmp_path / "mine.toml").read_text(encoding="utf-8") == text
+    assert run("motor", "new", *again, "--force", cwd=tmp_path).returncode == 0
+    assert Motor.load(tmp_path / "mine.toml").name == "other"
 
 
 def sheets() -> dict[str, Any]:
