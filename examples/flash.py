@@ -27,7 +27,7 @@ def main(words: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--policy", default="eq25", help="rule, tuned file, or run")
     parser.add_argument("--out", type=Path, default=Path("firmware_eq25"), help="new folder")
-    parser.add_argument("--judge", action="store_true", help="run 600 scenarios before: a second")
+    parser.add_argument("--judge", action="store_true", help="run 900 scenarios before: seconds")
     given = parser.parse_args(words)
 
     motor = Motor.load("paper")

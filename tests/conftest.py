@@ -114,6 +114,7 @@ def small() -> Iterator[None]:
         patch.setattr(selftest, "FLAGS", (*SHIPPED_FLAGS, "-O0"))
         patch.setattr(vectors, "DURATION", 0.2)
         patch.setattr(judge, "SIZE", 8)
+        patch.setattr(judge, "CHECKED", 2)
         patch.setattr(fit, "SIZE", 8)
         patch.setattr(compare, "SIZE", 8)
         patch.setattr(aggregate, "RESAMPLES", 200)

@@ -1,17 +1,18 @@
 """Whether a schedule is fit for firmware: what it loses, and how it compares with Eq. 25."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from sensorless.baselines.linear import EQ25_BAND, linear_table
-from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.compare import Comparison, compare, counted, outcomes
+from sensorless.evaluation.machine_check import SIZE as CHECKED
+from sensorless.evaluation.machine_check import Check, check
 from sensorless.machine.motor import Motor
+from sensorless.plain_json import plain
 from sensorless.policy import Policy, TablePolicy
-from sensorless.suitability.examine import examine
 
 SUITE, SEED, SIZE = "nominal", 1, 200
 """The drive knows its machine, and its sensors are perfect: the least that a schedule must do."""
@@ -32,8 +33,14 @@ class Judged:
     """and of all."""
     eq25: Comparison
     """With Eq. 25 on the same machine and drive."""
-    unsuited: tuple[str, ...] = ()
-    """Why ``sensorless motor check`` says no to the machine, without its simulation."""
+    machine: Check | None = None
+    """What ``sensorless motor check`` says of the machine on this drive."""
+
+    @property
+    def unsuited(self) -> tuple[str, ...]:
+        """Why it says no; empty unless it does."""
+        found = None if self.machine is None else self.machine.examination.verdict
+        return found.because if found is not None and found.word == "no" else ()
 
     @property
     def objection(self) -> str:
@@ -60,17 +67,20 @@ class Judged:
 
     def facts(self) -> dict[str, Any]:
         """All of it in JSON types."""
-        return {
+        found = {
             "objection": self.objection,
             SUITE: {"seed": SEED, "scenarios": self.nominal, "lost": self.lost},
             "eq25": self.eq25.facts(),
         }
+        if self.machine is not None:
+            word, runs = self.machine.examination.verdict.word, self.machine.runs
+            found["motor_check"] = {"suitable": word, "runs": plain([asdict(run) for run in runs])}
+        return found
 
 
 def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
-    """Run a schedule on ``SUITE``, and beside Eq. 25 on the same drive."""
+    """Check the machine, run a schedule on ``SUITE``, and beside Eq. 25 on the same drive."""
     factories = [SimFactory(motor, design)]
-    machine = examine(motor, derive(motor, design).hfi_pll_hz).verdict
     nominal = outcomes(policy, factories, SUITE, SEED, SIZE)
     eq25 = TablePolicy("eq25", linear_table(*EQ25_BAND), policy.settings)
     return Judged(
@@ -78,7 +88,7 @@ def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
         int(nominal.feasible.sum()),
         len(nominal.feasible),
         compare(policy, eq25, "Eq. 25", factories),
-        machine.because if machine.word == "no" else (),
+        check(motor, design, eq25, CHECKED),
     )
 
 
@@ -91,7 +101,10 @@ def require_fit(judged: Judged, name: str) -> None:
         Says why.
     """
     if judged.unsuited:
-        mend = "correct the motor file, or add --force; sensorless motor check shows all"
+        mend = (
+            "correct the motor file or the settings, or add --force; sensorless motor check, with "
+            "the same --set, shows all"
+        )
         raise UserError(f"export: {name}: {judged.objection}: {mend}")
     if judged.objection:
         raise UserError(
@@ -104,6 +117,10 @@ def verdict(judged: Judged | None) -> str:
     """Sentence of the README, without its full stop."""
     if judged is None:
         return "not judged; `sensorless export` judges a schedule before it writes one"
+    told = judged.sentence
     if judged.objection:
-        return f"not fit to run a motor: {judged.objection}; exported all the same with --force"
-    return judged.sentence
+        told = f"not fit to run a motor: {judged.objection}; exported all the same with --force"
+    if judged.machine is not None and judged.machine.runs:
+        word = judged.machine.examination.verdict.word
+        told += f"; motor check on this drive: {word}, lost under Eq. 25: {judged.machine.lost}"
+    return told

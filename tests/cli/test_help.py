@@ -119,7 +119,7 @@ def test_the_help_names_the_suite_that_a_command_uses() -> None:
     from sensorless.agents import validation
     from sensorless.agents.train.env import training_scenarios
     from sensorless.cli import demo_steps
-    from sensorless.report import motor_check
+    from sensorless.evaluation import machine_check
     from sensorless.tuning import tune
 
     motor, seeds = Motor.load("paper"), np.arange(3, dtype=np.uint64)
@@ -134,7 +134,7 @@ def test_the_help_names_the_suite_that_a_command_uses() -> None:
         ("train", validation.SUITE),
         ("distill", validation.SUITE),
         ("demo", demo_steps.SUITE),
-        ("motor check", *motor_check.SUITES),
+        ("motor check", *machine_check.SUITES),
     ):
         texts = [COMMANDS[path].help, *(option.help or "" for option in options(path))]
         named = [n for text in texts for n in re.findall(r"suite\s+([a-z]+(?:-\d)?)", text)]

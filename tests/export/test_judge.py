@@ -1,15 +1,26 @@
 """An export tells what its schedule is worth, and refuses one that is unfit."""
 
+import re
 from dataclasses import replace
+from math import nan
 from pathlib import Path
 
 import pytest
 
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.machine_family import member
+from sensorless.errors import UserError
 from sensorless.evaluation.compare import Comparison
+from sensorless.evaluation.machine_check import Check, QuickRun
 from sensorless.evaluation.objective import Cost
 from sensorless.export import judge as module
 from sensorless.export.export import Exported
 from sensorless.export.judge import Judged
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.report.motor_check import check
+from sensorless.suitability.examine import Examination
+from sensorless.suitability.finding import LIMIT, NO, Finding
 from sensorless.table.ks_table import KsTable
 from tests.helpers.command import run
 
@@ -18,6 +29,11 @@ LEVEL = Comparison(
 )
 WORSE = replace(LEVEL, change=1e-3, interval=(1e-4, 2e-3))
 BETTER = replace(LEVEL, change=-1e-3, interval=(-2e-3, -1e-4))
+
+
+def suits(weight: str) -> Check:
+    """A check of a machine with one finding."""
+    return Check(Examination(Motor.load("paper"), (Finding(weight, "psi_f", "psi_f = 8"),)), ())
 
 
 @pytest.mark.parametrize(
@@ -31,9 +47,10 @@ BETTER = replace(LEVEL, change=-1e-3, interval=(-2e-3, -1e-4))
         (Judged(0, 0, 200, LEVEL), "no scenario of nominal is feasible"),
         (Judged(0, 99, 200, LEVEL), "even with an encoder, the drive fails 101 of 200"),
         (
-            Judged(0, 200, 200, LEVEL, ("psi_f = 8",)),
+            Judged(0, 200, 200, LEVEL, suits(NO)),
             "its machine does not suit, because psi_f = 8",
         ),
+        (Judged(0, 200, 200, LEVEL, suits(LIMIT)), ""),
     ],
 )
 def test_what_is_refused(judged: Judged, objection: str) -> None:
@@ -65,8 +82,37 @@ def test_the_verdict_of_a_real_one(tmp_path: Path) -> None:
     last = done.stdout.splitlines()[-1].removeprefix("verdict: ")
     assert last.startswith("the same as Eq. 25") and "lost 0 of 8 scenarios of nominal" in last
     assert f"**Verdict:** {last}." in (tmp_path / "out/README.md").read_text()
+    assert last.endswith("drive: yes, lost under Eq. 25: stress 0 %, unload 0 %, braking 0 %")
     known = KsTable.load(tmp_path / "out/ks_table.json").provenance["judged"]
     assert known["nominal"]["lost"] == 0 and known["eq25"]["same"]
+    assert known["motor_check"]["suitable"] == "yes" and len(known["motor_check"]["runs"]) == 3
+
+
+def test_a_machine_that_the_simulation_of_its_check_refuses(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Its numbers pass, and Eq. 25 is no worse than Eq. 25."""
+    monkeypatch.setattr(module, "CHECKED", 20)
+    weak = member(1000502, 54)
+    judged = module.judge_export(make_policy("eq25", weak), weak, DriveDesign())
+    found = check(weak, DriveDesign(), 20).examination.verdict
+    assert found.word == "no" and judged.unsuited == found.because
+    with pytest.raises(UserError, match=r"loses \d+% .* of stress.*--force.*motor check"):
+        module.require_fit(judged, "eq25")
+    told = module.verdict(judged)
+    assert told.startswith("not fit to run a motor: its machine does not suit, because the drive")
+    assert re.search(
+        r"on this drive: no, lost under Eq. 25: stress \d\d %, unload \d+ %, brak", told
+    )
+
+
+def test_a_suite_that_no_drive_can_run_is_told() -> None:
+    runs = (QuickRun("unload", 9, 0.25, 0.0, 0.1, 0.1), QuickRun("stress", 9, nan, nan, 1.0, nan))
+    judged = Judged(0, 200, 200, LEVEL, replace(suits(LIMIT), runs=runs))
+    assert module.verdict(judged).endswith(
+        "with limits, lost under Eq. 25: unload 25 %, stress not feasible"
+    )
+    assert judged.facts()["motor_check"]["runs"][1]["lost"] is None
 
 
 def test_what_nobody_judged_says_so(exported: Exported) -> None:

@@ -7,8 +7,9 @@ import pytest
 
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machine_family import member
+from sensorless.evaluation.machine_check import LOST, QuickRun, judged
 from sensorless.machine.motor import Motor
-from sensorless.report.motor_check import LOST, QuickRun, check, facts, judged, rows
+from sensorless.report.motor_check import check, facts, rows
 from sensorless.suitability.finding import LIMIT, NO
 
 

@@ -1,0 +1,108 @@
+"""Check of a machine: examined on paper, then simulated briefly under Eq. 25."""
+
+from dataclasses import dataclass, replace
+
+from sensorless.design.derived import derive
+from sensorless.design.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.evaluation.evaluate import evaluate
+from sensorless.machine.motor import Motor
+from sensorless.policy import Policy
+from sensorless.suitability.examine import Examination, examine
+from sensorless.suitability.finding import LIMIT, NO, Finding
+
+SUITES, SEED, SIZE = ("stress", "unload", "braking"), 1, 100
+"""Scenarios of a quick run: all that is uncertain, and loads at low speed that go or drive."""
+LOST = (0.05, 0.2)
+"""Lost share of a quick run above which the drive is limited, or unable."""
+LOOSE = 0.05
+"""Share of a quick run, lost or not held, above which the drive is limited."""
+INFEASIBLE = 0.05
+"""Share of a quick run that the sensored twin fails too, above which the drive is limited."""
+
+
+@dataclass(frozen=True)
+class QuickRun:
+    """Eq. 25, the source paper's rule, on scenarios of a suite."""
+
+    suite: str
+    size: int
+    lost: float
+    """share of the feasible scenarios"""
+    not_held: float
+    """share of the feasible scenarios in which lock is kept, but not the speed"""
+    infeasible: float
+    """share in which the sensored twin itself trips or runs away"""
+    torque_dev: float
+    """mean torque deviation from the twin where lock is kept, over rated torque"""
+    tripped: float = 0.0
+    """share of the lost ones in which the current limit ended it"""
+
+
+@dataclass(frozen=True)
+class Check:
+    """Result of a check."""
+
+    examination: Examination
+    runs: tuple[QuickRun, ...]
+    """one for each of ``SUITES``; none where the examination says no, or for size 0"""
+
+    @property
+    def lost(self) -> str:
+        """What Eq. 25 lost of each suite, in a few words."""
+        return ", ".join(
+            f"{run.suite} {100.0 * run.lost:.0f} %"
+            if run.infeasible < 1.0
+            else f"{run.suite} not feasible"
+            for run in self.runs
+        )
+
+
+def check(motor: Motor, design: DriveDesign, eq25: Policy, size: int = SIZE) -> Check:
+    """Examine a machine, and simulate it unless the verdict is no; ``size`` 0: examine only."""
+    try:
+        e = examine(motor, derive(motor, design).hfi_pll_hz)
+    except UserError:  # of no drive at all: say why, whatever its loops are
+        e = examine(motor, 1.0)
+        if e.verdict.word != "no":
+            raise
+    if e.verdict.word == "no" or size == 0:
+        return Check(e, ())
+    runs = tuple(_quick_run(motor, design, eq25, suite, size) for suite in SUITES)
+    speed_hz = derive(motor, design).speed_hz
+    found = (finding for run in runs for finding in judged(run, speed_hz))
+    return Check(replace(e, findings=(*e.findings, *found)), runs)
+
+
+def _quick_run(motor: Motor, design: DriveDesign, eq25: Policy, suite: str, size: int) -> QuickRun:
+    result = evaluate(motor, design, suite, SEED, size, {"eq25": eq25}).policies["eq25"]
+    causes = result["lost_by_cause"]
+    return QuickRun(
+        suite, size, result["lost_rate"], result["not_held_rate"], result["infeasible_rate"],
+        result["torque_dev_rms"],
+        causes["current"] / max(1, sum(causes.values()) - causes["twin"]),
+    )  # fmt: skip
+
+
+def judged(run: QuickRun, speed_hz: float) -> list[Finding]:
+    """What a quick run adds to the verdict; ``speed_hz`` [Hz] of the drive that ran."""
+    found = []
+    if run.infeasible == 1.0:
+        return [Finding(NO, "run", f"even with an encoder, the drive fails all of {run.suite}")]
+    if run.infeasible > INFEASIBLE:
+        text = f"even with an encoder, the drive fails {run.infeasible:.0%} of {run.suite}"
+        found.append(Finding(LIMIT, "run", text))
+    if not run.lost <= LOST[0]:
+        text = (
+            f"the drive under Eq. 25 loses {run.lost:.0%} of the feasible scenarios of {run.suite}"
+        )
+        if run.tripped > 0.5:
+            text += ", mostly by i_trip: a shorter T_s lets the current loop follow"
+        found.append(Finding(NO if not run.lost <= LOST[1] else LIMIT, "run", text))
+    if run.not_held > 0.0 and run.lost + run.not_held > LOOSE:
+        text = "the drive under Eq. 25 keeps its angle, but swings or stays off its speed in "
+        text += f"{run.not_held:.0%} of the feasible scenarios of {run.suite}"
+        text += ": smaller offsets of the current sensors, less dead time or a slower speed loop, "
+        text += f"--set speed_hz={0.4 * speed_hz:.2g} instead of {speed_hz:.3g}, may hold it"
+        found.append(Finding(LIMIT, "run", text))
+    return found
