@@ -1,4 +1,4 @@
-"""Check of a machine: examined on paper, then simulated briefly under Eq. 25."""
+"""Check of a machine: examined on paper, then simulated briefly under a schedule."""
 
 from dataclasses import dataclass, replace
 
@@ -23,7 +23,7 @@ INFEASIBLE = 0.05
 
 @dataclass(frozen=True)
 class QuickRun:
-    """Eq. 25, the source paper's rule, on scenarios of a suite."""
+    """A schedule on scenarios of a suite."""
 
     suite: str
     size: int
@@ -37,6 +37,8 @@ class QuickRun:
     """mean torque deviation from the twin where lock is kept, over rated torque"""
     tripped: float = 0.0
     """share of the lost ones in which the current limit ended it"""
+    under: str = "Eq. 25"
+    """name of the schedule"""
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,7 @@ class Check:
 
     @property
     def lost(self) -> str:
-        """What Eq. 25 lost of each suite, in a few words."""
+        """What the schedule lost of each suite, in a few words."""
         return ", ".join(
             f"{run.suite} {100.0 * run.lost:.0f} %"
             if run.infeasible < 1.0
@@ -58,8 +60,11 @@ class Check:
         )
 
 
-def check(motor: Motor, design: DriveDesign, eq25: Policy, size: int = SIZE) -> Check:
-    """Examine a machine, and simulate it unless the verdict is no; ``size`` 0: examine only."""
+def check(motor: Motor, design: DriveDesign, policy: Policy, under: str, size: int = SIZE) -> Check:
+    """Examine a machine, and simulate it unless the verdict is no; ``size`` 0: examine only.
+
+    ``under``: name of the policy in what is found.
+    """
     try:
         e = examine(motor, derive(motor, design).hfi_pll_hz)
     except UserError:  # of no drive at all: say why, whatever its loops are
@@ -68,19 +73,21 @@ def check(motor: Motor, design: DriveDesign, eq25: Policy, size: int = SIZE) -> 
             raise
     if e.verdict.word == "no" or size == 0:
         return Check(e, ())
-    runs = tuple(_quick_run(motor, design, eq25, suite, size) for suite in SUITES)
+    runs = tuple(_quick_run(motor, design, policy, under, suite, size) for suite in SUITES)
     speed_hz = derive(motor, design).speed_hz
     found = (finding for run in runs for finding in judged(run, speed_hz))
     return Check(replace(e, findings=(*e.findings, *found)), runs)
 
 
-def _quick_run(motor: Motor, design: DriveDesign, eq25: Policy, suite: str, size: int) -> QuickRun:
-    result = evaluate(motor, design, suite, SEED, size, {"eq25": eq25}).policies["eq25"]
+def _quick_run(
+    motor: Motor, design: DriveDesign, policy: Policy, under: str, suite: str, size: int
+) -> QuickRun:
+    result = evaluate(motor, design, suite, SEED, size, {under: policy}).policies[under]
     causes = result["lost_by_cause"]
     return QuickRun(
         suite, size, result["lost_rate"], result["not_held_rate"], result["infeasible_rate"],
         result["torque_dev_rms"],
-        causes["current"] / max(1, sum(causes.values()) - causes["twin"]),
+        causes["current"] / max(1, sum(causes.values()) - causes["twin"]), under,
     )  # fmt: skip
 
 
@@ -93,14 +100,13 @@ def judged(run: QuickRun, speed_hz: float) -> list[Finding]:
         text = f"even with an encoder, the drive fails {run.infeasible:.0%} of {run.suite}"
         found.append(Finding(LIMIT, "run", text))
     if not run.lost <= LOST[0]:
-        text = (
-            f"the drive under Eq. 25 loses {run.lost:.0%} of the feasible scenarios of {run.suite}"
-        )
+        text = f"the drive under {run.under} loses {run.lost:.0%} of the feasible scenarios of "
+        text += run.suite
         if run.tripped > 0.5:
             text += ", mostly by i_trip: a shorter T_s lets the current loop follow"
         found.append(Finding(NO if not run.lost <= LOST[1] else LIMIT, "run", text))
     if run.not_held > 0.0 and run.lost + run.not_held > LOOSE:
-        text = "the drive under Eq. 25 keeps its angle, but swings or stays off its speed in "
+        text = f"the drive under {run.under} keeps its angle, but swings or stays off its speed in "
         text += f"{run.not_held:.0%} of the feasible scenarios of {run.suite}"
         text += ": smaller offsets of the current sensors, less dead time or a slower speed loop, "
         text += f"--set speed_hz={0.4 * speed_hz:.2g} instead of {speed_hz:.3g}, may hold it"

@@ -34,7 +34,7 @@ class Judged:
     eq25: Comparison
     """With Eq. 25 on the same machine and drive."""
     machine: Check | None = None
-    """What ``sensorless motor check`` says of the machine on this drive."""
+    """What ``sensorless motor check`` says of the machine on this drive, with this schedule."""
 
     @property
     def unsuited(self) -> tuple[str, ...]:
@@ -79,7 +79,7 @@ class Judged:
 
 
 def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
-    """Check the machine, run a schedule on ``SUITE``, and beside Eq. 25 on the same drive."""
+    """Check the machine with a schedule, run it on ``SUITE``, and beside Eq. 25 on the drive."""
     factories = [SimFactory(motor, design)]
     nominal = outcomes(policy, factories, SUITE, SEED, SIZE)
     eq25 = TablePolicy("eq25", linear_table(*EQ25_BAND), policy.settings)
@@ -88,7 +88,7 @@ def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
         int(nominal.feasible.sum()),
         len(nominal.feasible),
         compare(policy, eq25, "Eq. 25", factories),
-        check(motor, design, eq25, CHECKED),
+        check(motor, design, policy, "the schedule", CHECKED),
     )
 
 
@@ -122,5 +122,5 @@ def verdict(judged: Judged | None) -> str:
         told = f"not fit to run a motor: {judged.objection}; exported all the same with --force"
     if judged.machine is not None and judged.machine.runs:
         word = judged.machine.examination.verdict.word
-        told += f"; motor check on this drive: {word}, lost under Eq. 25: {judged.machine.lost}"
+        told += f"; motor check with it: {word}, lost {judged.machine.lost}"
     return told

@@ -28,7 +28,7 @@ Row = tuple[str, str, str]
 
 def check(motor: Motor, design: DriveDesign, size: int = SIZE) -> Check:
     """Examine a machine, and simulate it under Eq. 25; as ``machine_check.check``."""
-    return run_check(motor, design, make_policy("eq25", motor), size)
+    return run_check(motor, design, make_policy("eq25", motor), "Eq. 25", size)
 
 
 def rows(c: Check) -> list[Row]:

@@ -82,7 +82,7 @@ def test_the_verdict_of_a_real_one(tmp_path: Path) -> None:
     last = done.stdout.splitlines()[-1].removeprefix("verdict: ")
     assert last.startswith("the same as Eq. 25") and "lost 0 of 8 scenarios of nominal" in last
     assert f"**Verdict:** {last}." in (tmp_path / "out/README.md").read_text()
-    assert last.endswith("drive: yes, lost under Eq. 25: stress 0 %, unload 0 %, braking 0 %")
+    assert last.endswith("motor check with it: yes, lost stress 0 %, unload 0 %, braking 0 %")
     known = KsTable.load(tmp_path / "out/ks_table.json").provenance["judged"]
     assert known["nominal"]["lost"] == 0 and known["eq25"]["same"]
     assert known["motor_check"]["suitable"] == "yes" and len(known["motor_check"]["runs"]) == 3
@@ -96,22 +96,19 @@ def test_a_machine_that_the_simulation_of_its_check_refuses(
     weak = member(1000502, 54)
     judged = module.judge_export(make_policy("eq25", weak), weak, DriveDesign())
     found = check(weak, DriveDesign(), 20).examination.verdict
-    assert found.word == "no" and judged.unsuited == found.because
+    assert found.word == "no"
+    assert judged.unsuited == tuple(x.replace("Eq. 25", "the schedule") for x in found.because)
     with pytest.raises(UserError, match=r"loses \d+% .* of stress.*--force.*motor check"):
         module.require_fit(judged, "eq25")
     told = module.verdict(judged)
     assert told.startswith("not fit to run a motor: its machine does not suit, because the drive")
-    assert re.search(
-        r"on this drive: no, lost under Eq. 25: stress \d\d %, unload \d+ %, brak", told
-    )
+    assert re.search(r"check with it: no, lost stress \d\d %, unload \d+ %, brak", told)
 
 
 def test_a_suite_that_no_drive_can_run_is_told() -> None:
     runs = (QuickRun("unload", 9, 0.25, 0.0, 0.1, 0.1), QuickRun("stress", 9, nan, nan, 1.0, nan))
     judged = Judged(0, 200, 200, LEVEL, replace(suits(LIMIT), runs=runs))
-    assert module.verdict(judged).endswith(
-        "with limits, lost under Eq. 25: unload 25 %, stress not feasible"
-    )
+    assert module.verdict(judged).endswith("with limits, lost unload 25 %, stress not feasible")
     assert judged.facts()["motor_check"]["runs"][1]["lost"] is None
 
 
