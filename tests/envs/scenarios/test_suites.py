@@ -10,7 +10,8 @@ from typer.testing import CliRunner
 from sensorless.cli.app import app
 from sensorless.envs.scenarios.suites import SUITES, SuiteRows, suite
 from sensorless.errors import UserError
-from sensorless.machine.motor import Motor
+from sensorless.machine.magnetics import flux, mtpa
+from sensorless.machine.motor import MOTORS, Motor
 from sensorless.units import RPM_TO_RAD_S
 
 MOTOR = Motor.load("paper")
@@ -143,6 +144,19 @@ def test_only_inverters_of_high_voltage_have_thresholds() -> None:
         assert not getattr(low, name).any() and (getattr(high, name) > 0.5).all()
     np.testing.assert_array_equal(low.p_iron, high.p_iron)
     np.testing.assert_array_equal(low.emf_5, high.emf_5)
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in MOTORS.glob("*.toml")))
+def test_the_iron_of_stress_loses_little_under_load(name: str) -> None:
+    """With the flux linkage squared, at most 6 % of rated power at rated current."""
+    motor = Motor.load(name)
+    i = np.stack(mtpa(motor), axis=-1)
+    rated = [np.interp(motor.i_rated, np.hypot(*i.T), x) for x in flux(motor.saturation, i).T]
+    grows = (np.hypot(*rated) / motor.psi_f) ** 2
+    most = float(np.max(suite("stress", motor, 3, 512).p_iron))
+    share = most / (motor.tau_rated * motor.omega_m_rated)
+    bound = min(0.03, 0.06 / grows)
+    assert 0.98 * bound < share <= 1.01 * bound
 
 
 def test_other_machines_than_the_drive_was_designed_for() -> None:
