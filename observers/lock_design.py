@@ -48,7 +48,7 @@ LOADED = 0.1
 GAINED = 2.0
 """Bound on the answer over that of the d axis beyond which no channel with a wrong gain comes: one
 that reads 1.5 times as much makes 1.4 to 2.1."""
-E_LEAST = 0.85
+E_LEAST = 0.75
 """Least EMF that has a direction, over the residual that lock may have on the q axis."""
 ACTS = 0.1
 """Least share of an injected voltage that acts, with any dead time."""
@@ -165,7 +165,7 @@ def design_lock(
     n = evaluation_periods(motor)
     step = n * motor.T_s
     emf = motor.omega_rated * motor.psi_f
-    unknown = LEFT_DEAD_TIME * motor.dead_time_voltage + threshold_voltage(motor)
+    unknown = LEFT_DEAD_TIME * (motor.dead_time_voltage + threshold_voltage(motor))
     unknown += UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
     floor, lag = SPEED_LAG * emf + unknown, 2.0 * speed_hz / current_hz
     return {
