@@ -41,9 +41,7 @@ def test_the_bound_above_knows_the_iron_loss_of_the_file() -> None:
 
 
 def test_transistors_and_diodes_take_their_voltage_from_the_emf() -> None:
-    """Half of a transistor's and half of a diode's, of the file or, on the mains, usual ones;
-    of that three quarters, as of the dead time's.
-    """
+    """Three quarters of half a transistor's and half a diode's, of the file or usual ones."""
     motor, hub = Motor.load("paper"), Motor.load("ebike_hub")
 
     def floor(motor: Motor, **changed: Any) -> float:
