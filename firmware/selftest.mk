@@ -16,10 +16,11 @@ M4       := -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -ffreesta
 
 .PHONY: selftest example cortex_m4 clean
 selftest: build/selftest
-	@build/selftest
-	@if test -f SHA256SUMS && command -v sha256sum >/dev/null; then \
+	@build/selftest; status=$$?; \
+	if test -f SHA256SUMS && command -v sha256sum >/dev/null; then \
 	 sha256sum --quiet -c SHA256SUMS 2>/dev/null || \
-	 echo "note: not as exported; the self test sees what a file computes, not every number in it"; fi
+	 echo "note: not as exported; the self test sees what a file computes, not every number in it"; fi; \
+	exit $$status
 
 build/selftest: $(OBJECTS)
 	@$(CC) $(FLAGS) $(CFLAGS) -o $@ $^

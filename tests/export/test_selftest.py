@@ -105,8 +105,9 @@ def test_a_folder_corrupted_by_hand_fails(
         edit(copied / file, pattern, damaged, which)
     done = selftest(copied, "CC=gcc", "CFLAGS=-O0")
     assert done.returncode != 0 and "self test passed" not in done.stdout
-    for *_, message in edits:
+    for file, *_, message in edits:
         assert re.search(f"self test FAILED: {message}", done.stderr), done.stderr
+        assert f"{file}: FAILED\n" in done.stdout  # the reason, where the message tells its effect
 
 
 @GCC
