@@ -29,7 +29,8 @@ DO = {
     "BRING_UP_FAULT_SIGN": "invert both current channels, or the duties",
     "BRING_UP_FAULT_PHASES": "exchange phases in the currents or in the duties, not in both",
     "BRING_UP_FAULT_CHANNEL": "invert that channel",
-    "BRING_UP_FAULT_SCALE": "check duty formula, scale of each current and of the link, and L_d",
+    "BRING_UP_FAULT_SCALE": "check duty formula, scale of each current and of the link, and L_d; "
+    "a shaft that turns slowly shows like this, too",
     "BRING_UP_FAULT_DEAD_TIME": "switch the driver's compensation off, or export with "
     "`--set dead_time_share=0`",
     "BRING_UP_FAULT_STATE": "check again; if it repeats, look for what overwrites memory",

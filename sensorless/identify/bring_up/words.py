@@ -24,7 +24,8 @@ CURE = {
     "sign": "invert both currents, or the duties (an active-low gate driver)",
     "phases": "exchange the phases in the current channels or in the duties, not in both",
     "channel": "invert that current channel",
-    "scale": "check the duty formula 0.5 + u / u_dc, the scale of currents and DC link, and L_d",
+    "scale": "check the duty formula 0.5 + u / u_dc, the scale of currents and DC link, and L_d; "
+    "a shaft that turns slowly shows like this, too",
     "dead_time": "somebody else compensates dead time: switch that off, or export with "
     "--set dead_time_share=0",
     "state": "the state of the check was damaged: repeat it, and look for what overwrites memory",

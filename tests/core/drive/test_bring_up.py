@@ -8,6 +8,8 @@ import pytest
 from sensorless.core.api import Array, ffi, lib, pointer
 from sensorless.core.bring_up import FAULTS, WIRINGS
 from sensorless.design.records import bring_up_record
+from sensorless.export.faults import DO
+from sensorless.identify.bring_up.words import CURE
 from sensorless.machine.motor import Motor
 
 SWAP_AB = np.array([[-0.5, 0.75**0.5], [0.75**0.5, 0.5]])
@@ -141,3 +143,36 @@ def test_pole_pairs_are_turns_over_turns() -> None:
         for angle in np.angle(np.exp(1j * angles)):
             lib.turn_count(count, angle)
         assert lib.turn_pole_pairs(count, -1.02) == 3
+
+
+def test_a_state_that_was_not_begun_is_done_without_a_fault(params: Array) -> None:
+    """Why the README of an export names ``bring_up_init`` first."""
+    x = ffi.new("bring_up_state_t *")
+    lib.bring_up_step(pointer(params, "bring_up_params_t[]"), x, 0.0, 0.0)
+    assert x.phase == lib.BRING_UP_DONE and x.fault == 0
+
+
+def turning_shaft(params: Array, motor: Motor, speed: float) -> set[str]:
+    """Faults on a shaft that something turns at a share of rated speed, without dead time."""
+    coil, psi, theta = Coil(params, 0.0), np.array([motor.psi_f, 0.0]), 0.0
+    waiting = [np.zeros(2)]
+    inverse = coil.gain / motor.T_s
+    while coil.x.phase != lib.BRING_UP_DONE:
+        c, s = math.cos(theta), math.sin(theta)
+        turn = np.array([[c, -s], [s, c]])
+        i = turn @ inverse @ (turn.T @ psi - np.array([motor.psi_f, 0.0]))
+        u = lib.bring_up_step(coil.p, coil.x, i[0], -0.5 * i[0] + 0.75**0.5 * i[1])
+        waiting.append(np.array([u.a, u.b]))
+        psi = psi + motor.T_s * (waiting.pop(0) - motor.R_s * i)
+        theta += motor.T_s * speed * motor.omega_rated
+    return coil.faults
+
+
+def test_a_shaft_that_turns_slowly_shows_as_a_scale(params: Array, motor: Motor) -> None:
+    """Too slow for the current at rest: what the bit asks to do names the shaft, too."""
+    assert turning_shaft(params, motor, 0.0) <= {"dead_time"}
+    assert turning_shaft(params, motor, 0.2) == {"moves"}
+    found = turning_shaft(params, motor, 0.04)
+    assert found == {"scale"}
+    for name in found:
+        assert "shaft" in CURE[name] and "shaft" in DO[f"BRING_UP_FAULT_{name.upper()}"]
