@@ -117,6 +117,8 @@ def gain_readme(table: KsTable) -> dict[str, str]:
             "&drive.signal)",
             "drive_step": "drive_step(&drive_params, &drive, &in)",
             "schedule_fault": "schedule.fault",
+            "schedule_type": "ks_schedule_params_t left_schedule_params",
+            "schedule_header": "ks_schedule.h",
             "gains": "",
         }
     rows = "\n".join(
@@ -132,6 +134,8 @@ def gain_readme(table: KsTable) -> dict[str, str]:
         "                                    &live, &drive.signal)",
         "drive_step": "drive_step(&live, &drive, &in)",
         "schedule_fault": "schedule.ks.fault",
+        "schedule_type": "gain_schedule_params_t left_gain_schedule_params",
+        "schedule_header": "gain_schedule.h",
         "gains": f"""
 It also sets gains of the drive (`core/gains.h`), one in each of the periods after a decision on
 `k_s`. Factors on the number in `params.h`:

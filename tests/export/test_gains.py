@@ -78,3 +78,22 @@ def test_what_sets_gains_ships_only_with_gains(with_gains: Exported, exported: E
     found = {path.name for path in (with_gains.folder / "core").iterdir()}
     assert found == set(core_files(gains=True)) and found > alone
     assert "ks_schedule_init(&schedule_params" in (exported.folder / "README.md").read_text()
+
+
+def test_the_readme_tells_two_motors_of_gains(with_gains: Exported, exported: Exported) -> None:
+    """Of two folders, one with gains has more of a core, and the same of the rest."""
+    for made, kind in ((with_gains, "gain_schedule"), (exported, "ks_schedule")):
+        said = (made.folder / "README.md").read_text(encoding="utf-8")
+        params = (made.folder / "params.h").read_text(encoding="utf-8")
+        name = f"{kind.removeprefix('ks_')}_params"
+        declared = f"extern const {kind}_params_t {name};"
+        assert declared in params
+        left = declared.replace(f" {name};", f" left_{name};")
+        assert f"    {left}   /* with core/{kind}.h */" in said
+        assert "no file differs" in said and "more files, `gain*`" in said
+    more, less = (
+        {path.name: path.read_bytes() for path in (made.folder / "core").iterdir()}
+        for made in (with_gains, exported)
+    )
+    assert less.items() < more.items()
+    assert all(name.startswith("gain") for name in more.keys() - less.keys())

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sensorless.core.api import enumeration
+from sensorless.core.api import enumeration, ffi, lib, pointer
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import bring_up_record, control_record
 from sensorless.export.core_files import core_files
@@ -121,3 +121,35 @@ def test_the_makefile_compiles_the_cortex_m4(copied: Path) -> None:
     ).stdout  # fmt: skip
     assert set(re.findall(r" U (\w+)", symbols)) <= {"memcpy", "memset"}
     assert {"main", "adc_interrupt"} <= set(re.findall(r" T (\w+)", symbols))
+
+
+def test_the_lines_of_the_check_compile_in_their_order(exported: Exported, tmp_path: Path) -> None:
+    """The state begins before the first step: one of zeros is done, and finds no fault."""
+    if shutil.which("gcc") is None:
+        pytest.skip("needs gcc")
+    said = (exported.folder / "README.md").read_text(encoding="utf-8")
+    lines = [line for line in said.splitlines() if line.startswith("    ") and "check;" in line]
+    lines += re.findall(r"^    .*bring_up_\w+\(.*$", said, re.MULTILINE)
+    assert [re.findall(r"bring_up_(\w+)", line)[0] for line in lines] == ["state_t", "init", "step"]
+    body = "\n".join(["float i_a = 0, i_b = 0;", *lines, "return (int)u.a;"])
+    source = tmp_path / "check.c"
+    source.write_text(f'#include "params.h"\nint main(void) {{\n{body}\n}}\n')
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{exported.folder}"]
+    subprocess.run(["gcc", *flags, source], check=True)
+
+
+def test_a_stopped_drive_whose_bit_was_cleared_stays_stopped(
+    motor: Motor, exported: Exported
+) -> None:
+    """And says so no more: the README leaves that bit to ``drive_init``."""
+    control = pointer(control_record(motor, DriveDesign()).reshape(1), "drive_params_t[]")
+    x, rest = ffi.new("drive_state_t *"), ffi.new("drive_in_t *", [0.0, 0.0, motor.u_dc, 9.0, 1.0])
+    lib.drive_init(control, x, 0.0, 0.0, 1.0)
+    lib.drive_trip(x)
+    x.fault = 0
+    for _ in range(200):
+        u = lib.drive_step(control, x, rest)
+        assert (u.a, u.b) == (0.0, 0.0)
+    assert x.fault == 0
+    said = (exported.folder / "README.md").read_text(encoding="utf-8")
+    assert "`FAULT_STOPPED` to `drive_init`: cleared by hand it does not come back" in said
