@@ -13,6 +13,10 @@
 #include "cmsis.h"
 #endif
 
+#ifdef KS_USE_Q15
+#error "the golden periods are those of the float table: compile the self test without KS_USE_Q15"
+#endif
+
 static const char *const problem[] = {
     "good",          "not a table",    "unknown format number",  "wrong CRC",
     "axis at fault", "value at fault", "made for another motor",

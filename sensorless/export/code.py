@@ -135,10 +135,9 @@ def params_source(
 
 const drive_params_t drive_params = {initialiser(drive, "drive_params_t")};
 
-/* To use the Q15 table, put ks_table_q15 and ks_values_q15 here. */
 const ks_schedule_params_t schedule_params = {{
-    .table = &ks_table_f32,
-    .values = ks_values_f32,
+    .table = &KS_TABLE_IN_USE,
+    .values = KS_VALUES_IN_USE,
     .motor_hash = MOTOR_HASH,
     .rule = {{.x_min = {c_float(rule[0])}, .x_max = {c_float(rule[1])}}},
     .periods = {periods}, /* PWM periods from one decision to the next */

@@ -90,18 +90,17 @@ def gain_params(table: KsTable, periods: int) -> str:
     if not table.gains:
         return ""
     return f"""
-/* The same with gains. For Q15, put ks_table_q15, ks_values_q15, gain_table_q15 and gain_values_q15
- * here. */
+/* The same with gains. */
 const gain_schedule_params_t gain_schedule_params = {{
     .ks = {{
-        .table = &ks_table_f32,
-        .values = ks_values_f32,
+        .table = &KS_TABLE_IN_USE,
+        .values = KS_VALUES_IN_USE,
         .motor_hash = MOTOR_HASH,
         .rule = {{.x_min = {c_float(table.rule[0])}, .x_max = {c_float(table.rule[1])}}},
         .periods = {periods},
     }},
-    .table = &gain_table_f32,
-    .values = gain_values_f32,
+    .table = &GAIN_TABLE_IN_USE,
+    .values = GAIN_VALUES_IN_USE,
 }};
 """
 

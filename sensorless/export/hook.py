@@ -48,11 +48,10 @@ def hook_source(motor: Motor, drive: Array, table: KsTable, periods: int) -> str
 
 #include "ks_table_data.h"
 
-/* To use the Q15 table, put ks_table_q15 and ks_values_q15 here. */
 const ks_hook_params_t ks_hook_params = {{
     .schedule = {{
-        .table = &ks_table_f32,
-        .values = ks_values_f32,
+        .table = &KS_TABLE_IN_USE,
+        .values = KS_VALUES_IN_USE,
         .motor_hash = 0x{motor_hash(motor):08X}UL,
         .rule = {{.x_min = {x_min}, .x_max = {x_max}}},
         .periods = {periods}, /* PWM periods from one decision to the next */

@@ -6,6 +6,25 @@ from sensorless.export.vectors import C_TYPE, DriveVectors, Words, hex_words
 from sensorless.table.ks_table import KsTable, ValueFormat
 
 
+def _in_use(gains: bool) -> str:
+    """Names of what ``params.c`` takes; one flag of the compiler chooses, so no file is edited."""
+
+    def names(form: ValueFormat) -> str:
+        text = (
+            f"#define KS_TABLE_IN_USE ks_table_{form}\n#define KS_VALUES_IN_USE ks_values_{form}\n"
+        )
+        more = f"#define GAIN_TABLE_IN_USE gain_table_{form}\n"
+        more += f"#define GAIN_VALUES_IN_USE gain_values_{form}\n"
+        return text + (more if gains else "")
+
+    return f"""
+/* With -DKS_USE_Q15, and ks_table_q15.c instead of ks_table_data.c, the schedule in 16 bits. */
+#ifdef KS_USE_Q15
+{names("q15")}#else
+{names("f32")}#endif
+"""
+
+
 def table_header(table: KsTable, vectors: int, cmsis: bool) -> str:
     """``ks_table_data.h`` with ``vectors`` golden lookups per table; whether there is a cmsis/."""
     tables = "".join(
@@ -27,7 +46,7 @@ extern const ks_vector_t ks_vectors_{form}[KS_VECTORS_{form.upper()}];
 #ifdef __cplusplus
 extern "C" {{
 #endif
-{tables}{gain_header(table)}
+{tables}{gain_header(table)}{_in_use(bool(table.gains))}
 #ifdef __cplusplus
 }}
 #endif

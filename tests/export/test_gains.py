@@ -97,3 +97,50 @@ def test_the_readme_tells_two_motors_of_gains(with_gains: Exported, exported: Ex
     )
     assert less.items() < more.items()
     assert all(name.startswith("gain") for name in more.keys() - less.keys())
+
+
+Q15 = """
+#include "ks_hook_params.h"
+#include "params.h"
+
+int main(void) {
+    ks_schedule_state_t x;
+    ks_hook_state_t hook;
+    int bad = schedule_params.table->value_format != KS_VALUES_Q15;
+    bad |= ks_hook_params.schedule.table->value_format != KS_VALUES_Q15;
+#if KS_TABLE_GAINS
+    gain_schedule_state_t gains;
+    drive_params_t live;
+    bad |= gain_schedule_params.ks.table->value_format != KS_VALUES_Q15;
+    bad |= gain_schedule_init(&gain_schedule_params, &gains, &drive_params, &live) != KS_OK;
+    bad |= gains.ks.fault != 0;
+#endif
+    bad |= ks_schedule_init(&schedule_params, &x) != KS_OK;
+    return bad | (ks_hook_init(&ks_hook_params, &hook) != KS_OK);
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+def test_a_flag_takes_the_schedule_in_16_bits(
+    with_gains: Exported, exported: Exported, tmp_path: Path
+) -> None:
+    """Instead of that in float32, and without an edit of a file."""
+    (tmp_path / "main.c").write_text(Q15)
+    for made in (with_gains, exported):
+        folder = made.folder
+        files = [tmp_path / "main.c", *(folder / "core").glob("*.c"), folder / "params.c"]
+        files += [folder / "ks_hook_params.c", folder / "ks_table_q15.c"]
+        words = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Wundef", "-Werror", "-DKS_USE_Q15"]
+        program = tmp_path / "q15"
+        subprocess.run([*words, f"-I{folder}", *files, "-lm", "-o", program], check=True)
+        subprocess.run([program], check=True)
+        assert "-DKS_USE_Q15" in (folder / "README.md").read_text(encoding="utf-8")
+        test = folder / "test" / "selftest.c"
+        refused = subprocess.run(
+            ["gcc", "-DKS_USE_Q15", "-fsyntax-only", test],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert refused.returncode != 0 and "without KS_USE_Q15" in refused.stderr
