@@ -4,6 +4,7 @@ from string import Template
 
 from sensorless.core.api import TABLE, Array, ffi
 from sensorless.design.words import observer_name
+from sensorless.export.cmsis import cmsis_files
 from sensorless.export.cmsis import readme as cmsis_readme
 from sensorless.export.core_files import FIRMWARE
 from sensorless.export.faults import fault_tables
@@ -99,8 +100,9 @@ def readme(
         start_call=start_call(motor),
         start_text=start_text(motor),
         spin_text=spin_text(motor),
-        lost_text=lost_text(int(drive["lock"]["action"])),
+        lost_text=lost_text(int(drive["lock"]["action"]), motor),
         cmsis=cmsis_readme(table),
+        cmsis_sources=" cmsis/*.c" if cmsis_files(table) else "",
         two_threshold=texts[1],
         hook=hook_text(table),
         omega_most=f"{float(drive['guard']['omega']):.4g}",

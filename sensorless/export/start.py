@@ -39,6 +39,9 @@ LOST = {
     "stop": "applies no\nvoltage any more and says `FAULT_STOPPED`, until `drive_init`",
 }
 """What a drive does that has lost its rotor, by the setting ``lost_lock``."""
+GUESSES = """
+Pulses do not show the pole of this machine: a restart of a shaft too slow for its EMF to show it
+guesses, and sets `FAULT_POLE`. Stop such a drive, and start it from a known angle."""
 
 
 def start_call(motor: Motor) -> str:
@@ -62,13 +65,14 @@ The shaft may spin meanwhile, at up to
 while it seeks, and a faster shaft drives one that trips."""
 
 
-def lost_text(action: int) -> str:
+def lost_text(action: int, motor: Motor) -> str:
     """What the README says about a lost rotor; ``action`` is one of ``ACTIONS``."""
     name = next(name for name, number in ACTIONS.items() if number == action)
+    guesses = GUESSES if name == "restart" and not knows_poles(motor) else ""
     return f"""\
 When it loses its rotor, the drive sets `FAULT_LOCK` and {LOST[name]}.
 That is `lost_lock={name}`, `.lock.action` in `params.c`; `--set lost_lock=` of `sensorless export`
-takes {", ".join(LOST)}."""
+takes {", ".join(LOST)}.{guesses}"""
 
 
 def start_define(motor: Motor) -> str:

@@ -111,6 +111,22 @@ def test_a_folder_corrupted_by_hand_fails(
 
 
 @GCC
+def test_the_self_test_runs_without_make_as_the_readme_says(
+    exported: Exported, tmp_path: Path
+) -> None:
+    """In a folder whose name has a space; with the table for CMSIS-DSP, where there is one."""
+    folder = shutil.copytree(exported.folder, tmp_path / "a folder")
+    said = (folder / "README.md").read_text(encoding="utf-8")
+    lines = re.findall(r"^    (cc .*|\./selftest)$", said, re.MULTILINE)
+    assert len(lines) == 2 and ("cmsis/*.c" in lines[0]) is (folder / "cmsis").exists()
+    script = " && ".join(lines).replace("cc ", "gcc ", 1).replace("-O2", "-O0")
+    done = subprocess.run(
+        ["sh", "-c", script], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0 and "self test passed" in done.stdout, done.stderr
+
+
+@GCC
 def test_a_limit_that_no_vector_sees_is_named_if_edited(made: Make, tmp_path: Path) -> None:
     copied = shutil.copytree(made("gcc", "-O0").folder, tmp_path / "copy")
     before = selftest(copied, "CC=gcc", "CFLAGS=-O0")
