@@ -1,5 +1,6 @@
 """The README of an export, in the order in which an integrator asks."""
 
+import math
 from string import Template
 
 from sensorless.core.api import TABLE, Array, ffi
@@ -80,6 +81,7 @@ def readme(
         T_s_us=f"{motor.T_s * 1e6:g}",
         n_p=motor.n_p,
         i_trip=f"{motor.i_trip:g}",
+        i_over=f"{math.sqrt(float(drive['guard']['i_over_sq'])):.4g}",
         i_short=f"{motor.psi_f / motor.L_d:.4g}",
         dead_time=f"{1e9 * motor.dead_time:.6g}",
         compensation=COMPENSATED.format(u_dt=u_dt) if u_dt > 0.0 else LEFT,

@@ -88,6 +88,8 @@ def test_the_order_is_that_of_the_questions(exported: Exported, motor: Motor) ->
     headings = re.findall(r"^## (.*)$", said, re.MULTILINE)
     found = [next(j for j, h in enumerate(headings) if word in h) for word in asked]
     assert found == sorted(found)
+    most = min(motor.i_trip, 0.98 * motor.adc_range)
+    assert f"`FAULT_OVER_CURRENT` beyond {most:.4g} A" in said
     assert f"({motor.i_trip:g} A, peak)" in said and f"`MOTOR_POLE_PAIRS` ({motor.n_p})" in said
     assert "$" not in said and "lost_lock=report" in said
     for name in re.findall(r"`core/([\w.]+)`", said):
