@@ -19,7 +19,7 @@ typedef struct {
 
 /* inv_step: nodes per ampere [1/A]. Beyond the last node, the last value applies. */
 CORE_INLINE curve_pos_t curve_locate(float i_q, float inv_step) {
-    float t = abs_f(i_q) * inv_step;
+    float t = abs_f(i_q * inv_step);          /* not below 0, whatever was damaged */
     if (SHORTCUT(t < (float)(CURVE_N - 2))) { /* before the last interval: no ends to look at */
         int left = (int)t;
         curve_pos_t inside = {left, t - (float)left};

@@ -104,6 +104,15 @@ def test_every_word_heals_or_is_flagged(
                 assert name.startswith(unused.get(estimator, ("coupled", "flux"))), (name, value)
 
 
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+def test_a_damaged_spacing_of_the_curves_reads_no_other_word(motor: Motor, estimator: str) -> None:
+    """With a sign that is wrong it is as without: the left node is never below the first."""
+    right, wrong = (Drive(motor, estimator, False, 0) for _ in range(2))
+    wrong.params["control"]["curve_inv_step"] *= -1.0
+    for _ in range(200):
+        assert right.step() == wrong.step()
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_a_state_of_arbitrary_bits_gives_no_voltage_beyond_the_limit(
     motor: Motor, seed: int
