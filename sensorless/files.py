@@ -56,6 +56,15 @@ def write_record(path: Path, record: object) -> None:
     write_atomic(path, json.dumps(short, separators=(",", ":")) + "\n")
 
 
+def decoded(raw: bytes) -> str:
+    """Text of a table that some tool wrote: UTF-8, UTF-16 with its mark, or Latin-1."""
+    wide = raw[:2] in (b"\xff\xfe", b"\xfe\xff")
+    try:
+        return raw.decode("utf-16" if wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
 def is_device(path: Path) -> bool:
     """Whether something that is neither file nor folder has the name, such as /dev/null."""
     return path.exists() and not (path.is_file() or path.is_dir())

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
+from sensorless.files import decoded
 from sensorless.machine.magnetics import Floats
 
 COLUMNS = ("i_d", "i_q", "psi_d", "psi_q")
@@ -25,8 +26,8 @@ def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tupl
     ----------
     path : Path
         ``.mat``: four variables, as columns, or as grids of flux over two axes of current. Else
-        text: four columns under a heading, separated by commas, semicolons, tabs or blanks; ``#``
-        starts a comment.
+        text: four columns under a heading, separated by commas, semicolons, tabs or blanks, and
+        between all but commas with decimal commas, too; ``#`` starts a comment.
     columns : str, optional
         Names of the columns in order, for a file without a heading or with other names.
     turn : bool
@@ -65,33 +66,53 @@ def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tupl
 
 def _text(path: Path, columns: str | None) -> dict[str, Any]:
     """Columns by heading."""
-    lines = path.read_text(encoding="utf-8-sig").splitlines()
+    text = decoded(path.read_bytes())
+    if "\0" in text:
+        raise ValueError("not a text file; give CSV, or MATLAB under a name that ends in .mat")
+    lines = text.splitlines()
     rows = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
     if not rows:
         raise ValueError("the file has no numbers; give a flux map")
-    heads = re.split(r"[,;\t]", rows[0]) if re.search(r"[,;\t]", rows[0]) else rows[0].split()
+    top = rows[0].strip().rstrip(",;")
+    heads = re.split(r"[,;\t]", top) if re.search(r"[,;\t]", top) else top.split()
+    blanks = len(heads) > 1 and not re.search(r"[,;\t]", top)
     if columns is not None:
         names = [name.strip() for name in columns.split(",")]
         rows = rows if _is_number(heads[0]) else rows[1:]
     elif _is_number(heads[0]):
         raise ValueError(f"no heading; name the columns: --columns {','.join(COLUMNS)}")
     else:
-        names, rows = [head.strip() for head in heads], rows[1:]
+        names, rows = [head.strip(' "') for head in heads], rows[1:]
     if not rows:
         raise ValueError("no numbers under the heading; give a flux map")
-    table = np.array([_numbers(row, len(names)) for row in rows])
+    table = np.array([_numbers(row, len(names), blanks) for row in rows])
     return {name: table[:, k] for k, name in enumerate(names)}
 
 
-def _numbers(row: str, n: int) -> list[float]:
-    """The first ``n`` numbers of a row."""
-    cells = re.split(r"[,;\t\s]+", row.strip().rstrip(",;"))
-    if len(cells) < n:
-        raise ValueError(f"row {row!r}: {len(cells)} numbers; give {n}, one for each column name")
+def _numbers(row: str, n: int, blanks: bool) -> list[float]:
+    """The ``n`` numbers of a row; ``blanks`` alone separate the column names."""
+    cells = _cells(row.strip().rstrip(",;"), blanks)
+    if len(cells) != n:
+        more = ", and a semicolon between two where the decimal sign is a comma"
+        raise ValueError(
+            f"row {shown(row)}: {len(cells)} numbers; give {n}, one for each column name"
+            + (more if len(cells) > n and "," in row else "")
+        )
     try:
-        return [float(cell) for cell in cells[:n]]
+        return [float(cell) for cell in cells]
     except ValueError as error:
-        raise ValueError(f"row {row!r}: {error}; give {n} numbers") from None
+        raise ValueError(f"row {shown(row)}: {error}; give {n} numbers") from None
+
+
+def _cells(row: str, blanks: bool) -> list[str]:
+    """Texts of a row; a comma is the decimal sign where another sign is between the numbers."""
+    if ";" in row:
+        cells = row.replace(",", ".").split(";")
+    elif "\t" in row or (blanks and not re.search(r",\s", row) and len(row.split()) > 1):
+        cells = row.replace(",", ".").split()
+    else:
+        cells = re.split(r"\s*,\s*|\s+", row)
+    return [cell.strip(' "') for cell in cells]
 
 
 def _is_number(text: str) -> bool:
@@ -137,7 +158,7 @@ def _named(raw: Mapping[str, Any], path: Path) -> list[Floats]:
     missing = [name for name in COLUMNS if name not in out]
     if missing:
         raise UserError(
-            f"map: {path}: no column {missing[0]}; found {', '.join(raw)}; name them "
+            f"map: {path}: no column {missing[0]}; found {', '.join(raw)[:200]}; name them "
             f"{', '.join(COLUMNS)}, with a unit in brackets if need be, e.g. psi_d [mVs]"
         )
     return _laid_out([out[name] for name in COLUMNS], path)

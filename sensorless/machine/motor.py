@@ -162,6 +162,8 @@ class Motor:
             raise UserError(f"{path}: not a motor file: {what}") from None
         except (ValueError, OSError) as error:  # TOMLDecodeError is a ValueError
             what = "a number has too many digits" if type(error) is ValueError else str(error)
+            if isinstance(error, UnicodeDecodeError):
+                what = "its text is not in UTF-8; save it as UTF-8"
             raise UserError(f"{path}: not a valid TOML file: {what}") from None
         return _from_tables(data, str(path))
 

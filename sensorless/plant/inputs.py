@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from sensorless.errors import UserError
+from sensorless.files import decoded
 from sensorless.machine.magnetics import Floats
 
 COLUMNS = ("u_alpha", "u_beta", "tau_L")
@@ -26,13 +27,13 @@ def read_inputs(path: str | Path) -> Floats:
         The file cannot be read; the message names file, line and column.
     """
     try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            return _parse(file, f"inputs {str(path)!r}")
+        lines = decoded(Path(path).read_bytes()).splitlines(keepends=True)
+        return _parse(lines, f"inputs {str(path)!r}")
     except OSError as error:
         raise UserError(
             f"inputs {str(path)!r}: {error.strerror}; give a file that can be read"
         ) from None
-    except (csv.Error, UnicodeDecodeError) as error:
+    except csv.Error as error:
         raise UserError(f"inputs {str(path)!r}: not a valid CSV file: {error}") from None
 
 

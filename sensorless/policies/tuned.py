@@ -9,7 +9,7 @@ from typing import Any
 
 from sensorless.baselines.rule import Values
 from sensorless.design.carried import Carried, carried
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.files import reason, write_atomic
 
 FORMAT = "sensorless-tuned/1"
@@ -57,17 +57,17 @@ class Tuned:
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             found = data.get("format") if isinstance(data, dict) else type(data).__name__
             raise UserError(
-                f"{path}: format {found!r} is not {FORMAT!r}; give a file that sensorless "
+                f"{path}: format {shown(found)} is not {FORMAT!r}; give a file that sensorless "
                 "tune wrote"
             )
         rule, parameters = data.get("rule"), data.get("parameters")
         provenance = data.get("provenance", {})
         if not isinstance(rule, str):
-            raise UserError(f"{path}: rule: {rule!r}; give the name of a rule")
+            raise UserError(f"{path}: rule: {shown(rule)}; give the name of a rule")
         if not isinstance(parameters, dict) or not all(map(_is_number, parameters.values())):
-            raise UserError(f"{path}: parameters: {parameters!r}; give numbers by name")
+            raise UserError(f"{path}: parameters: {shown(parameters)}; give numbers by name")
         if not isinstance(provenance, dict):
-            raise UserError(f"{path}: provenance: {provenance!r}; give a JSON object")
+            raise UserError(f"{path}: provenance: {shown(provenance)}; give a JSON object")
         return cls(rule, parameters, provenance)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from sensorless.core.api import Array
 from sensorless.errors import UserError
-from sensorless.files import reason
+from sensorless.files import decoded, reason
 from sensorless.machine.magnetics import Floats
 
 UNITS = {
@@ -59,20 +59,12 @@ def read_recording(
     try:
         if path.suffix.lower() == ".mat":
             return _matlab(path, wanted, names, where)
-        text = _decoded(path.read_bytes())
+        text = decoded(path.read_bytes())
     except OSError as error:
         raise UserError(f"{where}: {reason(error)}; give a file that can be read") from None
     if "\0" in text:
         raise UserError(f"{where}: not a valid CSV file; give text, or a .mat file")
     return _text(text, wanted, names, where)
-
-
-def _decoded(raw: bytes) -> str:
-    wide = raw[:2] in (b"\xff\xfe", b"\xfe\xff")
-    try:
-        return raw.decode("utf-16" if wide else "utf-8-sig")
-    except UnicodeDecodeError:
-        return raw.decode("latin-1")
 
 
 def _text(text: str, wanted: Sequence[str], names: Mapping[str, str], where: str) -> Recording:

@@ -101,7 +101,7 @@ def test_a_bad_row_of_a_log_is_named(motor: Motor, tmp_path: Path, row: str, sai
     write_log(check(motor, drives_at_rest(motor, SEEDS[:1]))[1], path)
     lines = path.read_text(encoding="utf-8").splitlines()
     lines[49] = row
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-16")
     with pytest.raises(UserError, match=said):
         check_log(motor, path)
     with pytest.raises(UserError, match="no such file"):

@@ -34,7 +34,7 @@ def test_columns_may_stand_in_any_order(tmp_path: Path) -> None:
     order = COLUMNS[::-1]
     row = dict.fromkeys(COLUMNS, "0") | {"stage": "hold", "i_a": "2.5"}
     text = ",".join(order) + "\n" + ",".join(row[name] for name in order) + "\n"
-    (tmp_path / "log.csv").write_text(text)
+    (tmp_path / "log.csv").write_text(text, encoding="utf-16")  # as PowerShell writes
     (part,) = read_log(tmp_path / "log.csv")
     assert part.stage == "hold" and part["i_a"][0] == 2.5 and part["u_a"][0] == 0.0
 

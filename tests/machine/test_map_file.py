@@ -52,6 +52,17 @@ def test_names_of_columns_may_be_given(tmp_path: Path) -> None:
     check(path, columns="psi_d,psi_q,i_d,i_q")
 
 
+@pytest.mark.parametrize("sep", [";", "\t", " "])
+@pytest.mark.parametrize("encoding", ["utf-16", "latin-1"])
+def test_decimal_commas_and_other_encodings(sep: str, encoding: str, tmp_path: Path) -> None:
+    path = csv(
+        tmp_path / "map.csv", sep.join(("i_d", "i_q", "psi_d", "psi_q")), [*I.T, *PSI.T], sep
+    )
+    text = path.read_text(encoding="utf-8").replace(".", ",").replace("comment", "Fluß")
+    path.write_text(text, encoding=encoding)
+    check(path)
+
+
 @pytest.mark.parametrize("kind", ["columns", "grid", "turned grid", "struct"])
 def test_matlab(kind: str, tmp_path: Path) -> None:
     shape = (len(AXIS_D), len(AXIS_Q))
@@ -89,6 +100,8 @@ def test_the_irons_axis_is_turned(tmp_path: Path) -> None:
         ("i_d [V],i_q,psi_d,psi_q\n1,2,3,4\n", "write one of A"),
         ("i_d,id,i_q,psi_d,psi_q\n1,2,3,4,5\n", "i_d twice"),
         ("1,2,3,4\n", "no heading"),
+        ("i_d,i_q,psi_d,psi_q\n1,2,3,4,5\n", "5 numbers; give 4"),
+        ("i_d,i_q,psi_d,psi_q\n1,5,2,0,3,0,4,0\n", "a semicolon between two"),
         ("", "no numbers"),
         ("i_d,i_q,psi_d,psi_q\n1,2,3,4\n1,2,nan,4\n", "row 2: i_d = 1, i_q = 2, psi_d = nan"),
     ],

@@ -173,6 +173,13 @@ def test_not_a_motor_file(content: bytes, tmp_path: Path) -> None:
     refusal(path)
 
 
+def test_another_encoding_is_told(tmp_path: Path) -> None:
+    """PowerShell writes UTF-16, which TOML does not allow."""
+    path = tmp_path / "mine.toml"
+    path.write_text(PAPER, encoding="utf-16")
+    assert "not in UTF-8; save it as UTF-8" in refusal(path)
+
+
 @pytest.mark.parametrize("character", ["\\n", "\\u001b", "\\u202e"])
 def test_a_name_with_control_characters_is_refused(character: str, tmp_path: Path) -> None:
     """Such a name would break lines of reports and of exported code."""

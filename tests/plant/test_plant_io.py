@@ -149,6 +149,12 @@ def test_inputs(text: str, tmp_path: Path) -> None:
     assert read_inputs(inputs_file(tmp_path, text)).tolist() == [[1, 2, 3], [4, 5, 6]]
 
 
+def test_inputs_in_utf_16(tmp_path: Path) -> None:
+    """As PowerShell writes them."""
+    (tmp_path / "u.csv").write_text("u_alpha,u_beta\n1,2\n", encoding="utf-16")
+    assert read_inputs(tmp_path / "u.csv").tolist() == [[1, 2, 0]]
+
+
 def test_load_torque_is_optional(tmp_path: Path) -> None:
     """Without the column there is no load."""
     assert read_inputs(inputs_file(tmp_path, "u_beta,u_alpha\n2,1\n")).tolist() == [[1, 2, 0]]

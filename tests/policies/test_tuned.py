@@ -66,6 +66,7 @@ def test_its_speeds_are_shares_of_rated_speed_on_any_machine(tmp_path: Path) -> 
         ({"parameters": {"lo": True, "hi": 2}}, "parameters"),
         ({"parameters": [1]}, "parameters"),
         ({"provenance": 1}, "provenance"),
+        ({"rule": 10**4000}, "rule: 10+ ..."),
     ],
 )
 def test_a_file_that_was_changed_is_refused(
@@ -75,7 +76,8 @@ def test_a_file_that_was_changed_is_refused(
     path.write_text(json.dumps({**GOOD, **change}))
     with pytest.raises(UserError, match=said) as caught:
         make_policy(f"tuned:{path}", PAPER)
-    assert str(path) in str(caught.value) and "\n" not in str(caught.value)
+    said = str(caught.value)
+    assert str(path) in said and "\n" not in said and len(said) < 500
 
 
 @pytest.mark.parametrize("text", [None, "", "[]", "{", "\udcff"])

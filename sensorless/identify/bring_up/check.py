@@ -1,5 +1,6 @@
 """Runs the check and reads its result."""
 
+import io
 import re
 import warnings
 from dataclasses import dataclass, replace
@@ -14,7 +15,7 @@ from sensorless.design.records import bring_up_record
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.errors import UserError
-from sensorless.files import reason, write_atomic
+from sensorless.files import decoded, reason, write_atomic
 from sensorless.identify.bring_up.mistakes import RIGHT, Mistake
 from sensorless.identify.bring_up.pulses import shows_others
 from sensorless.machine.motor import Motor
@@ -93,11 +94,10 @@ def check_log(motor: Motor, path: Path) -> Found:
     try:
         with warnings.catch_warnings():  # of an empty file
             warnings.simplefilter("ignore")
-            data: Array = np.genfromtxt(
-                path, delimiter=",", names=True, dtype=np.float64, encoding="utf-8-sig"
-            )
+            text = io.StringIO(decoded(path.read_bytes()))
+            data: Array = np.genfromtxt(text, delimiter=",", names=True, dtype=np.float64)
         i_a, i_b = (np.atleast_1d(data[name]) for name in COLUMNS)
-    except (OSError, UnicodeDecodeError) as error:
+    except OSError as error:
         why = reason(error) if path.exists() else "no such file"
         raise UserError(f"log {str(path)!r}: {why}; give a file to read") from None
     except (ValueError, IndexError, TypeError) as error:

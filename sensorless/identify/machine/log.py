@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from sensorless.errors import UserError
-from sensorless.files import write_atomic
+from sensorless.files import decoded, reason, write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 
@@ -60,9 +60,10 @@ def read_log(path: Path) -> list[Part]:
         The file cannot be read, a column is missing, or a cell is no number.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"log {str(path)!r}: {error}; give a CSV file that can be read") from None
+        text = decoded(path.read_bytes())
+    except OSError as error:
+        why = reason(error)
+        raise UserError(f"log {str(path)!r}: {why}; give a CSV file that can be read") from None
     lines = text.rstrip().splitlines()
     heading = [name.strip() for name in lines[0].split(",")] if lines else []
     missing = [name for name in COLUMNS if name not in heading]
