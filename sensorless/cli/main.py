@@ -15,6 +15,11 @@ TRACEBACK = "SENSORLESS_TRACEBACK"
 """Set this variable to see where an error of the program itself came from."""
 
 
+NO_MEMORY = "not enough memory; ask for less, with --size or --n-envs, or free some"
+UNMAPPED = "failed to map segment"
+"""What the loader says of a library, such as that of torch, for which there is no memory."""
+
+
 def main() -> None:
     """Run the command line; the exit status tells how it ended.
 
@@ -49,9 +54,12 @@ def _run() -> None:
         _say(f"{what}{reason(error)}; free or change what it names, then rerun the command")
         sys.exit(2)
     except MemoryError:
-        _say("not enough memory; ask for less, with --size or --n-envs, or free some")
+        _say(NO_MEMORY)
         sys.exit(2)
     except Exception as error:
+        if isinstance(error, ImportError) and UNMAPPED in str(error):
+            _say(NO_MEMORY)
+            sys.exit(2)
         if os.environ.get(TRACEBACK):
             raise
         at = extract_tb(error.__traceback__)[-1]

@@ -2,6 +2,7 @@
 
 import codecs
 import contextlib
+import os
 import signal
 import sys
 import threading
@@ -21,6 +22,10 @@ WORDS = {
     "θ": "theta", "ω": "omega", "ψ": "psi", "τ": "tau", "σ": "sigma", "ρ": "rho", "µ": "u",
     "μ": "u", "Ω": "ohm", "√": "sqrt", "Δ": "d", "━": "-", "█": "#",
 }  # fmt: skip
+
+
+WIDEST = 10_000
+"""Columns of a terminal, from which on ``COLUMNS`` is taken for a mistake."""
 
 
 class Signalled(KeyboardInterrupt):
@@ -76,8 +81,32 @@ def _quiet(failed: "threading.ExceptHookArgs") -> None:
         threading.__excepthook__(failed)
 
 
+def open_streams() -> None:
+    """Let input, output and errors that a parent has closed be empty ones.
+
+    Otherwise a file of the program would take the number of the stream, and what is said to the
+    stream would end up in it.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            opened = os.open(os.devnull, os.O_RDWR)
+            if opened != number:
+                os.dup2(opened, number)
+                os.close(opened)
+            setattr(sys, name, open(number, "w" if number else "r", encoding="utf-8"))
+
+
+def ignore_no_width() -> None:
+    """Forget a ``COLUMNS`` that no terminal has: at 0 every table would be empty."""
+    text = os.environ.get("COLUMNS", "")
+    if text.isdigit() and not 0 < int(text[:9]) <= WIDEST:
+        del os.environ["COLUMNS"]
+
+
 def never_fail_to_print() -> None:
     """Let output that lacks a sign spell it; a full disk is said once, by the main thread."""
+    open_streams()
+    ignore_no_width()
     threading.excepthook = _quiet
     codecs.register_error("spelled", _spell)
     for stream in (sys.stdout, sys.stderr):
@@ -93,6 +122,7 @@ class AnyConsole(Console):
     """
 
     def __init__(self, **how: Any) -> None:
+        ignore_no_width()  # a console reads it when it is made
         super().__init__(markup=False, emoji=False, **how)
 
     def render_str(self, text: str, **how: Any) -> Text:

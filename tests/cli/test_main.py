@@ -42,6 +42,11 @@ class Raising(ModuleType):
             2,
             "error: not enough memory; ask for less, with --size or --n-envs, or free some\n",
         ),
+        (
+            ImportError("libtorch_cpu.so: failed to map segment from shared object"),
+            2,
+            "error: not enough memory; ask for less, with --size or --n-envs, or free some\n",
+        ),
     ],
 )
 def test_one_line_and_a_status(

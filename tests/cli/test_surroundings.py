@@ -1,12 +1,16 @@
 """Output that lacks a sign is spelled, and its tables stay in line."""
 
 import io
+import shutil
+import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from rich.table import Table
 
 from sensorless.cli.surroundings import AnyConsole, never_fail_to_print, spelled
+from tests.helpers.command import process
 
 
 def ascii_file() -> io.TextIOWrapper:
@@ -56,3 +60,42 @@ def test_what_is_printed_otherwise_is_spelled_too(monkeypatch: pytest.MonkeyPatc
     never_fail_to_print()
     print("−3 ° bad\udcff")
     assert printed(file) == ["-3 deg bad?"]
+
+
+@pytest.mark.skipif(shutil.which("sh") is None, reason="no shell")
+@pytest.mark.parametrize(
+    ("words", "closed", "status", "said"),
+    [
+        ("settings", "2>&-", 0, "speed_hz"),
+        ("--version", "0<&- 2>&-", 0, "sensorless "),
+        ("simulate --duration 0.01 --out run.csv", "2>&-", 0, "kept lock"),
+        ("motor new --name a --out a.toml", "0<&-", 2, "error: poles: missing"),
+        ("settings", "1>&-", 0, ""),
+    ],
+)
+def test_closed_streams(words: str, closed: str, status: int, said: str, tmp_path: Path) -> None:
+    """As a parent that is a service may leave them."""
+    line = f"'{sys.executable}' -m sensorless {words} {closed}"
+    done = subprocess.run(
+        ["sh", "-c", line], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == status and said in done.stdout + done.stderr
+    run = tmp_path / "run.csv"
+    assert not run.exists() or run.read_text(encoding="utf-8").startswith("t,omega_m_ref")
+
+
+@pytest.mark.parametrize("columns", ["0", "00", "99999999999999999999"])
+@pytest.mark.parametrize("words", ["motors", "motors --help"])
+def test_a_width_that_no_terminal_has(
+    columns: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    wanted = process(*words.split(), cwd=tmp_path).stdout
+    monkeypatch.setenv("COLUMNS", columns)
+    done = process(*words.split(), cwd=tmp_path)
+    assert done.returncode == 0 and done.stdout == wanted and wanted.strip()
+
+
+def test_a_width_that_a_terminal_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "132")
+    assert AnyConsole(file=io.StringIO()).width == 132
