@@ -2,9 +2,12 @@
 
 from typing import Any, TypeVar
 
+from typer import BadParameter
 from typer.core import TyperCommand, TyperGroup
 
 from sensorless.cli.apart import keep_apart, keep_motor_files
+from sensorless.cli.unused import refuse_unused
+from sensorless.errors import shown
 
 P = TypeVar("P")
 
@@ -25,8 +28,22 @@ class Command(TyperCommand):
         """Options and arguments, ``--help`` among them."""
         return without_types(super().get_params(ctx))
 
+    def parse_args(self, ctx: Any, args: list[str]) -> Any:
+        """Read the words; a value of the wrong type is named, whatever the library says of it."""
+        try:
+            return super().parse_args(ctx, args)
+        except BadParameter as error:
+            found: Any = getattr(
+                error.__cause__, "errors", list
+            )()  # of pydantic, without the value
+            value = shown(found[0]["input"]) if found else ""
+            if value not in error.message:
+                error.message = f"{value}: {error.message}"
+            raise
+
     def invoke(self, ctx: Any) -> Any:
-        """Run the command, unless two of its files are one, or it would replace a motor file."""
+        """Run the command, unless an option would do nothing, or it would lose a file."""
+        refuse_unused(ctx)
         params: list[Any] = list(self.params)
         names = {p.name: p.opts[0] for p in params}
         names |= {p.name: p.metavar or p.name.upper() for p in params if names[p.name][0] != "-"}

@@ -82,6 +82,11 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["replay", "sample", "--angle", "inf"], "angle"),
         (["replay", "sample", "--speed", "1e9"], "speed"),
         (["train", "--name", "x", "--gamma", "2"], "gamma"),
+        (["simulate", "--scenario", "hold:1:0", "--start"], "start, scenario: a scenario has its"),
+        (["simulate", "--scenario", "hold:1:0", "--duration", "3.0"], "duration, scenario"),
+        (["simulate", "--plant", "a.json", "--log", "b"], "log, plant: a machine alone has no"),
+        (["simulate", "--show", "faults"], "show: there is no picture; give --plot"),
+        (["simulate", "--set", "speed_hz=4", "--set", "speed_hz=5"], "set: speed_hz: given twice"),
         (["train", "--name", "x", "--steps", "9", "--minutes", "1"], "steps, minutes: 9 and 1"),
         (["train", "--resume", ".", "--steps", "9", "--minutes", "1"], "steps, minutes: 9 and 1"),
         (["train", "--name", "x", "--minutes", "0"], "minutes, steps: 0 and 0"),
@@ -101,6 +106,21 @@ def test_a_mistake_is_one_line(words: list[str], said: str, tmp_path: Path) -> N
     assert len(done.stderr.strip().splitlines()) == 1
     assert said in done.stderr
     assert not list(tmp_path.iterdir()), "nothing half-written"
+
+
+@pytest.mark.parametrize(
+    ("words", "value"),
+    [
+        ("simulate --seed -1", "'-1'"),
+        ("evaluate --policy eq25 --size 1e9", "'1e9'"),
+        ("motor new --l 0.4mH --name a --out a.toml", "'0.4mH'"),
+        ("replay sample --after nan", "'nan'"),
+    ],
+)
+def test_a_value_of_the_wrong_type_is_named(words: str, value: str, tmp_path: Path) -> None:
+    """With its option, by every version of the library."""
+    done = run(*words.split(), cwd=tmp_path)
+    assert done.returncode == 2 and value.strip("'") in done.stderr
 
 
 def test_a_run_to_resume_is_looked_for_below_runs(tmp_path: Path) -> None:
