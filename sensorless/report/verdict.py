@@ -40,6 +40,8 @@ MEASURES = (
     Measure("angle_err_rms_deg", "angle error", 1.0, "°", 2),
     Measure("injection_share", "injection on", 100.0, " %", 1),
 )
+FEWEST = 20
+"""Feasible scenarios of a suite, below which its intervals are too narrow to judge by."""
 BETTER, SAME, WORSE = "better", "same", "worse"
 
 
@@ -178,6 +180,10 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
         if not p["lost_rate"] <= MOST_LOST:
             lost = f"{round(p['lost_rate'] * feasible(r, p))} of {feasible(r, p)}"
             return Verdict("no", "Do not flash it.", f"It loses {lost} scenarios of {r.suite}.")
+    for r in results:
+        if feasible(r, r.policies[name]) < FEWEST:
+            few = f"{feasible(r, r.policies[name])} feasible scenarios of {r.suite}"
+            return Verdict("no", "Too few to judge by.", f"{few}; give a larger --size.")
     plain = contrasts[0].other
     words: dict[str, set[str]] = {}
     for k in contrasts:

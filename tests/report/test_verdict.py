@@ -77,6 +77,17 @@ def test_nothing_feasible_is_nothing_to_judge_by() -> None:
     assert "Nothing to judge" in verdict([r], [contrast(r, "eq25")], True).head
 
 
+def test_few_scenarios_are_no_ground_for_a_verdict() -> None:
+    """Two that differ alike have an interval without zero."""
+    r = results({"eq25": pair(torque_dev_rms=-5.0)})
+    r.policies["mine"]["infeasible_rate"] = 0.81
+    said = verdict([r], [contrast(r, "eq25")], True)
+    assert said.word == "no"
+    assert said.sentence == (
+        "Too few to judge by. 19 feasible scenarios of stress-1; give a larger --size."
+    )
+
+
 def test_the_best_rule_is_a_tuned_one() -> None:
     r = results({"eq25": pair(), "linear-tuned": pair(), "gated-tuned": pair(), "x": pair()})
     r.policies["eq25"]["torque_dev_rms"] = r.policies["x"]["torque_dev_rms"] = 0.01
