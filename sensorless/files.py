@@ -46,7 +46,7 @@ def write_atomic(path: str | Path, data: str | bytes) -> None:
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
-        raise UserError(f"output {str(path)!r}: {reason(error)}; write to another folder") from None
+        raise UserError(f"output {str(path)!r}: {reason(error)}; {_elsewhere(error)}") from None
 
 
 def write_record(path: Path, record: object) -> None:
@@ -229,9 +229,13 @@ def check_writable(path: str | Path | None, name: str = "out") -> None:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise UserError(
-            f"{name}: {str(path)!r}: {reason(error)}; write to another folder"
-        ) from None
+        raise UserError(f"{name}: {str(path)!r}: {reason(error)}; {_elsewhere(error)}") from None
+
+
+def _elsewhere(error: OSError) -> str:
+    if error.errno == errno.ENAMETOOLONG:
+        return f"give a name of at most {LONGEST - 24} bytes"  # with what ``part_of`` adds
+    return "write to another folder"
 
 
 def reason(error: Exception) -> str:

@@ -251,6 +251,8 @@ class TrainConfig:
             name, *bounds = text.split(":")
             if name not in DEFAULT:
                 raise UserError(f"gains: {name!r} is unknown; choose from {', '.join(DEFAULT)}")
+            if name in out:
+                raise UserError(f"gains: {name!r} is given twice; give it once")
             try:
                 low, high = map(float, bounds or (DEFAULT[name].low, DEFAULT[name].high))
             except ValueError:

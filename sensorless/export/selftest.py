@@ -76,7 +76,9 @@ def run_selftest(folder: Path) -> SelfTest:
         if done.returncode == 0:
             done = _run(program, compiler)
     if done.returncode != 0:
-        raise UserError(f"self test with {shlex.join(compiler)}: {_why(done)} (CC sets another)")
+        why = _why(done)
+        hint = "TMPDIR sets another folder" if "temporary" in why else "CC sets another"
+        raise UserError(f"self test with {shlex.join(compiler)}: {why} ({hint})")
     return SelfTest(True, done.stdout.strip())
 
 
@@ -94,7 +96,7 @@ def _run(program: Path, compiler: list[str]) -> subprocess.CompletedProcess[str]
 def _why(done: subprocess.CompletedProcess[str]) -> str:
     """Line of the output that says most."""
     text = (done.stderr or done.stdout).strip().splitlines()
-    for sign in ("FAILED", "undefined reference", "error"):
+    for sign in ("FAILED", "undefined reference", "error", "temporary file"):
         for line in text:
             if sign in line:
                 return line

@@ -162,7 +162,7 @@ def file_of(spec: str) -> Path:
         return run
     if word == "tuned" and text:
         return Path(text)
-    if Path(spec).is_dir() or spec.endswith(".json"):
+    if (spec and Path(spec).is_dir()) or spec.endswith(".json"):
         return Path(spec)
     if Path(spec).name != spec:
         raise UserError(

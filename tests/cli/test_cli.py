@@ -77,7 +77,7 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["distill", "runs/x", "--name", "a\nb"], r"name: 'a\nb': has control characters"),
         (["distill", "runs/x", "--name", "../x"], "below runs/"),
         (["train", "--name", "\u202ea"], r"name: '\u202ea': has control characters"),
-        (["simulate", "--out", "n" * 300], "too long"),
+        (["simulate", "--out", "n" * 250], "too long; give a name of at most 231 bytes"),
         (["replay", "n" * 300], "too long"),
         (["replay", "sample", "--angle", "inf"], "angle"),
         (["replay", "sample", "--speed", "1e9"], "speed"),

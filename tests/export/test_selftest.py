@@ -250,3 +250,16 @@ def test_other_shapes_pass_too(
     axes = tuple(Axis(name, 0.0, 0.4, 2 + j) for j, name in enumerate(names))
     values = np.random.default_rng(6).random(tuple(a.n for a in axes), dtype=np.float32)
     assert export(KsTable(axes, values), motor, design, tmp_path / "out").self_test.ran
+
+
+@GCC
+def test_a_compiler_without_a_folder_for_its_files(
+    tmp_path: Path, motor: Motor, design: DriveDesign, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Python then takes another one, the compiler none."""
+    monkeypatch.setenv("TMPDIR", "/proc")
+    monkeypatch.setenv("CC", "gcc")
+    table = KsTable((Axis("speed", 0.0, 1.0, 2),), np.ones(2, dtype=np.float32))
+    with pytest.raises(UserError, match=r"temporary file .*\(TMPDIR sets another folder\)"):
+        export(table, motor, design, tmp_path / "out")
+    assert not (tmp_path / "out").exists()

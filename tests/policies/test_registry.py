@@ -110,6 +110,8 @@ def test_an_unknown_name_lists_every_known_one() -> None:
     with pytest.raises(UserError) as caught:
         make_policy("fuzzzy", PAPER)
     assert all(name in str(caught.value) for name in (*RULES, TUNED, RUN, PYTHON))
+    with pytest.raises(UserError, match="policy: '' is not a rule"):
+        make_policy("", PAPER)
 
 
 def test_every_rule_can_be_made_and_runs() -> None:

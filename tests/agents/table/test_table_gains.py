@@ -101,5 +101,7 @@ def test_a_gain_may_have_a_range_of_its_own(motor: Motor) -> None:
 def test_unknown_gains_are_refused() -> None:
     with pytest.raises(UserError, match="'speed' is unknown; choose from observer"):
         TrainConfig(gains="speed")
+    with pytest.raises(UserError, match="'observer' is given twice; give it once"):
+        TrainConfig(gains="observer:0.5:2,observer")
     with pytest.raises(UserError, match="only a table sets them"):
         TrainConfig(gains="l_q", policy_kind="mlp")
