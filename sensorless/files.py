@@ -25,6 +25,7 @@ EXCHANGE = 2
 def write_atomic(path: str | Path, data: str | bytes) -> None:
     """Write a temporary file next to ``path``, then rename it; text becomes UTF-8.
 
+    A symbolic link stays one: what it points to is written.
     The bytes are on the disk before the name is, so that a loss of power leaves the old file or
     the new one.
 
@@ -39,10 +40,11 @@ def write_atomic(path: str | Path, data: str | bytes) -> None:
         if is_device(path):
             path.write_bytes(raw)
             return
-        part = part_of(path)
+        end = _end(path)
+        part = part_of(end)
         try:
             part.write_bytes(raw)
-            put(part, path)
+            put(part, end)
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
@@ -225,11 +227,16 @@ def check_writable(path: str | Path | None, name: str = "out") -> None:
             raise UserError(f"{name}: {str(path)!r} is a folder; give the name of a file")
         if is_device(path):
             return
-        probe = part_of(path)
+        probe = part_of(_end(path))
         probe.touch()
         probe.unlink()
     except OSError as error:
         raise UserError(f"{name}: {str(path)!r}: {reason(error)}; {_elsewhere(error)}") from None
+
+
+def _end(path: Path) -> Path:
+    """Where a path leads to, at the end of symbolic links."""
+    return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
 def _elsewhere(error: OSError) -> str:

@@ -114,6 +114,23 @@ def test_a_folder_takes_the_place_of_another(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["new", "old"]
 
 
+def test_a_link_stays_a_link(tmp_path: Path) -> None:
+    """What it points to is written, whole or not at all, and may be new."""
+    (tmp_path / "data").mkdir()
+    link = tmp_path / "latest.json"
+    link.symlink_to("data/a.json")
+    for text in ("new", "newer"):
+        check_writable(link)
+        write_atomic(link, text)
+        assert link.is_symlink() and (tmp_path / "data" / "a.json").read_text() == text
+    (tmp_path / "lost.json").symlink_to("nowhere/a.json")
+    with pytest.raises(UserError, match=r"lost\.json'.*; write to another folder"):
+        check_writable(tmp_path / "lost.json")
+    assert sorted(path.name for path in tmp_path.rglob("*")) == [
+        "a.json", "data", "latest.json", "lost.json",
+    ]  # fmt: skip
+
+
 def test_a_device_is_written_to_and_not_replaced() -> None:
     check_writable(Path("/dev/null"))
     write_atomic("/dev/null", "text")

@@ -56,7 +56,9 @@ def keep_motor_files(given: Mapping[str, Any], names: Mapping[str, str]) -> None
     """
     for key in WRITTEN:
         path = given.get(key)
-        if path is not None and path.suffix == BY_HAND and path.is_file() and not given.get(FORCE):
+        if path is None or given.get(FORCE) or not path.is_file():
+            continue
+        if BY_HAND in (path.suffix, os.path.splitext(os.path.realpath(path))[1]):
             more = ", or add --force to replace it" if FORCE in given else ""
             raise UserError(
                 f"{names[key].lstrip('-')}: {str(path)!r} exists; write to another file{more}"

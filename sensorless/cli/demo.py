@@ -15,6 +15,7 @@ from sensorless.cli.options import (
     policy_progress,
     require_machine,
 )
+from sensorless.errors import UserError
 
 
 def demo_command(
@@ -57,6 +58,8 @@ def demo_command(
     from sensorless.machine.motor import Motor
     from sensorless.plots.figure import require_matplotlib
 
+    if minutes == 0.0:
+        raise UserError("minutes: 0: give more than 0")
     machine, config = Motor.load(motor), TrainConfig(motor=motor, minutes=minutes)
     require_machine(machine, DriveDesign())
     SuiteRows(SUITE, machine, seed, size)  # raises where these are no rows of the suite

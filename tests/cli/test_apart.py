@@ -54,12 +54,14 @@ def test_a_file_is_not_written_over(words: str, said: str, tmp_path: Path) -> No
         "identify machine --out m.toml",
         "evaluate --policy eq25 --out m.toml",
         "simulate --plot link.toml",
+        "simulate --out link.csv",
     ],
 )
 def test_a_motor_file_is_replaced_by_force_alone(words: str, tmp_path: Path) -> None:
     """Before the first question, too: there is nobody to answer it."""
     (tmp_path / "m.toml").write_text("by hand")
     (tmp_path / "link.toml").symlink_to("m.toml")
+    (tmp_path / "link.csv").symlink_to("m.toml")
     (tmp_path / "x").touch()
     done = run(*words.split(), cwd=tmp_path)
     option, file = words.split()[-2:]

@@ -62,6 +62,7 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["evaluate", "--policy", "ramp-tune"], "ramp-tune"),
         (["demo", "--out", "d", "--size", "99999999999"], "size"),
         (["demo", "--out", "d", "--seed", BEYOND], "seed"),
+        (["demo", "--out", "d", "--minutes", "0"], "error: minutes: 0: give more than 0"),
         (["report", "eq25"], "--out"),
         (["simulate", "--plant", "none.json"], "plant"),
         (["export", "hysteresis", "--out", "folder"], "what sensorless distill makes of"),
