@@ -56,9 +56,9 @@ def keep_motor_files(given: Mapping[str, Any], names: Mapping[str, str]) -> None
     """
     for key in WRITTEN:
         path = given.get(key)
-        if path is None or given.get(FORCE) or not path.is_file():
+        if path is None or given.get(FORCE) or not os.path.isfile(path):
             continue
-        if BY_HAND in (path.suffix, os.path.splitext(os.path.realpath(path))[1]):
+        if BY_HAND in (os.path.splitext(x)[1] for x in (path, os.path.realpath(path))):
             more = ", or add --force to replace it" if FORCE in given else ""
             raise UserError(
                 f"{names[key].lstrip('-')}: {str(path)!r} exists; write to another file{more}"
