@@ -16,6 +16,8 @@ from rich.text import Text
 
 ENDING = ("SIGTERM", "SIGHUP")
 """Signals that end the program as Ctrl-C does: work is kept. Windows lacks the second."""
+SOON = 0.05
+"""Time [s] after which a signal comes again whose exception Python could not raise."""
 WORDS = {
     "°": "deg", "²": "2", "³": "3", "−": "-", "–": "-", "—": "-", "·": "*", "×": "x", "→": "->",
     "±": "+-", "≥": ">=", "≤": "<=", "…": "...", "’": "'", "α": "alpha", "β": "beta", "γ": "gamma",
@@ -36,13 +38,23 @@ class Signalled(KeyboardInterrupt):
 def ended_by_signals() -> Iterator[list[int]]:
     """Turn the signals that end a program into Ctrl-C; yields the numbers of those that came.
 
-    A signal that is ignored, as under ``nohup``, stays ignored.
+    A signal that is ignored, as under ``nohup``, stays ignored. One that meets a destructor or a
+    callback, which no exception leaves, comes again after ``SOON``.
     """
     came: list[int] = []
+    hook = sys.unraisablehook
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         came.append(number)
         raise Signalled
+
+    def again(failed: "sys.UnraisableHookArgs") -> None:
+        if isinstance(failed.exc_value, Signalled):
+            timer = threading.Timer(SOON, os.kill, (os.getpid(), came[-1]))
+            timer.daemon = True
+            timer.start()
+        else:
+            hook(failed)
 
     before: dict[int, Any] = {}
     for name in ENDING:
@@ -50,9 +62,11 @@ def ended_by_signals() -> Iterator[list[int]]:
         if number is not None and signal.getsignal(number) == signal.SIG_DFL:
             with contextlib.suppress(ValueError):  # not the main thread
                 before[number] = signal.signal(number, interrupt)
+    sys.unraisablehook = again
     try:
         yield came
     finally:
+        sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
 

@@ -1,15 +1,23 @@
-"""Output that lacks a sign is spelled, and its tables stay in line."""
+"""Output that lacks a sign is spelled, its tables stay in line; signals end the program."""
 
 import io
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 from rich.table import Table
 
-from sensorless.cli.surroundings import AnyConsole, never_fail_to_print, spelled
+from sensorless.cli.surroundings import (
+    AnyConsole,
+    Signalled,
+    ended_by_signals,
+    never_fail_to_print,
+    spelled,
+)
 from tests.helpers.command import process
 
 
@@ -99,3 +107,18 @@ def test_a_width_that_no_terminal_has(
 def test_a_width_that_a_terminal_has(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "132")
     assert AnyConsole(file=io.StringIO()).width == 132
+
+
+class Dies:
+    """Something that a signal meets on its way out."""
+
+    def __del__(self) -> None:
+        signal.raise_signal(signal.SIGTERM)
+
+
+def test_a_signal_that_a_destructor_swallows_comes_again() -> None:
+    with pytest.raises(Signalled), ended_by_signals() as came:
+        Dies()
+        time.sleep(10.0)
+    assert came == [signal.SIGTERM] * 2
+    assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
