@@ -6,7 +6,6 @@ from typer import BadParameter
 from typer.core import TyperCommand, TyperGroup
 
 from sensorless.cli.apart import keep_apart, keep_motor_files
-from sensorless.cli.unused import refuse_unused
 from sensorless.errors import shown
 
 P = TypeVar("P")
@@ -33,17 +32,15 @@ class Command(TyperCommand):
         try:
             return super().parse_args(ctx, args)
         except BadParameter as error:
-            found: Any = getattr(
-                error.__cause__, "errors", list
-            )()  # of pydantic, without the value
+            cause: Any = error.__cause__  # of pydantic, whose message leaves out the value
+            found = cause.errors() if hasattr(cause, "errors") else ()
             value = shown(found[0]["input"]) if found else ""
             if value not in error.message:
                 error.message = f"{value}: {error.message}"
             raise
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command, unless an option would do nothing, or it would lose a file."""
-        refuse_unused(ctx)
+        """Run the command, unless it would lose a file."""
         params: list[Any] = list(self.params)
         names = {p.name: p.opts[0] for p in params}
         names |= {p.name: p.metavar or p.name.upper() for p in params if names[p.name][0] != "-"}

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from sensorless.cli.given import refuse_idle
 from sensorless.cli.options import (
     CarriedMotorOption,
     JsonOption,
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 
 def simulate_command(
+    context: typer.Context,
     motor: CarriedMotorOption = None,
     policy: PolicyOption = "eq25",
     speed: Annotated[
@@ -156,6 +158,7 @@ def simulate_command(
         sensorless simulate --speed 0:150,1:650 --ramp 600 --load 0:0,0.5:6
         sensorless simulate --scenario stress-1:7:12 --policy hysteresis --out run.csv
     """
+    refuse_idle(context)
     check_outputs(plot, show or (), out, save_log)
     if plant is not None or inputs is not None:
         machine_alone(plant, inputs, out)

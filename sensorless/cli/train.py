@@ -11,6 +11,7 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from sensorless.agents.train.config import TrainConfig
+from sensorless.cli.given import was_given
 from sensorless.cli.options import (
     JsonOption,
     SetOption,
@@ -115,12 +116,6 @@ def _train(
     run_training(config, asked_for(settings), folder, resume=None if resume is None else given)
     if as_json:
         say_json(json.loads((folder / VERDICT).read_text(encoding="utf-8")))
-
-
-def was_given(context: typer.Context, name: str) -> bool:
-    """Whether an option of a command was given."""
-    source = context.get_parameter_source(name)
-    return source is not None and source.name != "DEFAULT"
 
 
 def existing(folder: Path) -> Path:

@@ -100,7 +100,7 @@ def tune_gains_command(
     check_writable(out)
     machine, asked = Motor.load(motor), asked_for(settings)
     if estimator is not None:
-        asked |= asked_for([f"estimator={estimator}", *(settings or ())])
+        asked = asked_for([f"estimator={estimator}"]) | asked
     if estimator not in (None, asked.get("estimator")):
         raise UserError(f"estimator: {estimator}, but --set names another one; leave one out")
     design = DriveDesign(**asked)

@@ -34,7 +34,7 @@ def asked_for(words: Sequence[str] | None) -> dict[str, Any]:
     Raises
     ------
     UserError
-        Unknown or old name, or a value of the wrong type or out of range.
+        Unknown or old name, one given twice, or a value of the wrong type or out of range.
     """
     known = settings_of(DriveDesign)
     values = {}
@@ -47,6 +47,8 @@ def asked_for(words: Sequence[str] | None) -> dict[str, Any]:
             raise UserError(f"set: {word!r}: no such setting: {hint}sensorless settings lists all")
         if not equals:
             raise UserError(f"set: {word!r}: no value: write {name}=VALUE")
+        if name in values:
+            raise UserError(f"set: {name}: given twice; give it once")
         values[name] = known[name].parsed(text)
     return values
 
