@@ -26,7 +26,7 @@ from sensorless.errors import UserError
 Step = tuple[Observation, Term, Flags, Flags, dict[str, Any]]
 
 
-def spaces(n_actions: int = 1) -> "tuple[Box[np.float32], Box[np.float32]]":
+def spaces(n_actions: int) -> "tuple[Box[np.float32], Box[np.float32]]":
     """Observation and action space of one drive."""
     return (
         Box(LOW, HIGH, dtype=np.float32),

@@ -209,7 +209,7 @@ def settings_of(cls: type) -> Mapping[str, Setting]:
     )
 
 
-def refuse_old(name: str, known: Mapping[str, Setting], where: str = "") -> None:
+def refuse_old(name: str, known: Mapping[str, Setting], where: str) -> None:
     """Refuse the name of a setting of earlier versions.
 
     Raises

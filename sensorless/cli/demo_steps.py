@@ -28,7 +28,7 @@ FIG9 = ((0.0, 200.0), (1.0, 350.0), (2.0, 600.0))
 """Times [s] and speeds of the paper's machine [r/min]; without load."""
 
 
-def fresh_folder(folder: Path, motor: str = "") -> None:
+def fresh_folder(folder: Path, motor: str) -> None:
     """Make an empty folder, or empty one that an earlier demo wrote.
 
     Raises

@@ -113,8 +113,8 @@ def plant_record(motor: Motor) -> Array:
     return record
 
 
-def sensor_record(motor: Motor, noise_rms: float = GOOD_NOISE) -> Array:
-    """``sensor_params_t`` of a motor with noise of ``noise_rms`` [A], shape ()."""
+def sensor_record(motor: Motor) -> Array:
+    """``sensor_params_t`` of a motor, with noise of ``GOOD_NOISE``, shape ()."""
     lsb = adc_step(motor)
     record = np.zeros((), dtype=SENSOR)
     fill(
@@ -124,7 +124,7 @@ def sensor_record(motor: Motor, noise_rms: float = GOOD_NOISE) -> Array:
             "inv_i_zero": 1.0 / (0.01 * motor.i_rated),
             "gain_a": 1.0,
             "gain_b": 1.0,
-            "noise_rms": noise_rms,
+            "noise_rms": GOOD_NOISE,
             "lsb": lsb,
             "inv_lsb": 1.0 / lsb,
             "range": motor.adc_range,

@@ -168,7 +168,7 @@ def with_twin_to_the_end(
 def twins_alone(
     factory: SimFactory,
     scenarios: Scenarios,
-    settings: Settings = NO_SETTINGS,
+    settings: Settings,
     change: Callable[[Array], None] | None = None,
 ) -> Array:
     """Sensored twins at the end of their scenarios, an array of ``SIM`` (n,).

@@ -18,7 +18,7 @@ def search_machines(
     design: DriveDesign,
     seed: int,
     budget: int,
-    progress: Callable[[Search], None] | None = None,
+    progress: Callable[[Search], None],
 ) -> tuple[Search, list[Find]]:
     """Search until ``budget`` scenarios were run; and the lost ones, minimised on their machines.
 
@@ -41,6 +41,5 @@ def search_machines(
         for name in ("scenarios", "lost", "sampled", "sampled_lost", "searches"):
             setattr(all_of, name, getattr(all_of, name) + getattr(found, name))
         all_of.finds += finds
-        if progress is not None:
-            progress(all_of)
+        progress(all_of)
     return all_of, lost

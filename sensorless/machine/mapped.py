@@ -43,7 +43,7 @@ def mapped(motor: Motor, fit: MapFit) -> Motor:
     return dataclasses.replace(motor, L_d=_six(L_d), L_q=_six(L_q), psi_f=_six(psi_f), saturation=s)
 
 
-def tables_of(motor: Motor, source: str, base: str, beyond: str = "") -> dict[str, Any]:
+def tables_of(motor: Motor, source: str, base: str, beyond: str) -> dict[str, Any]:
     """Tables of its motor file.
 
     Parameters

@@ -45,6 +45,8 @@ EMPTY = 2
 
 Report = dict[str, Any]
 
+SEED = 5
+"""Of the random scenarios."""
 CALL = 1002
 """Instructions of ``port_thousand`` with its call and return."""
 
@@ -55,7 +57,6 @@ def pil(
     design: DriveDesign,
     *,
     policy: str = "table",
-    seed: int = 5,
     size: int = 16,
     level: str = "-O2",
     progress: Callable[[float], None] | None = None,
@@ -68,8 +69,8 @@ def pil(
         As for ``export``.
     policy : str
         Name in the report.
-    seed, size : int
-        Seed of the random scenarios, and number of all scenarios, at most ``DRIVES``.
+    size : int
+        Number of scenarios, at most ``DRIVES``.
     level : str
         Optimisation level of the image.
 
@@ -84,7 +85,7 @@ def pil(
     """
     require_tools()
     began = time.monotonic()
-    names, scenarios = pil_scenarios(motor, seed, size)
+    names, scenarios = pil_scenarios(motor, SEED, size)
     with tempfile.TemporaryDirectory(prefix="sensorless-pil-") as temp:
         place = Path(temp)
         export(table, motor, design, place / "export", policy=policy)

@@ -30,7 +30,7 @@ RATE = 1.0
 DURATION = 2.0
 
 
-def pil_scenarios(motor: Motor, seed: int = 5, size: int = 16) -> tuple[tuple[str, ...], Scenarios]:
+def pil_scenarios(motor: Motor, seed: int, size: int) -> tuple[tuple[str, ...], Scenarios]:
     """Names and scenarios: the planned ones, filled up to ``size`` with random ones.
 
     The controller's numbers are always those of the export, so scenarios differ in the machine, its

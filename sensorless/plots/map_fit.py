@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def map_fit(name: str, fit: MapFit, what: str = "reciprocal model") -> "Figure":
+def map_fit(name: str, fit: MapFit, what: str) -> "Figure":
     """Map and model, or ``what`` the errors are of: current over flux, and where it errs."""
     figure, axes = new_figure((10.0, 8.0), rows=2, columns=2)
     model = fit.i + fit.error

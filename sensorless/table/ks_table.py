@@ -124,17 +124,13 @@ class KsTable:
         """Return the node values as the firmware stores them: flat, float32 or int16 (Q15)."""
         return flat_values(self.values, form)
 
-    def record(
-        self, form: ValueFormat = "f32", *, policy_hash: int | None = None, motor_hash: int = 0
-    ) -> Array:
+    def record(self, form: ValueFormat = "f32", *, motor_hash: int = 0) -> Array:
         """Header ``ks_table_t`` of the table with its checksums, shape ().
 
         Parameters
         ----------
         form : {"f32", "q15"}
             Kind of the values, see ``stored``.
-        policy_hash : int, optional
-            32 bits that name the policy; by default the first 32 of ``digest``.
         motor_hash : int
             32 bits that name the machine; 0 for none.
         """
@@ -147,7 +143,7 @@ class KsTable:
             row["signal"], row["n"] = SIGNAL_NAMES.index(axis.signal), axis.n
             row["x0"], row["inv_step"], row["top"] = axis.lo, axis.inv_step, axis.n - 1
         header["slew_per_s"], header["fallback"] = self.slew_per_s, self.fallback
-        header["policy_hash"] = int(self.digest[:8], 16) if policy_hash is None else policy_hash
+        header["policy_hash"] = int(self.digest[:8], 16)
         header["motor_hash"] = motor_hash
         seal(header, self.stored(form))
         return header.reshape(())

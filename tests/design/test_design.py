@@ -90,13 +90,13 @@ def test_records_carry_the_design(motor: Motor) -> None:
 
 def test_plant_and_sensor_records(motor: Motor) -> None:
     """Numbers of the machine file arrive in the simulation."""
-    plant, sensor = plant_record(motor), sensor_record(motor, 0.007)
+    plant, sensor = plant_record(motor), sensor_record(motor)
     assert [plant["R_s"], plant["n_p"], plant["B"]] == [motor.R_s, motor.n_p, motor.B]
     assert plant["inv_J"] == pytest.approx(1.0 / motor.J)
     assert plant["h"] * plant["n_sub"] == pytest.approx(motor.T_s)
     assert plant["extra"] == 0
     assert sensor["lsb"] == pytest.approx(20.0 / 4096)
-    assert sensor["noise_rms"] == pytest.approx(0.007)
+    assert sensor["noise_rms"] == pytest.approx(0.005)
     assert sensor["dead_time_share"] == pytest.approx(0.01)
 
 

@@ -84,7 +84,7 @@ def test_any_finite_signal_gives_a_weight(huge: float) -> None:
 @pytest.mark.parametrize("n_axes", [1, 4])
 def test_checksums_are_those_of_zlib(form: ValueFormat, n_axes: int) -> None:
     t = table(n_axes)
-    record, values = t.record(form, policy_hash=7, motor_hash=9), t.stored(form)
+    record, values = t.record(form, motor_hash=9), t.stored(form)
     assert int(record["crc_values"]) == zlib.crc32(values.tobytes())
     assert int(record["crc_header"]) == zlib.crc32(record.tobytes()[:-4])
     assert (

@@ -112,7 +112,7 @@ def align_commands(
     stator: Stator,
     plate: Nameplate,
     i: float,
-    stretch: float = 1.0,
+    stretch: float,
     side: float = 1.0,
     at: float = 0.0,
 ) -> list[Command]:
