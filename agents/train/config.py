@@ -140,12 +140,12 @@ class TrainConfig:
         WindowWeights.torque_ripple, "1/ms", 0, 10, "charge this for ripple in training with gains"
     )
     ripple_weight: float = number(
-        1.0, "1", 0, 1e3, "weigh ripple so much in the objective by which the best table is kept"
+        1.0, "1", 0, 1e3, "weigh ripple by this factor in the objective that picks the best table"
     )
     last: bool = switch(
         False,
-        "keep the table validated last, not the best: where training asks for what the objective "
-        "does not count, such as less injection",
+        "keep the table validated last, not the best: for training that asks for what the "
+        "objective does not count, such as less injection",
     )
     outlier: float = number(
         0.0,

@@ -85,7 +85,7 @@ def certify_command(
     The intervals are exact (Clopper and Pearson, 95 %): none lost of a million feasible scenarios
     means a rate of at most 3.7e-6. What lost and held mean is as in `sensorless evaluate`. The
     same suite, seed and size give the same counts on any engine. `sensorless simulate --scenario`
-    draws the scenarios that are named as lost.
+    replays any lost scenario that the result names.
 
     For example:
 

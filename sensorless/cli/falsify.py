@@ -44,7 +44,7 @@ def falsify_command(
 
     Many searches by CMA-ES, each from the worst of 128 random scenarios, move towards larger angle
     errors. The file has the worst scenario of each search. If it was lost, the file also says which
-    of its deviations from nominal that takes. Ctrl-C keeps the searches that have ended.
+    of its deviations from nominal the loss needs. Ctrl-C keeps the searches that have ended.
     `sensorless simulate --scenario FILE.json:INDEX` draws the scenario, `FILE.json:INDEX:min` the
     same with all other numbers nominal.
 

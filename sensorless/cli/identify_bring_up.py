@@ -28,15 +28,15 @@ def bring_up_command(
         str | None,
         typer.Option(
             metavar="NAME",
-            help="Simulate one drive with this mistake, or `right`, and judge it. Default: count "
-            "on many drives how often each mistake is found.",
+            help="Simulate one drive with this mistake (`right`: with none) and judge it. Default: "
+            "count on many drives how often each mistake is found.",
         ),
     ] = None,
     size: Annotated[
         int, typer.Option(metavar="N", min=1, max=10000, help="Count on this many drives.")
     ] = 20,
     seed: Annotated[
-        int, typer.Option(metavar="N", min=0, help="Draw machine, sensors and inverter from here.")
+        int, typer.Option(metavar="N", min=0, help="Draw the drives from this seed.")
     ] = 0,
     save_log: Annotated[
         Path | None,

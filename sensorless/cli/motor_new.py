@@ -145,10 +145,10 @@ def new_command(
 ) -> None:
     """Write a motor file from what a data sheet gives, then check it.
 
-    The command asks for what it needs and you did not give, again where an answer cannot be. Of
-    --ke and --kt one is enough, and so is one of --power and --torque; if you give both, they have
-    to agree. The file names the source of every number and says what is assumed. Exit status 1: the
-    file is written, and the check says no. A file that exists is replaced by --force alone.
+    The command asks for what you did not give, and asks again if an answer is impossible. One of
+    --ke and --kt is enough, and so is one of --power and --torque; if you give both, they have to
+    agree. The file names the source of every number and says what is assumed. Exit status 1: the
+    file is written, and the check says no. Only --force replaces an existing file.
 
     For example:
 

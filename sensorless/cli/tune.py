@@ -62,8 +62,8 @@ def tune_command(
     """Tune the numbers of a hand-over rule with CMA-ES, an evolutionary search.
 
     It minimises 10 lost_rate + torque deviation + torque ripple on scenarios of the suite stress-1,
-    plus ten times how near to a loss half as many of unload come, all of which training and
-    evaluation never see. The same command gives the same file, on any engine.
+    plus ten times a measure of how near half as many scenarios of unload come to a loss. Training
+    and evaluation see none of these scenarios. The same command gives the same file, on any engine.
     Ctrl-C keeps the best rule found so far. The last line says whether the rule is better than its
     start on 400 scenarios of stress-1 that tuning has not seen. `sensorless tune gains` tunes the
     drive itself.

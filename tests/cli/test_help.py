@@ -92,10 +92,10 @@ def test_every_option_is_a_sentence_with_unit_and_default(path: str) -> None:
 
 
 @pytest.mark.parametrize("path", COMMANDS)
-def test_the_printed_help_shows_no_type_of_a_flag(path: str) -> None:
+def test_the_printed_help_shows_no_type_of_a_flag_and_no_stray_bullet(path: str) -> None:
     done = CliRunner().invoke(app, [*path.split(), "--help"], env={"COLUMNS": "80"})
     assert done.exit_code == 0
-    for odd in ("<bool>", "<int range>", "<float range>", "<unprocessed"):
+    for odd in ("<bool>", "<int range>", "<float range>", "<unprocessed", "•"):
         assert odd not in done.output
 
 
