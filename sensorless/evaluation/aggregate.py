@@ -90,7 +90,7 @@ def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -
     """
     survived, feasible = lost == 0, are_feasible(lost)
     out = {
-        "lost_rate": _rate(~survived[feasible]),
+        "lost_rate": mean(~survived[feasible]),
         "lost_ci": rate_interval(~survived[feasible]),
         "infeasible_rate": float(np.mean(~feasible)),
         "lost_by_cause": {name: int(np.sum(lost & bit != 0)) for name, bit in CAUSES.items()},
@@ -98,14 +98,14 @@ def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -
     if "not_held" in metrics:
         loose = _not_held(lost, metrics)[feasible]
         out |= {
-            "not_held_rate": _rate(loose),
+            "not_held_rate": mean(loose),
             "not_held_rate_ci": rate_interval(loose > 0.0),
         }
     return {**out, "survived": int(survived.sum()), **mean_of(metrics, survived, seed)}
 
 
-def _rate(x: Floats | Bools) -> float:
-    """Mean; NaN of nothing."""
+def mean(x: Floats | Bools) -> float:
+    """Mean of ``x`` (n,); NaN for n = 0."""
     return float(np.mean(x)) if len(x) else math.nan
 
 
@@ -139,12 +139,12 @@ def paired(
         "survived_both": int(both.sum()),
         "lost_only_here": int(np.sum(here & ~there)),
         "lost_only_there": int(np.sum(there & ~here)),
-        **{name: _rate(x - y) for name, (x, y) in rates.items()},
+        **{name: mean(x - y) for name, (x, y) in rates.items()},
         **{f"{name}_ci": mean_interval(x - y, seed) for name, (x, y) in rates.items()},
         **mean_of(apart, both, seed),
         "there": {
-            **{name: _rate(y) for name, (_, y) in rates.items()},
-            **{name: float(np.mean(x)) if len(x) else math.nan for name, x in base.items()},
+            **{name: mean(y) for name, (_, y) in rates.items()},
+            **{name: mean(x) for name, x in base.items()},
         },
     }
 

@@ -14,7 +14,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines_suite import NAME, SCENARIOS, judged, rows_on
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
-from sensorless.evaluation.aggregate import Rows, interval_of
+from sensorless.evaluation.aggregate import Rows, interval_of, mean
 from sensorless.evaluation.engines.engine import Engine
 from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.evaluate import PolicyProgress, Scores, joined, results_of, score_chunk
@@ -100,7 +100,7 @@ def _by_machine(parts: Sequence[Scores]) -> dict[str, list[Any]]:
         "feasible": [int(np.sum(a)) for a in able],
         "lost": [int(np.sum((s.lost != 0) & a)) for s, a in zip(parts, able, strict=True)],
         **{
-            name: [_mean(s.metrics[name][s.lost == 0]) for s in parts]
+            name: [mean(s.metrics[name][s.lost == 0]) for s in parts]
             for name in ("not_held", *COMPARED)
         },
     }
@@ -117,22 +117,17 @@ def _beside(parts: Sequence[Scores], first: Sequence[Scores], seed: int) -> dict
         ratios = np.array([_ratio(s, f, name) for s, f in zip(parts, first, strict=True)])
         known = np.log(ratios[np.isfinite(ratios) & (ratios > 0.0)])
         low, high = interval_of(_means(known), len(known), seed)
-        out[name] = float(np.exp(_mean(known)))
+        out[name] = float(np.exp(mean(known)))
         out[f"{name}_ci"] = (float(np.exp(low)), float(np.exp(high)))
-        out[f"{name}_as_good"] = _mean(known <= np.log(AS_GOOD))
+        out[f"{name}_as_good"] = mean(known <= np.log(AS_GOOD))
         out[f"{name}_ratios"] = ratios.tolist()
     return out
 
 
 def _ratio(here: Scores, there: Scores, name: str) -> float:
     both = (here.lost | there.lost) == 0
-    base = _mean(there.metrics[name][both])
-    return _mean(here.metrics[name][both]) / base if base > 0.0 else np.nan
-
-
-def _mean(x: Floats | np.ndarray[Any, np.dtype[np.bool_]]) -> float:
-    """Mean; NaN of nothing."""
-    return float(np.mean(x)) if len(x) else np.nan
+    base = mean(there.metrics[name][both])
+    return mean(here.metrics[name][both]) / base if base > 0.0 else np.nan
 
 
 def _means(x: Floats) -> Callable[[Rows], Floats]:
