@@ -133,7 +133,18 @@ def _settings(provenance: Mapping[str, Any], key: str, where: str) -> dict[str, 
     values = provenance.get(key, {})
     if not isinstance(values, dict):
         raise UserError(f"{where}: {key}: {shown(values)} holds no settings by name; {RESTORE}")
+    for name, value in values.items():
+        if not (isinstance(value, str | float | None) or _is_whole(value)):
+            raise UserError(
+                f"{where}: {key}: {name}: {shown(value)}: must be a number, a word, true, false or "
+                f"null; {RESTORE}"
+            )
     return {k: float(v) if v in ("inf", "-inf") else v for k, v in values.items()}
+
+
+def _is_whole(value: object) -> bool:
+    """Whether a value is true, false or a whole number that a float can hold."""
+    return isinstance(value, int) and abs(value) < 2**1023
 
 
 def _motor(provenance: Mapping[str, Any], where: str) -> Motor | None:

@@ -211,6 +211,8 @@ def test_formulas_that_have_changed_are_said(
         ({"set": None}, "set: None holds no settings by name"),
         ({"set": "estimator=smo"}, "set: 'estimator=smo' holds no settings by name"),
         ({"design": 3}, "design: 3 holds no settings by name"),
+        ({"design": {"smo_pll_hz": 10**400}}, "design: smo_pll_hz: 1000000"),
+        ({"design": {"smo_pll_hz": [1]}}, "design: smo_pll_hz: [1]: must be a number"),
         ({"motor_digest": "0" * 64}, "motor_digest: '0000000000"),
         (
             {"machine": asdict(replace(PAPER, R_s=4.0)), "motor_digest": PAPER.digest},
