@@ -3,6 +3,7 @@
 import inspect
 import json
 import os
+import shlex
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -206,7 +207,7 @@ def run_training(
     except KeyboardInterrupt:
         begun = (folder / CONFIG).is_file()
         errors.print(
-            f"interrupted; resume with: sensorless train --resume {folder}"
+            f"interrupted; resume with: sensorless train --resume {shlex.quote(str(folder))}"
             if begun
             else "interrupted before the first decision; nothing was written",
             highlight=False,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 from torch.optim import Adam
 
 from sensorless.agents.loading import load_run
@@ -16,6 +17,7 @@ from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.train import resume, train
 from sensorless.agents.validation import validate_all
 from sensorless.baselines.linear import EQ25_BAND, linear_table
+from sensorless.cli.train import run_training
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
@@ -114,6 +116,20 @@ def test_interrupt_keeps_a_checkpoint(tmp_path: Path) -> None:
     load_run(folder, MOTOR)
     assert not list(folder.rglob("*part*"))
     resume({"steps": SMALL.steps}, folder)
+
+
+def test_the_way_on_after_an_interrupt_is_quoted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(*args: object, **how: object) -> None:
+        (folder / "config.json").touch()
+        raise KeyboardInterrupt
+
+    (folder := tmp_path / "a b").mkdir()
+    monkeypatch.setattr("sensorless.agents.train.train.train", interrupted)
+    with pytest.raises(typer.Exit):
+        run_training(SMALL, {}, folder)
+    assert f"--resume '{folder}'" in capsys.readouterr().err
 
 
 def test_steps_of_the_optimiser_end_where_asked(
