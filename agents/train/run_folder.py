@@ -18,7 +18,7 @@ from sensorless.agents.train.config import TrainConfig
 from sensorless.design.carried import Carried, carried, record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.files import ensure_writable, is_part, reason, remove, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
@@ -112,9 +112,16 @@ def _barely_begun(folder: Path) -> bool:
     """Whether a folder has nothing, or only what a run writes before its first schedule."""
     if not folder.is_dir():
         return False
-    early = {CONFIG, START, "checkpoints", "tb"}
-    names = {path.name for path in folder.iterdir() if not is_part(path.name)}
-    return names <= early and not (folder / LATEST).exists()
+    early = ("checkpoints", CONFIG, START, "tb")  # as they are written: else not of a run
+    names = _whole(folder)
+    return names == set(early[: len(names)]) and not _whole(folder / "checkpoints")
+
+
+def _whole(folder: Path) -> set[str]:
+    """Names in a folder, without what is half-written; none if there is no such folder."""
+    if not folder.is_dir():
+        return set()
+    return {path.name for path in folder.iterdir() if not is_part(path.name)}
 
 
 def design_and_motor(folder: Path) -> tuple[DriveDesign, Motor]:
@@ -207,16 +214,40 @@ def rows(folder: Path) -> list[dict[str, Any]]:
     Raises
     ------
     UserError
-        The file is damaged.
+        The file is damaged; the message names line and column.
     """
     path = folder / PROGRESS
     if not path.is_file():
         return []
     try:
         with path.open(encoding="utf-8", newline="") as file:
-            return [{**row, "steps": int(row["steps"])} for row in csv.DictReader(file)]
-    except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
+            head, *lines = list(csv.reader(file)) or [[]]
+    except (OSError, ValueError, csv.Error) as error:
         raise UserError(f"{path}: {error}; restore the file, or train anew") from None
+    if tuple(head) != COLUMNS:
+        raise UserError(
+            f"{path}: line 1: {shown(','.join(head))}, not the columns {','.join(COLUMNS)}; "
+            "restore the file, or train anew"
+        )
+    return [_row(line, f"{path}: line {n}") for n, line in enumerate(lines, 2) if line]
+
+
+def _row(line: Sequence[str], where: str) -> dict[str, Any]:
+    """One validation by column; ``steps`` is a whole number, the others are texts of numbers."""
+    if len(line) != len(COLUMNS):
+        raise UserError(
+            f"{where}: {len(line)} values, not {len(COLUMNS)}; restore the file, or train anew"
+        )
+    row: dict[str, Any] = dict(zip(COLUMNS, line, strict=True))
+    for name, text in row.items():
+        try:
+            value = int(text) if name == "steps" else float(text)
+        except ValueError:
+            raise UserError(
+                f"{where}: {name}: {shown(text)} is no number; restore the file, or train anew"
+            ) from None
+        row[name] = value if name == "steps" else text
+    return row
 
 
 def write_rows(folder: Path, curve: Sequence[Mapping[str, Any]]) -> None:

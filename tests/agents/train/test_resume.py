@@ -8,6 +8,7 @@ import pickle
 import shutil
 import sys
 import zipfile
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -173,6 +174,45 @@ def test_a_run_killed_before_its_first_checkpoint_begins_anew(
         assert not list((tmp_path / "again").iterdir()), "train --name starts over"
     resume(ON, run)
     assert int(rows(run)[0]["steps"]) == 0 and (run / LATEST).is_file()
+
+
+@pytest.mark.parametrize(
+    "files",
+    [
+        ("tb/PPO_1/events.out.tfevents.1", "checkpoints/rl_model_1000_steps.zip"),
+        ("checkpoints/rl_model_1000_steps.zip",),
+        ("tb/events.out.tfevents.1",),
+        ("config.json",),
+    ],
+)
+def test_files_that_are_not_of_a_run_are_kept(files: tuple[str, ...], tmp_path: Path) -> None:
+    """Another program's folder may have names that a run uses, too."""
+    for name in files:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("mine")
+    with pytest.raises(UserError, match="already exists"), fresh(tmp_path):
+        pass
+    assert all((tmp_path / name).read_text() == "mine" for name in files)
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        (lambda text: text.replace(",objective", ""), "line 1: 'steps,seconds,.*not the columns"),
+        (lambda text: text.replace("objective", "objektive"), "line 1: .*not the columns"),
+        (lambda text: text[: text.rindex(",")], "line [0-9]+: 6 values, not 7"),
+        (lambda text: text.replace("\n0,", "\n0.5,"), "line 2: steps: '0.5' is no number"),
+        (lambda text: text.replace("\n0,", "\n0,x"), "line 2: seconds: 'x.* is no number"),
+    ],
+)
+def test_a_damaged_curve_is_refused_in_one_line(
+    damage: Callable[[str], str], said: str, tmp_path: Path, finished: Path
+) -> None:
+    run = shutil.copytree(finished, tmp_path / "run")
+    (run / PROGRESS).write_text(damage((run / PROGRESS).read_text()))
+    with pytest.raises(UserError, match=rf"progress\.csv: {said}.*restore the file") as caught:
+        resume(ON, run)
+    assert "\n" not in str(caught.value)
 
 
 def test_a_damaged_checkpoint_is_refused_in_one_line(finished: Path) -> None:
