@@ -60,7 +60,7 @@ class GainGrid:
         try:
             with np.errstate(over="ignore"):
                 nodes = np.array(self.values, dtype=np.float32) + np.float32(0.0)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise UserError(f"table: {self.gain}: {error}; give numbers from -1 to 1") from None
         bad = np.argwhere(~((nodes >= least) & (nodes <= most)))
         if len(bad):

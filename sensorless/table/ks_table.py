@@ -235,7 +235,7 @@ def _checked_nodes(values: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
     try:
         with np.errstate(over="ignore"):
             nodes = np.array(values, dtype=np.float32) + np.float32(0.0)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise UserError(f"table: values: {error}; give numbers from 0 to 1") from None
     if nodes.shape != shape:
         raise UserError(f"table: values: shape {nodes.shape}; give {shape}, that of the axes")

@@ -54,6 +54,7 @@ def edited(path: Path, **changes: Any) -> None:
         ({"values": [0.5, None]}, r"node \[1\]: nan"),
         ({"values": [0.5, [1.0]]}, "values: "),
         ({"values": "abc"}, "values: "),
+        ({"values": [0.5, 10**400]}, "values: int too large"),
         ({"slew_per_s": "50"}, "slew_per_s: '50'"),
         ({"slew_per_s": None}, "slew_per_s: missing"),
         ({"extra": 1}, "extra: unknown field"),
