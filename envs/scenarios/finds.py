@@ -1,7 +1,6 @@
 """Scenarios that a search found: a suite, and the numbers to draw from it; on any machine."""
 
 import json
-import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -144,13 +143,21 @@ def searched_on(path: Path) -> tuple[str, str]:
 
 
 def _plausible(
-    units: list[float], seed: int, machine: list[int] | None = None, **other: object
+    units: list[float],
+    seed: int,
+    machine: list[int] | None = None,
+    nominal: Sequence[str] = (),
+    **other: object,
 ) -> bool:
-    """Return True where numbers are numbers, and a machine is a seed and an index; else raise."""
+    """Return True where numbers and names are such, and a machine is a seed and an index; or raise.
+
+    A number of a find is in [0, 1]: rounding may have carried one to 1.
+    """
     del other
     pair = machine is None or len(machine) == 2
     whole = all(isinstance(x, int) and 0 <= x < 2**64 for x in (seed, *(machine or ())))
-    if not (pair and whole and all(math.isfinite(u) for u in units)):
+    known = set(nominal) <= set(REMOVABLE)
+    if not (pair and whole and known and all(0.0 <= u <= 1.0 for u in units)):
         raise ValueError
     return True
 
