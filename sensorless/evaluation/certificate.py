@@ -57,6 +57,7 @@ def counted(out: Path, run: dict[str, Any]) -> Tally:
         known = json.loads(out.read_text(encoding="utf-8"))
         tally = Tally(**known["tally"])
         done = replace(tally, lost_at=tuple(tally.lost_at), not_held_at=tuple(tally.not_held_at))
+        _check(done)
     except (OSError, ValueError, KeyError, TypeError):
         raise UserError(
             f"out: {str(out)!r} is not a file of sensorless certify; give another file"
@@ -67,6 +68,19 @@ def counted(out: Path, run: dict[str, Any]) -> Tally:
                 f"out: {str(out)!r} is of another {name}; remove it, or give another file"
             )
     return done
+
+
+def _check(tally: Tally) -> None:
+    """Raise ValueError if numbers of a tally are no counts, or contradict each other."""
+    counts = (tally.scenarios, tally.infeasible, tally.lost, tally.not_held)
+    listed = (*tally.lost_at, *tally.not_held_at)
+    if not all(type(x) is int and x >= 0 for x in (*counts, *listed)):
+        raise ValueError
+    places = ((tally.lost, tally.lost_at), (tally.not_held, tally.not_held_at))
+    missing = any(len(at) != min(count, LISTED) for count, at in places)
+    beyond = any(x >= tally.scenarios for x in listed)
+    if sum(counts[1:]) > tally.scenarios or missing or beyond:
+        raise ValueError
 
 
 def result(run: dict[str, Any], tally: Tally) -> dict[str, Any]:

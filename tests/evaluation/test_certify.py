@@ -1,6 +1,7 @@
 """Certificates count what ``evaluate`` counts, stop and go on, and know their run."""
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from typer.testing import CliRunner
 from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
-from sensorless.evaluation.certificate import Tally, exact_interval
+from sensorless.evaluation.certificate import Tally, counted, exact_interval, write
 from sensorless.evaluation.certify import certify, certify_machines
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.machines import evaluate_machines
@@ -85,6 +86,31 @@ def test_a_file_knows_its_run(tmp_path: Path) -> None:
     out.write_text("{}", encoding="utf-8")
     with pytest.raises(UserError, match="not a file of"):
         certify(make_policy("eq25", PAPER), PAPER, SMO, SUITE, SEED, 8, out=out)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"scenarios": "4"},
+        {"infeasible": None},
+        {"lost": 1.5},
+        {"not_held": -1},
+        {"not_held_at": [math.nan]},
+        {"lost": 3, "lost_at": [0, 1, 2], "not_held": 2, "not_held_at": [0, 1]},
+        {"lost": 1, "lost_at": [4]},
+        {"lost": 1, "lost_at": []},
+    ],
+)
+def test_a_damaged_tally_is_refused(damage: dict[str, object], tmp_path: Path) -> None:
+    """It would count in the rates."""
+    out = tmp_path / "c.json"
+    write(out, {"suite": SUITE, "seed": SEED}, Tally(scenarios=4))
+    assert counted(out, {}) == Tally(scenarios=4)
+    known = json.loads(out.read_text())
+    known["tally"] |= damage
+    out.write_text(json.dumps(known))
+    with pytest.raises(UserError, match="not a file of sensorless certify"):
+        counted(out, {})
 
 
 def test_what_knows_the_truth_is_not_certified() -> None:
