@@ -50,6 +50,9 @@ class PythonPolicy:
 
     def __init__(self, spec: str, own: Any) -> None:
         self._spec, self._own = spec, own
+        with self._told("its attributes"):
+            for part in ("act", "name", "settings", "ranges", "act_gains", "sensored"):
+                getattr(own, part, None)  # a property may fail
         if isinstance(own, type) or not callable(getattr(own, "act", None)):
             raise self._error(f"gave {_kind(own)}, not a policy; give it act(obs)")
         if getattr(own, "sensored", False) or hasattr(own, "act_knowing"):
@@ -173,7 +176,7 @@ def told(spec: str, where: str) -> Iterator[None]:
         yield
     except UserError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a script that ends itself would end the command
         frames = traceback.extract_tb(error.__traceback__)
         not_theirs = (__file__, "<", *map(sysconfig.get_path, ("stdlib", "purelib")))
         theirs = [f for f in frames if not f.filename.startswith(not_theirs)]

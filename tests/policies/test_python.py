@@ -75,11 +75,13 @@ def test_it_runs_where_a_rule_runs(module: str) -> None:
         ("{}:nothing", "gave None, not a policy; give it act(obs)"),
         ("{}_broken:Half", "fails in import: SyntaxError"),
         ("{}_needs:Half", "fails in import: ModuleNotFoundError: No module named 'not_installed'"),
+        ("{}_ends:Half", "fails in import: SystemExit: 0"),
     ],
 )
 def test_a_word_that_gives_no_policy(module: str, word: str, said: str) -> None:
     Path(f"{module}_broken.py").write_text("def act(:\n")
     Path(f"{module}_needs.py").write_text("import not_installed\n")
+    Path(f"{module}_ends.py").write_text("raise SystemExit(0)  # a script without a main guard\n")
     with pytest.raises(UserError) as caught:
         make_policy(word.format(module), PAPER)
     assert said in str(caught.value) and "\n" not in str(caught.value)
@@ -114,6 +116,16 @@ def test_an_answer_that_is_no_weight(answer: object, said: str) -> None:
     assert said in str(caught.value)
 
 
+def test_one_that_ends_the_program_is_an_error() -> None:
+    """The command would end in status 0, without a result."""
+
+    def act(self: object, obs: object) -> None:
+        raise SystemExit(0)
+
+    with pytest.raises(UserError, match="fails in act: SystemExit: 0"):
+        own(act=act).act(OBS)
+
+
 def test_rounding_beyond_the_range_is_clipped() -> None:
     assert own(act=lambda self, obs: [-1e-7, 1.0 + 1e-6, 0.5]).act(OBS).tolist() == [0.0, 1.0, 0.5]
 
@@ -125,6 +137,7 @@ def test_rounding_beyond_the_range_is_clipped() -> None:
         ({"sensored": True}, "asks for the truth"),
         ({"act_knowing": lambda self, obs, sims: 0}, "asks for the truth"),
         ({"name": 3}, "name: 3; give text"),
+        ({"name": property(lambda self: 1 / 0)}, "fails in its attributes: ZeroDivisionError"),
         ({"settings": ["smo"]}, "settings: an object of type list"),
         ({"settings": {"observer": "smo"}}, "fails in settings: TypeError"),
         ({"settings": {"estimator": "best"}}, "estimator: 'best'"),
