@@ -20,9 +20,13 @@ from sensorless.core.gains import gain_records
 from sensorless.core.runs import Run
 from sensorless.decision import decision_periods, decision_time
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
+from sensorless.errors import UserError
 from sensorless.evaluation.lock import LockWatch
 from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Policy, Settings, decide, decide_gains, gains_of
+
+ROUNDING = 1e-5
+"""How far a weight may lie beyond 0 to 1; it is clipped."""
 
 CHUNK = 256
 """Scenarios at a time: with ``sums_t`` of 88 bytes, 2 s of them take 45 MB."""
@@ -115,7 +119,7 @@ def rollout(
     Raises
     ------
     ValueError
-        The policy gives weights of another shape.
+        The policy gives weights of another shape, or none from 0 to 1.
     """
     n = len(scenarios)
     periods = decision_periods(factory.motor)
@@ -138,9 +142,12 @@ def rollout(
         k_s = np.asarray(decide(policy, obs.copy(), sims), dtype=np.float32)
         if k_s.shape != (n,):
             raise ValueError(f"policy {policy.name}: weights of shape {k_s.shape}; return ({n},)")
+        if not (k_s.min(initial=0.0) >= -ROUNDING and k_s.max(initial=1.0) <= 1.0 + ROUNDING):
+            bad = k_s[~((k_s >= -ROUNDING) & (k_s <= 1.0 + ROUNDING))][0]
+            raise UserError(f"policy {policy.name}: a weight of {bad:g}; return 0 to 1")
         if gains is not None:
             decide_gains(policy, obs.copy(), gains)
-        run.decide(k_s)
+        run.decide(k_s.clip(0.0, 1.0))
         for row, x in kept:
             row[j] = x
         if go_on:

@@ -11,6 +11,7 @@ from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_1_scenarios
+from sensorless.errors import UserError
 from sensorless.evaluation.rollout import (
     CAUSES,
     Rollout,
@@ -148,6 +149,26 @@ def test_a_policy_is_reset_and_sees_the_start_before_its_first_answer() -> None:
     speed = policy.seen[0][:, SIGNAL_NAMES.index("speed")]
     np.testing.assert_allclose(speed, np.abs(scenarios.omega_0) / rated, rtol=1e-5)
     assert not np.shares_memory(policy.seen[0], policy.seen[1])
+
+
+@pytest.mark.parametrize("weight", [np.nan, np.inf, -0.1, 1.5])
+def test_a_weight_out_of_range_is_no_result(weight: float) -> None:
+    """The core would take another one in its place."""
+    policy = Recorder()
+    policy.act = lambda obs: np.full(len(obs), weight, np.float32)  # type: ignore[method-assign]
+    with pytest.raises(UserError, match=f"policy recorder: a weight of {weight:g}; return 0 to 1"):
+        rollout(policy, short(5, 0.02), FACTORY)
+
+
+def test_a_weight_rounded_beyond_the_range_is_clipped() -> None:
+    """The core takes 1, all injection, in the place of one below 0."""
+
+    def run(weight: float) -> Array:
+        policy = Recorder()
+        policy.act = lambda obs: np.full(len(obs), weight, np.float32)  # type: ignore[method-assign]
+        return rollout(policy, short(5, 0.02), FACTORY).sums
+
+    assert np.array_equal(run(-1e-6), run(0.0)) and not np.array_equal(run(0.0), run(1.0))
 
 
 def test_a_policy_with_the_wrong_number_of_weights_is_stopped() -> None:
