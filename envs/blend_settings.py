@@ -206,7 +206,7 @@ def checked_actions(actions: ArrayLike, n: int, m: int) -> NDArray[np.float32]:
     wanted = (n, m) if n > 1 else (m,)
     try:
         action = np.asarray(actions, dtype=np.float32)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise UserError(f"action: {shown(actions)}; give numbers of shape {wanted}") from None
     if action.shape != (n, m) and not (1 in (n, m) and action.shape == (n * m,)):
         raise UserError(f"action: shape {action.shape}; give shape {wanted}")

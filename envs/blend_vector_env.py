@@ -74,14 +74,14 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
     ) -> None:
         mode = _checked_mode(autoreset_mode)
         self.num_envs = checked_count(num_envs)
-        self.batch = BlendBatch(num_envs, self.settings_type.by_name(settings))
+        self.batch = BlendBatch(self.num_envs, self.settings_type.by_name(settings))
         self.render_mode = checked_render_mode(render_mode, ())
         self.metadata = {"render_modes": [], "autoreset_mode": mode}
         self.single_observation_space, self.single_action_space = spaces(self.batch.n_actions)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._same_step = mode is AutoresetMode.SAME_STEP
-        self._all = np.arange(num_envs)
+        self._all = np.arange(self.num_envs)
         self._begun = False
 
     def reset(

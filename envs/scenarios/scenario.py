@@ -231,7 +231,7 @@ class SimFactory:
         start["seek"] = s.seek
         stick = 0.5 * motor.J * s.J / (motor.T_s * motor.tau_rated)
         sims["inv_stick"] = np.where(s.passive, stick, 0.0)
-        sims["k_end"] = np.rint(s.duration / motor.T_s)
+        sims["k_end"] = np.minimum(np.rint(s.duration / motor.T_s), lib.NEVER)
         sims["seed"] = (s.seed & np.uint64(0xFFFFFFFF)).astype(np.uint32)
         sims["sensored"], sims["with_twin"] = int(sensored), int(twin)
         sim_start(sims)

@@ -1,6 +1,7 @@
 import copy
 import pickle
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import gymnasium
@@ -14,7 +15,7 @@ from sensorless.envs.blend_env import BlendEnv
 from sensorless.envs.privileged import N_PRIVILEGED, PRIVILEGED
 from sensorless.envs.reward import TERMS, RewardWeights
 from sensorless.envs.scenarios.scenario import Scenarios
-from sensorless.envs.scenarios.stress import nominal_scenarios
+from sensorless.envs.scenarios.stress import nominal_scenarios, stress_1_scenarios
 from sensorless.envs.window_reward import WindowWeights
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -193,6 +194,7 @@ def test_a_limit_of_steps_may_be_large() -> None:
         ([0.0, 0.0], r"action: shape \(2,\); give shape \(1,\)"),
         ("a", r"action: array\('a', .*; give numbers of shape \(1,\)"),
         ({}, r"action: array\(\{\}, .*; give numbers of shape \(1,\)"),
+        ([10**400], r"action: array\(\[10.*; give numbers of shape \(1,\)"),
     ],
 )
 def test_bad_action_is_refused(action: object, message: str) -> None:
@@ -202,6 +204,13 @@ def test_bad_action_is_refused(action: object, message: str) -> None:
     with pytest.raises(UserError, match=message):
         env.step(np.array(action))
     assert np.array_equal(before, env.state().sims), "nothing moved"
+
+
+def test_a_scenario_may_last_for_ever() -> None:
+    env = BlendEnv()
+    scenario = replace(stress_1_scenarios(env.batch.motor, np.array([1])), duration=np.array([1e9]))
+    env.reset(options={"scenario": scenario})
+    assert not any(any(env.step([1.0])[2:4]) for _ in range(3))
 
 
 def test_step_before_reset_is_refused() -> None:

@@ -53,6 +53,11 @@ def test_make_vec_gives_the_native_batch() -> None:
     assert truncated == [False, True, False, False]
 
 
+def test_true_counts_as_one() -> None:
+    """As for other whole numbers; NumPy takes no truth for a size."""
+    assert make(True).reset(seed=1)[0].shape == (1, 12)
+
+
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
 def test_equals_single_environments_to_the_bit(mode: str) -> None:
     """Observations, rewards, ends and infos over many episodes with autoreset."""
