@@ -104,8 +104,16 @@ def gains_of(policy: Policy) -> Mapping[str, Gain]:
 
 
 def decide_gains(policy: Policy, obs: Signals, gains: Array) -> None:
-    """Write the values that a policy with ``gains_of`` wants into records of ``GAINS`` (n,)."""
+    """Write the values that a policy with ``gains_of`` wants into records of ``GAINS`` (n,).
+
+    Raises
+    ------
+    UserError
+        One is not finite; the core would take the static gain in its place.
+    """
     wanted: Values = policy.act_gains(obs)  # type: ignore[attr-defined] # as for ``decide``
+    if not np.isfinite(wanted).all():
+        raise UserError(f"policy {policy.name}: a gain that is not finite; return -1 to 1")
     write_wanted(gains, wanted)
 
 

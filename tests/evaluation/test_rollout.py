@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, Array, sim_run
+from sensorless.core.gains import DEFAULT, GAIN_N, Values
 from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
@@ -158,6 +159,17 @@ def test_a_weight_out_of_range_is_no_result(weight: float) -> None:
     policy.act = lambda obs: np.full(len(obs), weight, np.float32)  # type: ignore[method-assign]
     with pytest.raises(UserError, match=f"policy recorder: a weight of {weight:g}; return 0 to 1"):
         rollout(policy, short(5, 0.02), FACTORY)
+
+
+def test_a_gain_that_is_not_finite_is_no_result() -> None:
+    class Gains(Recorder):
+        ranges = DEFAULT
+
+        def act_gains(self, obs: Signals) -> Values:
+            return np.full((len(obs), GAIN_N), np.nan, np.float32)
+
+    with pytest.raises(UserError, match="policy recorder: a gain that is not finite"):
+        rollout(Gains(), short(5, 0.02), FACTORY)
 
 
 def test_a_weight_rounded_beyond_the_range_is_clipped() -> None:
