@@ -175,9 +175,9 @@ def test_a_gain_that_is_not_finite_is_no_result() -> None:
 def test_a_weight_rounded_beyond_the_range_is_clipped() -> None:
     """The core takes 1, all injection, in the place of one below 0."""
 
-    def run(weight: float) -> Array:
+    def run(k_s: float) -> Array:
         policy = Recorder()
-        policy.act = lambda obs: np.full(len(obs), weight, np.float32)  # type: ignore[method-assign]
+        policy.act = lambda obs: np.full(len(obs), k_s, np.float32)  # type: ignore[method-assign]
         return rollout(policy, short(5, 0.02), FACTORY).sums
 
     assert np.array_equal(run(-1e-6), run(0.0)) and not np.array_equal(run(0.0), run(1.0))
