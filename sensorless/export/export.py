@@ -31,7 +31,7 @@ from sensorless.export.judge import Judged, verdict
 from sensorless.export.provenance import motor_hash, provenance_text, table_json
 from sensorless.export.readme import readme
 from sensorless.export.selftest import SelfTest, run_selftest
-from sensorless.export.start import start_define
+from sensorless.export.start import spin_text, start_define
 from sensorless.export.tables import drive_vectors_header, table_header, table_source
 from sensorless.export.vectors import drive_vectors, table_vectors
 from sensorless.files import ensure_writable, part_of, put, reason
@@ -101,7 +101,7 @@ def export(
         origin["two_threshold"] = rule
     if judged is not None:
         origin["judged"] = judged.facts()
-    texts = verdict(judged), rule_readme(rule)
+    texts = verdict(judged), rule_readme(rule), spin_text(motor, design)
     files = _contents(table, motor, design, policy, periods, texts)
     files["PROVENANCE.txt"] = provenance_text(table, motor, design, origin, texts[0]).encode(
         "utf-8", "backslashreplace"
@@ -161,9 +161,9 @@ def _contents(
     design: DriveDesign,
     policy: str,
     periods: int,
-    texts: tuple[str, str],
+    texts: tuple[str, str, str],
 ) -> dict[str, bytes]:
-    """Every file of the folder except ``ks_table.json``; ``texts`` of the README: verdict, rule."""
+    """Every file of the folder except ``ks_table.json``; ``texts`` of the README: see there."""
     lookups_f32, lookups_q15 = table_vectors(table, "f32"), table_vectors(table, "q15")
     run = drive_vectors(table, motor, design, periods)
     tag = motor_hash(motor)

@@ -11,7 +11,7 @@ from sensorless.export.core_files import FIRMWARE
 from sensorless.export.faults import fault_tables
 from sensorless.export.gains import gain_readme
 from sensorless.export.hook import hook_text
-from sensorless.export.start import lost_text, spin_text, start_call, start_text
+from sensorless.export.start import lost_text, start_call, start_text
 from sensorless.machine.motor import Motor
 from sensorless.observers.bring_up_design import plan_bring_up
 from sensorless.table.ks_table import KsTable
@@ -43,7 +43,7 @@ def readme(
     observer: str,
     periods: int,
     vectors: tuple[int, int],
-    texts: tuple[str, str],
+    texts: tuple[str, str, str],
 ) -> str:
     """``README.md``.
 
@@ -59,7 +59,7 @@ def readme(
     vectors : tuple of int
         Golden lookups of a table; golden periods of the drive.
     texts : tuple of str
-        Verdict, and what is said about the two thresholds.
+        Verdict, and what is said about the two thresholds and about a shaft that spins.
     """
     plan = plan_bring_up(motor)
     leads = (ONE if observer == "coupled" else TWO).format(
@@ -101,7 +101,7 @@ def readme(
         fallback=f"{table.fallback:g}",
         start_call=start_call(motor),
         start_text=start_text(motor),
-        spin_text=spin_text(motor),
+        spin_text=texts[2],
         lost_text=lost_text(int(drive["lock"]["action"]), motor),
         cmsis=cmsis_readme(table),
         cmsis_sources=" cmsis/*.c" if cmsis_files(table) else "",

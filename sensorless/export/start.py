@@ -5,6 +5,12 @@
 
 import math
 
+import numpy as np
+
+from sensorless.core.api import SIGNAL_N, lib, sim_run
+from sensorless.design.drive import DriveDesign
+from sensorless.envs.counter_random import combine
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
 from sensorless.observers.lock_design import ACTIONS, RESTARTS
 from sensorless.observers.start_design import knows_poles
@@ -31,6 +37,8 @@ With a measured [saturation] in the motor file, the drive may be able to find th
 
 FLYING = 0.9
 """Share of the voltage that the EMF of a shaft may take when a drive catches it."""
+STEPS, ANGLES, CATCH_S = 18, 4, 30e-3
+"""Speeds up to that share at which a catch is simulated, angles at each, and how long [s]."""
 LOST = {
     "report": "goes on: stop it or start it again, as the application allows",
     "restart": "goes on\nwith the coupled observer. If that does not help, it takes its torque "
@@ -54,14 +62,41 @@ def start_text(motor: Motor) -> str:
     return FINDS_TEXT if knows_poles(motor) else KNOWN_TEXT
 
 
-def spin_text(motor: Motor) -> str:
+def caught_share(motor: Motor, design: DriveDesign) -> float:
+    """Share of the voltage up to which the simulated drive catches a shaft.
+
+    Before the drive knows the EMF, the EMF drives a current, which a fast machine with little
+    inductance brings beyond the over-current limit. Where it does, one step less is allowed.
+    """
+    n = STEPS * ANGLES
+    shares = FLYING * np.arange(1, STEPS + 1) / STEPS
+    s = Scenarios.nominal(motor, combine(1, np.arange(n)), 1.0)
+    s.seek[:], s.theta_0 = True, np.tile(np.pi * np.arange(ANGLES) / ANGLES, STEPS)
+    s.omega_0 = np.repeat(shares * _full_speed(motor), ANGLES) * RPM_TO_RAD_S
+    s.omega[:] = s.omega_0[:, None]
+    sims = SimFactory(motor, design).build(s)
+    k_s, obs = np.zeros(n, np.float32), np.zeros((n, SIGNAL_N), np.float32)
+    sim_run(sims, round(CATCH_S / motor.T_s), k_s, obs)
+    trips = (sims["drive"]["x"]["fault"] & lib.FAULT_OVER_CURRENT) != 0
+    bad = trips.reshape(STEPS, ANGLES).any(axis=1)
+    steps = max(int(bad.argmax()) - 1, 0) if bad.any() else STEPS
+    return FLYING * steps / STEPS
+
+
+def _full_speed(motor: Motor) -> float:
+    """Speed at which the EMF takes all of the voltage [r/min]."""
+    return motor.u_dc / math.sqrt(3.0) / motor.psi_f / motor.n_p / RPM_TO_RAD_S
+
+
+def spin_text(motor: Motor, design: DriveDesign) -> str:
     """What the README says of a shaft that spins when the drive starts again."""
     if not knows_poles(motor):
         return "Let the shaft come to rest first: the drive cannot find its rotor."
-    most = FLYING * motor.u_dc / math.sqrt(3.0) / motor.psi_f / motor.n_p / RPM_TO_RAD_S
+    share = caught_share(motor, design)
+    rpm = share * _full_speed(motor)
     return f"""\
 The shaft may spin meanwhile, at up to
-{most:.0f} r/min, where its EMF takes {FLYING:g} of the voltage: the drive holds the current at zero
+{rpm:.0f} r/min, where its EMF takes {share:.3g} of the voltage: the drive holds the current at zero
 while it seeks, and a faster shaft drives one that trips."""
 
 

@@ -45,7 +45,7 @@ def test_only_what_the_check_judges_is_promised(share: float, motor: Motor, tabl
     """A tenth of the dead time hides behind thresholds."""
     less = replace(motor, dead_time=share * motor.dead_time)
     drive = control_record(less, DriveDesign())
-    said = readme(table, less, drive, 0.1, "policy", "smo", 1, (1, 1), ("", ""))
+    said = readme(table, less, drive, 0.1, "policy", "smo", 1, (1, 1), ("", "", ""))
     bit = "| 256 | `BRING_UP_FAULT_DEAD_TIME` |" in said
     assert bit == ("and dead time are right" in said) == (share == 1.0)
     assert ("dead time is not judged, because its" in said) == (share < 1.0)
@@ -57,7 +57,7 @@ def test_an_export_that_leaves_dead_time_to_the_driver_does_not_judge_it(
 ) -> None:
     """Its own bit would ask for what has just been done."""
     drive = control_record(motor, DriveDesign(dead_time_share=0.0))
-    said = readme(table, motor, drive, 0.1, "policy", "smo", 1, (1, 1), ("", ""))
+    said = readme(table, motor, drive, 0.1, "policy", "smo", 1, (1, 1), ("", "", ""))
     assert "BRING_UP_FAULT_DEAD_TIME" not in said and "drive_step` adds up" not in said
     assert "dead time is not judged, because this export leaves it to the driver" in said
     assert bring_up_record(motor, compensates=False)["u_lost"] == 0.0
