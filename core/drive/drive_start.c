@@ -238,7 +238,7 @@ CORE_COLD static void take_over(const drive_params_t *p, drive_state_t *x, ab_t 
  * on for as long as they would take: a load may make the shaft fast enough; then the guess decides. */
 CORE_COLD static void leave_lock(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     const start_params_t *q = &p->start;
-    int32_t pulses = q->n_tries * 2 * (q->n_rest + 2 * q->n_pulse);
+    int32_t pulses = q->n_tries * start_pair(q);
     int again = x->start.again != 0;
     int known = again && know_pole(p, x);
     if (!known && (!again || abs_f(q->i_pole) >= q->i_pole_sure)) {
@@ -264,7 +264,7 @@ CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t 
         enter_lock(p, x);
     } else if (s->phase == START_LOCK && s->n >= q->n_lock) {
         leave_lock(p, x, i_ab);
-    } else if (s->phase == START_POLE && s->n >= 2 * (q->n_rest + 2 * q->n_pulse)) {
+    } else if (s->phase == START_POLE && s->n >= start_pair(q)) {
         judge_pole(p, x);
     } else if (s->phase == START_SETTLE && s->n >= q->n_lock) {
         (void)(s->again != 0 && know_pole(p, x)); /* a load may have moved the shaft meanwhile */

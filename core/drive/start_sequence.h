@@ -147,23 +147,33 @@ CORE_INLINE float start_axis(const start_state_t *x, float theta) {
     return abs_f(wrap_pi(found - theta)) > 0.5f * PI_F ? wrap_pi(found + PI_F) : found;
 }
 
-/* Present direction of the pulse voltage: +1, -1, or 0 for the rest before a pulse. Each half of a
- * pair is n_rest, n_pulse one way, n_pulse back; the second half has the opposite sign. */
+/* Periods of each half of POLE: n_rest, n_pulse one way, n_pulse back. */
+CORE_INLINE int32_t start_half(const start_params_t *p) { return p->n_rest + 2 * p->n_pulse; }
+
+/* Periods of POLE: two halves, and until the sample after the last pulse. A command acts one period
+ * later. */
+CORE_INLINE int32_t start_pair(const start_params_t *p) { return 2 * start_half(p) + 2; }
+
+/* Present direction of the pulse voltage: +1, -1, or 0 without a pulse. The second half of a pair
+ * has the opposite sign. */
 CORE_INLINE float start_pulse(const start_params_t *p, const start_state_t *x) {
-    int32_t half = p->n_rest + 2 * p->n_pulse;
-    int second = x->n >= half;
-    int32_t j = (second ? x->n - half : x->n) - p->n_rest;
+    int second = x->n >= start_half(p);
+    int32_t j = (second ? x->n - start_half(p) : x->n) - p->n_rest;
     float way = second ? -1.0f : 1.0f;
-    return j < 0 ? 0.0f : (j < p->n_pulse ? way : -way);
+    way = j < p->n_pulse ? way : -way;
+    return j >= 0 && j < 2 * p->n_pulse ? way : 0.0f;
 }
 
-/* Reads by how much a pulse of POLE moves the d current i_d [A]. A command acts one period
- * later. */
+/* Reads by how much a pulse of POLE moves the d current i_d [A]: the sample at its peak less the
+ * mean of those before it and after it is undone. An EMF that is not known well moves both by the
+ * same. */
 CORE_INLINE void start_peak(const start_params_t *p, start_state_t *x, float i_d) {
-    int32_t half = p->n_rest + 2 * p->n_pulse;
-    int32_t j = (x->n >= half ? x->n - half : x->n) - p->n_rest;
+    int32_t half = start_half(p);
+    int32_t j = x->n - p->n_rest;
+    j = j > 2 * p->n_pulse + 1 ? j - half : j;
     x->i_0 = j == 1 ? i_d : x->i_0;
-    x->i_pole += j == p->n_pulse + 1 ? i_d - x->i_0 : 0.0f;
+    x->i_pole += j == p->n_pulse + 1 ? i_d : 0.0f;
+    x->i_pole -= j == 2 * p->n_pulse + 1 ? 0.5f * (x->i_0 + i_d) : 0.0f;
 }
 
 #endif

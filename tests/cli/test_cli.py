@@ -190,7 +190,7 @@ def test_simulate_starts_from_the_wrong_pole(tmp_path: Path) -> None:
     assert "[s]" in found.stdout and "[r/min]" in found.stdout
     header, *rows = (tmp_path / "run.csv").read_text().splitlines()
     starting = [float(row.split(",")[header.split(",").index("starting")]) for row in rows]
-    assert starting == [1.0] * 165 + [0.0] * (2000 - 165)
+    assert starting == [1.0] * 167 + [0.0] * (2000 - 167)
     assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
     assert "lost (angle)" in run(*words, cwd=tmp_path).stdout
 

@@ -56,7 +56,7 @@ static void pulses(void) {
     drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
     for (int j = 0; j < 200; j++) {
         drive_state_t x = seeking(p, START_POLE, 0);
-        x.start.n = 2 * (p->start.n_rest + 2 * p->start.n_pulse) - 1;
+        x.start.n = 2 * (p->start.n_rest + 2 * p->start.n_pulse) + 1;
         float theta = draw_f(-3, 3), sure = p->start.i_pole_sure * draw_f(1.01, 3);
         x.hfi.pll.theta = theta, x.start.i_pole = j % 2 ? sure : -sure;
         drive_step(p, &x, &in);

@@ -152,7 +152,7 @@ static void guesses(void) {
     drive_params_t p = PARAMS[4];
     p.start.i_pole = 0.5f * p.start.i_pole_sure;
     drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
-    int pulses = p.start.n_tries * 2 * (p.start.n_rest + 2 * p.start.n_pulse);
+    int pulses = p.start.n_tries * (2 * (p.start.n_rest + 2 * p.start.n_pulse) + 2);
     for (int last = 0; last < 2; last++) {
         drive_state_t x = seeking(&p, START_LOCK, 1);
         x.start.again = 1;

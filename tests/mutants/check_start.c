@@ -34,20 +34,24 @@ static void axis(void) {
 
 static void pulse_pairs(void) {
     start_params_t p = {0};
-    const int rest = 12, pulse = 11, half = 34;
+    const int rest = 12, pulse = 11, half = 34, pair = 70;
     p.n_rest = rest, p.n_pulse = pulse;
     start_state_t x;
     start_begin(&x);
+    check("length of a pair", start_half(&p) == half && start_pair(&p) == pair);
     double sum = 0.0, before = 0.0;
-    for (x.n = 0; x.n < 2 * half; x.n++) {
-        int j = x.n % half - rest, second = x.n >= half;
-        float way = j < 0 ? 0.0f : (j < pulse ? 1.0f : -1.0f);
+    for (x.n = 0; x.n < pair; x.n++) {
+        int second = x.n >= half, j = x.n - (second ? half : 0) - rest;
+        float way = j < 0 || j >= 2 * pulse ? 0.0f : (j < pulse ? 1.0f : -1.0f);
         check("pulse", start_pulse(&p, &x) == (second ? 0.0f - way : way));
         float i_d = (float)(x.n * x.n) * 0.01f;
         start_peak(&p, &x, i_d);
         /* A command acts a period later: from one period after its start to one after its end. */
-        before = j == 1 ? (double)i_d : before;
-        sum += j == pulse + 1 ? (double)i_d - before : 0.0;
+        int begins = x.n == rest + 1 || x.n == half + rest + 1;
+        int peaks = x.n == rest + pulse + 1 || x.n == half + rest + pulse + 1;
+        int ends = x.n == half + 1 || x.n == pair - 1;
+        before = begins ? (double)i_d : before;
+        sum += peaks ? (double)i_d : (ends ? -0.5 * (before + (double)i_d) : 0.0);
         check("peaks", near((double)x.i_pole, sum, 1e-5));
     }
 }
