@@ -118,6 +118,19 @@ def idle(motor: Motor) -> float:
     return max(0.0, voltage_drift(motor) / LEFT_IDLE - 2.0 * standstill_rate(motor))
 
 
+def layer(motor: Motor) -> float:
+    """Thickness of the correction's boundary layer, over the auxiliary flux.
+
+    The larger of two: what an uncompensated dead time displaces the flux by at ``LAYER_SPEED``; and
+    what lets the bounded correction at rest, twice ``standstill_rate`` b of it, hold the
+    drifts of dead time v and resistance v_R, (v + v_R)/(2 b). Else the flux follows its
+    integration.
+    """
+    dead_time = voltage_drift(motor)
+    held = (dead_time + resistance_drift(motor)) / (2.0 * standstill_rate(motor))
+    return max(dead_time / (LAYER_SPEED * motor.omega_rated), held)
+
+
 def flux_at_no_d_current(motor: Motor, line: Floats) -> Floats:
     """psi_d - L_d i_d [Vs] along the operating line (CURVE_N, 2) [A]: what is not linear in i_d."""
     return flux(motor.saturation, line)[:, 0] - motor.L_d * line[:, 0]
@@ -158,7 +171,6 @@ def design_coupled(
     left = acceleration / at.flux**2
     low, high = (share * left for share in RISE)
     rise = min(at.flux, RISE_OVER_LOAD * at.load)
-    layer = voltage_drift(motor) / (LAYER_SPEED * motor.omega_rated)
     return {
         "R_s": motor.R_s,
         "L_d": motor.L_d,
@@ -170,8 +182,8 @@ def design_coupled(
         "brake_least": BRAKED_LEAST if brake(motor) > 0.0 else 0.0,
         "idle": idle(motor) * motor.T_s,
         "inv_i_idle": 1.0 / (CALM * zero_current(motor)) if idle(motor) > 0.0 else 0.0,
-        "layer": layer,
-        "inv_layer": 0.0 if linear else 1.0 / layer,
+        "layer": layer(motor),
+        "inv_layer": 0.0 if linear else 1.0 / layer(motor),
         "k_p": 2.0 * at.flux + at.load,
         "k_i": at.flux**2 + 2.0 * at.flux * at.load,
         "k_l": at.flux**2 * at.load,

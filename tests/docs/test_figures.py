@@ -15,10 +15,10 @@ from sensorless.evaluation.trace import trace
 from sensorless.evaluation.trace_summary import plateaus
 from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import LEAST
-from sensorless.observers.coupled_design import LAYER_SPEED, Bandwidths, bandwidths
+from sensorless.observers.coupled_design import Bandwidths, bandwidths, layer
 from sensorless.observers.lock_design import most_answer
 from sensorless.observers.start_design import peaks, polarity_pulse
-from sensorless.observers.tracking import dead_time_noise, flux_noise, voltage_drift
+from sensorless.observers.tracking import dead_time_noise, flux_noise
 from sensorless.policies.registry import make_policy
 from sensorless.suitability import seen
 from tests.helpers.documentation import ROOT, text
@@ -151,14 +151,13 @@ def of(name: str) -> tuple[Motor, Bandwidths]:
 @pytest.mark.parametrize("name", MACHINES)
 def test_bandwidths_of_the_coupled_observer(name: str) -> None:
     motor, at = of(name)
-    layer = voltage_drift(motor) / (LAYER_SPEED * motor.omega_rated)
     hertz = [w / (2.0 * math.pi) for w in (at.flux, at.load, at.injection)]
     (table,) = re.findall(
         rf"W \[Hz\].*?^\| `{name}` \|(.*?)\|$",
         (DOCS / "coupled-observer.md").read_text(encoding="utf-8"),
         re.MULTILINE | re.DOTALL,
     )
-    for told, value in zip(table.split("|"), [*hertz, layer], strict=True):
+    for told, value in zip(table.split("|"), [*hertz, layer(motor)], strict=True):
         assert near(told.strip(), value)
 
 
