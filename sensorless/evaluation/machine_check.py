@@ -74,8 +74,7 @@ def check(motor: Motor, design: DriveDesign, policy: Policy, under: str, size: i
     if e.verdict.word == "no" or size == 0:
         return Check(e, ())
     runs = tuple(_quick_run(motor, design, policy, under, suite, size) for suite in SUITES)
-    speed_hz = derive(motor, design).speed_hz
-    found = (finding for run in runs for finding in judged(run, speed_hz))
+    found = (finding for run in runs for finding in judged(run))
     return Check(replace(e, findings=(*e.findings, *found)), runs)
 
 
@@ -91,8 +90,8 @@ def _quick_run(
     )  # fmt: skip
 
 
-def judged(run: QuickRun, speed_hz: float) -> list[Finding]:
-    """What a quick run adds to the verdict; ``speed_hz`` [Hz] of the drive that ran."""
+def judged(run: QuickRun) -> list[Finding]:
+    """What a quick run adds to the verdict."""
     found = []
     if run.infeasible == 1.0:
         return [Finding(NO, "run", f"even with an encoder, the drive fails all of {run.suite}")]
@@ -108,7 +107,6 @@ def judged(run: QuickRun, speed_hz: float) -> list[Finding]:
     if run.not_held > 0.0 and run.lost + run.not_held > LOOSE:
         text = f"the drive under {run.under} keeps its angle, but swings or stays off its speed in "
         text += f"{run.not_held:.0%} of the feasible scenarios of {run.suite}"
-        text += ": smaller offsets of the current sensors, less dead time or a slower speed loop, "
-        text += f"--set speed_hz={0.4 * speed_hz:.2g} instead of {speed_hz:.3g}, may hold it"
+        text += ": more inertia on the shaft holds it; does J count all that the shaft turns?"
         found.append(Finding(LIMIT, "run", text))
     return found
