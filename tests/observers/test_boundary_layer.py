@@ -40,7 +40,7 @@ def test_the_correction_at_rest_holds_both_drifts() -> None:
 
 
 def unsteady(motor: Motor) -> tuple[int, int]:
-    """Drives of 128 ``braking`` under Eq. 25 that are lost, and that keep lock but not the speed."""
+    """Drives of 128 ``braking`` that are lost, and that keep lock but not the speed."""
     designed.cache_clear()
     policies = {"eq25": make_policy("eq25", motor)}
     result = evaluate(motor, DriveDesign(), "braking", 31, 128, policies).policies["eq25"]
