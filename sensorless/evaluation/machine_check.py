@@ -1,5 +1,6 @@
 """Check of a machine: examined on paper, then simulated briefly under a schedule."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from sensorless.design.derived import derive
@@ -74,8 +75,7 @@ def check(motor: Motor, design: DriveDesign, policy: Policy, under: str, size: i
     if e.verdict.word == "no" or size == 0:
         return Check(e, ())
     runs = tuple(_quick_run(motor, design, policy, under, suite, size) for suite in SUITES)
-    found = (finding for run in runs for finding in judged(run))
-    return Check(replace(e, findings=(*e.findings, *found)), runs)
+    return Check(replace(e, findings=(*e.findings, *judged(runs))), runs)
 
 
 def _quick_run(
@@ -90,8 +90,20 @@ def _quick_run(
     )  # fmt: skip
 
 
-def judged(run: QuickRun) -> list[Finding]:
-    """What a quick run adds to the verdict."""
+def judged(runs: Sequence[QuickRun]) -> list[Finding]:
+    """What quick runs under one schedule add to the verdict."""
+    found = [finding for run in runs for finding in _judged(run)]
+    loose = [run for run in runs if run.not_held > 0.0 and run.lost + run.not_held > LOOSE]
+    if loose:
+        text = f"the drive under {loose[0].under} keeps its angle, but swings or stays off its "
+        text += "speed in " + ", ".join(f"{run.not_held:.0%} of {run.suite}" for run in loose)
+        text += ": more inertia on the shaft holds it; does J count all that the shaft turns?"
+        found.append(Finding(LIMIT, "run", text))
+    return found
+
+
+def _judged(run: QuickRun) -> list[Finding]:
+    """What the losses of one quick run add."""
     found = []
     if run.infeasible == 1.0:
         return [Finding(NO, "run", f"even with an encoder, the drive fails all of {run.suite}")]
@@ -104,9 +116,4 @@ def judged(run: QuickRun) -> list[Finding]:
         if run.tripped > 0.5:
             text += ", mostly by i_trip: a shorter T_s lets the current loop follow"
         found.append(Finding(NO if not run.lost <= LOST[1] else LIMIT, "run", text))
-    if run.not_held > 0.0 and run.lost + run.not_held > LOOSE:
-        text = f"the drive under {run.under} keeps its angle, but swings or stays off its speed in "
-        text += f"{run.not_held:.0%} of the feasible scenarios of {run.suite}"
-        text += ": more inertia on the shaft holds it; does J count all that the shaft turns?"
-        found.append(Finding(LIMIT, "run", text))
     return found

@@ -21,18 +21,24 @@ from sensorless.suitability.finding import LIMIT, NO
         (0.1, 0.0, 0.0, [LIMIT], "loses 10% of the feasible scenarios of unload"),
         (0.3, 0.0, 0.0, [NO], "loses 30%"),
         (0.1, 0.0, 0.2, [LIMIT, LIMIT], "fails 20% of unload"),
-        (0.0, 0.62, 0.0, [LIMIT], "stays off its speed in 62% of the feasible scenarios of unload"),
-        (0.03, 0.03, 0.0, [LIMIT], "unload: more inertia on the shaft"),
+        (0.0, 0.62, 0.0, [LIMIT], "stays off its speed in 62% of unload: more inertia"),
+        (0.03, 0.03, 0.0, [LIMIT], "in 3% of unload"),
         (math.nan, math.nan, 1.0, [NO], "fails all of unload"),
     ],
 )
 def test_what_a_quick_run_finds(
     lost: float, not_held: float, infeasible: float, weights: list[str], said: str
 ) -> None:
-    found = judged(QuickRun("unload", 100, lost, not_held, infeasible, 0.01))
+    found = judged([QuickRun("unload", 100, lost, not_held, infeasible, 0.01)])
     assert [finding.weight for finding in found] == weights
     texts = " ".join(finding.text for finding in found)
     assert said in texts and "nan" not in texts
+
+
+def test_suites_in_which_the_speed_is_not_held_are_told_once() -> None:
+    runs = [QuickRun(suite, 100, 0.0, 0.1, 0.0, 0.01) for suite in ("stress", "braking")]
+    (found,) = judged(runs)
+    assert "in 10% of stress, 10% of braking: more inertia" in found.text
 
 
 def test_loads_at_low_speed_are_run_too() -> None:
@@ -57,8 +63,8 @@ def test_trips_ask_for_a_shorter_period() -> None:
     coarse = member(7207, 29)
     run, *_ = check(coarse, DriveDesign(coupled_L_q_bias=1.2), 16).runs
     assert run.lost > LOST[0] and run.tripped == 1.0
-    assert any("shorter T_s" in finding.text for finding in judged(run))
-    assert "T_s" not in judged(QuickRun("stress-1", 100, 0.1, 0.0, 0.0, 0.01, 0.2))[0].text
+    assert any("shorter T_s" in finding.text for finding in judged([run]))
+    assert "T_s" not in judged([QuickRun("stress-1", 100, 0.1, 0.0, 0.0, 0.01, 0.2)])[0].text
 
 
 def test_too_little_injection_for_the_switches_is_told() -> None:
