@@ -97,7 +97,7 @@ def judged(runs: Sequence[QuickRun]) -> list[Finding]:
     if loose:
         text = f"the drive under {loose[0].under} keeps its angle, but swings or stays off its "
         text += "speed in " + ", ".join(f"{run.not_held:.0%} of {run.suite}" for run in loose)
-        text += ": more inertia on the shaft holds it; does J count all that the shaft turns?"
+        text += ": more inertia on the shaft helps; does J count all that the shaft turns?"
         found.append(Finding(LIMIT, "run", text))
     return found
 

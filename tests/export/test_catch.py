@@ -13,42 +13,8 @@ from sensorless.export.start import FLYING, spin_text
 from sensorless.machine.motor import Motor
 from sensorless.units import RPM_TO_RAD_S
 
-FAST = """
-name = "fast"
-description = "150 kW traction machine whose EMF is 0.7 of the voltage at rated speed"
-[machine]
-n_p = 4
-R_s = 0.007
-L_d = 0.00013
-L_q = 0.00035
-psi_f = 0.16569
-J = 0.13509
-B = 0.0067547
-[rating]
-tau_rated = 318.31
-i_rated = 367.7
-n_rated_rpm = 4500.0
-u_dc = 800.0
-[saturation]
-a_d0 = 6153.84615
-a_dd = 408241.96
-S = 4
-a_q0 = 2142.85714
-a_qq = 10360.6
-T = 1
-a_dq = 52035.8
-U = 0
-V = 0
-i_f = 1070.7
-[drive]
-T_s = 0.0001
-u_inj = 34.0
-i_max = 551.54
-i_trip = 1103.1
-dead_time = 2e-06
-adc_range = 735.39
-adc_bits = 12
-"""
+FAST = Path(__file__).parents[1] / "data" / "traction_150kw.toml"
+"""Its EMF takes 0.7 of the voltage at rated speed, and its inductance is small."""
 
 
 def over_current(motor: Motor, rpm: float) -> bool:
@@ -71,11 +37,9 @@ def promised(motor: Motor) -> tuple[float, float]:
     return float(found[1]), float(found[2])
 
 
-def test_a_fast_machine_is_promised_what_its_drive_catches(tmp_path: Path) -> None:
+def test_a_fast_machine_is_promised_what_its_drive_catches() -> None:
     """At 0.9 of the voltage, 5989 r/min, the EMF drives more than the limit before it is known."""
-    path = tmp_path / "fast.toml"
-    path.write_text(FAST, encoding="utf-8")
-    motor = Motor.load(str(path))
+    motor = Motor.load(str(FAST))
     rpm, share = promised(motor)
     assert over_current(motor, rpm * FLYING / share)
     assert not over_current(motor, rpm)
