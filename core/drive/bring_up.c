@@ -119,7 +119,7 @@ static void next(const bring_up_params_t *p, bring_up_state_t *x, ab_t i_ab) {
 static int sound(const bring_up_params_t *p, const bring_up_state_t *x, ab_t u) {
     float most =
         1.001f * max_f(p->u_probe, p->u_push); /* rounding makes the d axis longer than 1 */
-    return x->phase >= BRING_UP_DONE && x->phase <= BRING_UP_PUSH && x->n >= 0 &&
+    return x->phase >= BRING_UP_REST && x->phase <= BRING_UP_DONE && x->n >= 0 &&
            abs_f(u.a) <= most && abs_f(u.b) <= most;
 }
 

@@ -17,7 +17,7 @@ enum {
     BRING_UP_FAULT_CHANNEL = 64,    /* one current channel has the wrong sign: see wiring */
     BRING_UP_FAULT_SCALE = 128,     /* wrong scale of the voltage or a current: see scale */
     BRING_UP_FAULT_DEAD_TIME = 256, /* dead time is compensated already: see lost */
-    BRING_UP_FAULT_STATE = 512      /* the state was damaged: the check was cut short */
+    BRING_UP_FAULT_STATE = 512      /* damaged, or without bring_up_init: the check was cut short */
 };
 
 /* What the steps of the current look like. */
@@ -34,7 +34,13 @@ enum {
     WIRING_N
 };
 
-enum { BRING_UP_DONE = 0, BRING_UP_REST, BRING_UP_PROBE, BRING_UP_PUSH };
+enum {
+    BRING_UP_NONE = 0, /* bring_up_init has not run: a damaged state */
+    BRING_UP_REST,
+    BRING_UP_PROBE,
+    BRING_UP_PUSH,
+    BRING_UP_DONE
+};
 
 enum { BRING_UP_LAGS = 4 }; /* samples after the command in which a step is looked for */
 
@@ -61,7 +67,7 @@ typedef struct {
 } bring_up_params_t;
 
 typedef struct {
-    int32_t phase;  /* BRING_UP_DONE ... BRING_UP_PUSH */
+    int32_t phase;  /* BRING_UP_REST ... BRING_UP_DONE */
     int32_t n;      /* periods in this phase */
     int32_t fault;  /* BRING_UP_FAULT_* bits */
     int32_t wiring; /* WIRING_* */

@@ -24,9 +24,10 @@ ab_t drive_lock(const drive_params_t *p, drive_state_t *x, ab_t u) {
         drive_watch(p, x);
         return drive_unless(drive_angles_sound(x), &p->guard, u);
     }
+    int begun = x->lock.wait >= 0; /* it never goes below, but from zeros without drive_init */
     drive_judge(p, x);
     if (drive_acts(p, x)) {
         drive_act(p, x);
     }
-    return drive_unless(drive_loops_sound(p, x), &p->guard, u);
+    return drive_unless(begun && drive_loops_sound(p, x), &p->guard, u);
 }

@@ -26,8 +26,8 @@ enum {
     FAULT_OVER_CURRENT = 16, /* a current vector beyond the limit, or drive_trip: open the bridge */
     FAULT_LOCK = 32,    /* the estimate is not the rotor's; lock.reason has the tests that failed */
     FAULT_STOPPED = 64, /* no voltage any more, lost lock or state: start again with drive_init */
-    FAULT_STATE = 128, /* the state was damaged: the drive started anew, without voltage at first */
-    FAULT_ALL = 255    /* all of these */
+    FAULT_STATE = 128,  /* the state was damaged or never begun: a new start, no voltage at first */
+    FAULT_ALL = 255     /* all of these */
 };
 
 /* What inputs of a period may be. */

@@ -6,19 +6,18 @@
 int gain_schedule_init(const gain_schedule_params_t *p, gain_schedule_state_t *x,
                        const drive_params_t *drive, drive_params_t *live) {
     *live = *drive;
-    ks_schedule_init(&p->ks, &x->ks);
-    x->check = x->ks.check;
-    if (x->check == KS_OK) {
-        x->check = p->table != 0 && p->values != 0
-                       ? gain_table_check(p->table, p->ks.table, p->values)
-                       : KS_BAD_MAGIC;
+    int found = ks_schedule_init(&p->ks, &x->ks);
+    if (found == KS_OK) {
+        found = p->table != 0 && p->values != 0 ? gain_table_check(p->table, p->ks.table, p->values)
+                                                : KS_BAD_MAGIC;
     }
-    x->ks.fault |= x->check == KS_OK ? 0 : KS_FAULT_GAINS;
+    x->check = found == KS_OK ? KS_GOOD : found;
+    x->ks.fault |= found == KS_OK ? 0 : KS_FAULT_GAINS;
     x->next = 0;
     for (int g = 0; g < GAIN_N; g++) {
         x->value[g] = 0.0f;
     }
-    return x->check;
+    return found;
 }
 
 /* k_s at the present signals, whose place is kept. */
@@ -50,7 +49,7 @@ static void advance(const gain_schedule_params_t *p, gain_schedule_state_t *x,
 float gain_schedule_step(const gain_schedule_params_t *p, gain_schedule_state_t *x,
                          const drive_params_t *drive, drive_params_t *live,
                          const signal_state_t *signals) {
-    if (x->check != KS_OK) {
+    if (x->check != KS_GOOD) {
         return ks_schedule_step(&p->ks, &x->ks, &drive->signal, signals);
     }
     if (x->ks.wait <= 0 || x->ks.wait > p->ks.periods) {

@@ -26,7 +26,7 @@ typedef struct {
 
 typedef struct {
     ks_schedule_state_t ks;
-    int check;           /* KS_OK, or why the gains are static */
+    int check;           /* KS_GOOD, or why the gains are static: KS_BAD_*, 0 before init */
     uint32_t next;       /* grid of the table that comes next */
     ks_cell_t cell;      /* place of the last decision */
     float value[GAIN_N]; /* in force, by grid */

@@ -13,15 +13,16 @@ int ks_hook_init(const ks_hook_params_t *p, ks_hook_state_t *x) {
     signals_clear(&x->signal);
     x->k_s = 1.0f;
     x->signal.k_s = x->k_s;
-    ks_schedule_init(&p->schedule, &x->schedule);
+    int found = ks_schedule_init(&p->schedule, &x->schedule);
     const ks_table_t *t = p->schedule.table;
-    for (uint32_t a = 0; x->schedule.check == KS_OK && a < t->n_axes; a++) {
+    for (uint32_t a = 0; found == KS_OK && a < t->n_axes; a++) {
         if (!known(t->axis[a].signal)) {
-            x->schedule.check = KS_BAD_AXES;
+            found = KS_BAD_AXES;
+            x->schedule.check = found;
             x->schedule.fault |= KS_FAULT_TABLE;
         }
     }
-    return x->schedule.check;
+    return found;
 }
 
 /* Whether the signals are what plausible inputs make. */

@@ -11,7 +11,7 @@
 #include "signals.h"
 
 enum {
-    KS_FAULT_TABLE = 1, /* the table was refused: the built-in rule decides */
+    KS_FAULT_TABLE = 1, /* the table was refused, or never checked: the built-in rule decides */
     KS_FAULT_INPUT = 2  /* a signal was not finite: the table's fallback, or 1, was used; in
                          * ks_hook_step: a number was not plausible, the last good ones were used */
 };
@@ -33,7 +33,7 @@ typedef struct {
 typedef struct {
     float k_s_ref; /* last decision */
     int32_t wait;  /* periods until the next one; beyond `periods` it decides at once */
-    int check;     /* KS_OK, or why ks_table_check refused the table */
+    int check;     /* KS_GOOD, or why the table is not used: KS_BAD_*, 0 before init */
     int fault;     /* KS_FAULT_* bits, kept until the caller clears them */
 } ks_schedule_state_t;
 

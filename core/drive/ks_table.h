@@ -22,7 +22,8 @@ enum {
     KS_BAD_CRC,    /* header or values are not what was exported */
     KS_BAD_AXES,   /* number, signal, size or spacing of an axis */
     KS_BAD_VALUE,  /* node, fallback or slew limit not finite or out of range */
-    KS_BAD_MOTOR   /* made for another machine */
+    KS_BAD_MOTOR,  /* made for another machine */
+    KS_GOOD = 16   /* only in a state, where 0 means that its init has not run: KS_OK */
 };
 
 #ifdef __cplusplus

@@ -17,8 +17,10 @@ DO = {
     "FAULT_LOCK": "let the drive recover if it does so; stop what needs speed or torque meanwhile",
     "FAULT_STOPPED": "open the bridge at once: zero voltage shorts a motor that spins; find out "
     "why, then start as after a trip",
-    "FAULT_STATE": "let it start anew; if it repeats, look for what overwrites memory",
-    "KS_FAULT_TABLE": "run on, the linear rule decides; write the table to flash again",
+    "FAULT_STATE": "let it start anew; in the first period, call `drive_init` before; if it "
+    "repeats, look for what overwrites memory",
+    "KS_FAULT_TABLE": "run on, the linear rule decides; call the schedule's init first, or write "
+    "the table to flash again",
     "KS_FAULT_INPUT": "run on; the sample behind it has a bit of its own, but in a "
     "drive with `ks_hook_step`: check what it is given",
     "KS_FAULT_GAINS": "run on, all gains are static; write the table to flash again",
@@ -33,7 +35,8 @@ DO = {
     "a shaft that turns slowly shows like this, too",
     "BRING_UP_FAULT_DEAD_TIME": "switch the driver's compensation off, or export with "
     "`--set dead_time_share=0`",
-    "BRING_UP_FAULT_STATE": "check again; if it repeats, look for what overwrites memory",
+    "BRING_UP_FAULT_STATE": "check again, from `bring_up_init` on; if it repeats, look for what "
+    "overwrites memory",
 }
 """What the application should do. A bit that is not here tells only what it means."""
 

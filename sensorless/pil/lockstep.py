@@ -101,6 +101,7 @@ def lockstep(
     k_s = np.ones(n, dtype=np.float32)
     inputs = np.zeros(n, dtype=DRIVE_IN)
     schedule = np.zeros(n, dtype=STEP_ANSWER["schedule"])
+    schedule["check"] = lib.KS_GOOD
     decision = periods * float(sims["control"]["T_s"][0])
     gains = gain_records(sims, table.ranges, decision)
     out = Lockstep(

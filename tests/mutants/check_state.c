@@ -86,6 +86,10 @@ static void state_seeks(void) {
         check("seeks: voltage", finite_u(drive_step(p, &y, &in)));
     }
     drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
+    drive_state_t blank = {0};
+    (void)drive_step(p, &blank, &in);
+    check("seeks: drive_init is missing",
+          blank.fault == FAULT_STATE && blank.start.phase == START_CATCH);
     x.u_2.b = (float)NAN;
     ab_t u = drive_step(p, &x, &in);
     check("seeks: mends", u.a == 0.0f && u.b == 0.0f && x.fault == FAULT_STATE);

@@ -202,6 +202,11 @@ static void schedule(void) {
     at.omega = (float)NAN;
     check("bad input",
           ks_schedule_step(&p, &x, &signal, &at) == 0.75f && x.fault == KS_FAULT_INPUT);
+    x = (ks_schedule_state_t){0};
+    at.omega = 0.25f;
+    check("not checked", near((double)ks_schedule_step(&p, &x, &signal, &at), 0.5, 1e-5) &&
+                             x.fault == KS_FAULT_TABLE);
+    at.omega = (float)NAN;
     p.table = 0;
     check("fault bits", KS_FAULT_TABLE == 1 && KS_FAULT_INPUT == 2);
     check("no table", ks_schedule_init(&p, &x) == KS_BAD_MAGIC && x.fault == KS_FAULT_TABLE);

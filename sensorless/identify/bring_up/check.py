@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sensorless.core.api import Array
+from sensorless.core.api import Array, lib
 from sensorless.core.bring_up import FAULTS, WIRINGS, bring_up_replay, bring_up_run
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import bring_up_record
@@ -116,7 +116,7 @@ def check_log(motor: Motor, path: Path) -> Found:
         raise UserError(f"log {str(path)!r}: {told}; give finite currents in A")
     params = params_of(motor)
     state, used = bring_up_replay(params, i_a, i_b)
-    if int(state["phase"]) != 0:
+    if int(state["phase"]) != lib.BRING_UP_DONE:
         raise UserError(
             f"log {str(path)!r}: ends after {used} periods, before the check of motor "
             f"{motor.name!r} does; log every period until bring_up_state_t.phase is BRING_UP_DONE, "

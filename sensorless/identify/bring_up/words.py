@@ -28,7 +28,8 @@ CURE = {
     "a shaft that turns slowly shows like this, too",
     "dead_time": "somebody else compensates dead time: switch that off, or export with "
     "--set dead_time_share=0",
-    "state": "the state of the check was damaged: repeat it, and look for what overwrites memory",
+    "state": "the state of the check was damaged, or bring_up_init was not called: repeat it from "
+    "there, then look for what overwrites memory",
 }
 """By the names of BRING_UP_FAULT_*."""
 

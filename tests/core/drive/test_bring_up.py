@@ -145,11 +145,11 @@ def test_pole_pairs_are_turns_over_turns() -> None:
         assert lib.turn_pole_pairs(count, -1.02) == 3
 
 
-def test_a_state_that_was_not_begun_is_done_without_a_fault(params: Array) -> None:
-    """Why the README of an export names ``bring_up_init`` first."""
+def test_a_check_that_was_not_begun_says_so(params: Array) -> None:
+    """Static memory is zero: without ``bring_up_init`` nothing has been checked."""
     x = ffi.new("bring_up_state_t *")
     lib.bring_up_step(pointer(params, "bring_up_params_t[]"), x, 0.0, 0.0)
-    assert x.phase == lib.BRING_UP_DONE and x.fault == 0
+    assert x.phase == lib.BRING_UP_DONE and x.fault == lib.BRING_UP_FAULT_STATE
 
 
 def turning_shaft(params: Array, motor: Motor, speed: float) -> set[str]:

@@ -151,7 +151,7 @@ def test_the_start_sequence_ends_on_any_input(motor: Motor, value: float) -> Non
     drive = Drive(motor, seek=True)
     for _ in range(300):
         assert all(map(math.isfinite, drive.step(i_a=value, i_b=value)))
-    assert drive.x["start"]["phase"][0] == 0
+    assert drive.x["start"]["phase"][0] == lib.START_DONE
     assert np.all(np.isfinite(drive.numbers()))
 
 

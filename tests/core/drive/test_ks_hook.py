@@ -54,6 +54,13 @@ def test_q15_is_the_same_in_other_numbers(table: KsTable) -> None:
     assert lib.ks_hook_step_q15(words.p, words.x, 0, 0, 0) == round(32767 * words.x.k_s)
 
 
+def test_a_hook_that_was_never_begun_says_so(table: KsTable) -> None:
+    """Static memory is zero: without ``ks_hook_init`` the rule gives injection at rest."""
+    hook = Hook(table)
+    hook.x = ffi.new("ks_hook_state_t *")
+    assert hook.step(0.0) == 1.0 and hook.x.schedule.fault == lib.KS_FAULT_TABLE
+
+
 def test_the_slope_is_limited_and_signals_are_filtered(table: KsTable) -> None:
     hook = Hook(table)
     hook.p.k_s_step, hook.p.signal.alpha = 0.25, 0.5

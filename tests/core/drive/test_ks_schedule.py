@@ -105,3 +105,11 @@ def test_a_damaged_counter_decides_at_once(wait: int) -> None:
     schedule(0.1)
     schedule.state.wait = wait
     assert schedule(0.5) == pytest.approx(0.1)
+
+
+def test_a_table_that_was_never_checked_does_not_decide() -> None:
+    """Static memory is zero: without ``ks_schedule_init`` the rule decides, and says so."""
+    schedule = Schedule(fallback=0.5)
+    schedule.state = ffi.new("ks_schedule_state_t *")
+    assert schedule(0.25) == pytest.approx(0.5, abs=1e-5)
+    assert schedule.state.fault == lib.KS_FAULT_TABLE
