@@ -14,6 +14,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.aggregate import Bools, Interval, Rows, interval_of
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
+from sensorless.evaluation.metrics.hop import hops
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.objective import Cost, weighted
 from sensorless.evaluation.rollout import Floats, rollouts, with_twin_to_the_end
@@ -22,6 +23,8 @@ from sensorless.policy import Policy
 
 SUITE, SEED, SIZE = "stress-1", 97, 400
 """What is judged on; scenarios of the role ``test``, of a seed that no command has as its own."""
+OFTEN = 0.05
+"""Share of scenarios in which k_s hops from which on the verdict says so; Eq. 25 stays below."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,8 @@ class Outcomes:
     """(n,) of those not lost, over rated torque; otherwise 0"""
     torque_ripple: Floats
     """(n,) likewise"""
+    hops: Floats | None = None
+    """(n,) 1 where k_s moves without a reason, NaN where no time shows it"""
 
     def cost(self, rows: Bools) -> Cost:
         """Cost over some scenarios."""
@@ -78,7 +83,7 @@ def outcomes(
                 np.where(kept, metric(r), 0.0) for metric in (torque_dev_rms, torque_ripple_rms)
             )
             whole = with_twin_to_the_end(r, factory, policy.settings)
-            parts.append((whole.feasible, ~kept & whole.feasible, dev, ripple))
+            parts.append((whole.feasible, ~kept & whole.feasible, dev, ripple, hops(r)))
     return Outcomes(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
@@ -102,6 +107,8 @@ class Comparison:
     """Every scenario ended alike."""
     where: str = SUITE
     """What they are drawn from."""
+    hops: float = 0.0
+    """Share in which our k_s moves without a reason, of those with a time that shows it."""
 
     @property
     def word(self) -> str:
@@ -128,8 +135,14 @@ class Comparison:
         share, low, high = (100.0 * x for x in (self.change, *self.interval))
         return (
             f"{start}: objective {share:+.1f} % (95 % interval {low:+.1f} to {high:+.1f} %), lost "
-            f"{ours} instead of {theirs} of {where}"
+            f"{ours} instead of {theirs} of {where}{self._hopping}"
         )
+
+    @property
+    def _hopping(self) -> str:
+        if self.hops <= OFTEN:
+            return ""
+        return f"; k_s hops, it moves at constant speed and load, in {self.hops:.0%} of them"
 
     def facts(self) -> dict[str, Any]:
         """All of it in JSON types."""
@@ -174,4 +187,10 @@ def contrast(ours: Outcomes, theirs: Outcomes, against: str, where: str = SUITE)
         interval_of(change, len(rows), SEED),
         same,
         where,
+        0.0 if ours.hops is None else _share(ours.hops[feasible]),
     )
+
+
+def _share(hops: Floats) -> float:
+    shown = hops[~np.isnan(hops)]
+    return float(shown.mean()) if len(shown) else 0.0

@@ -78,6 +78,24 @@ def test_a_machine_that_can_do_nothing_is_not_judged() -> None:
     json.dumps(found.facts(), allow_nan=False)
 
 
+def test_a_weight_that_moves_without_a_reason_is_told() -> None:
+    """From 5 % of the feasible scenarios with a time of rest on."""
+    shown = np.where(np.arange(N) < 200, np.arange(N) % 10 == 0, np.nan)
+    feasible = np.arange(N) % 20 != 0
+    ours = Outcomes(feasible, NONE, DEV + 0.001, DEV, shown)
+    found = contrast(ours, ended(DEV), "it")
+    assert found.hops == pytest.approx(10 / 190) and "k_s hops" in found.sentence
+    few = contrast(Outcomes(ALL, NONE, DEV + 0.001, DEV, 0.4 * shown), ended(DEV), "it")
+    assert few.hops == pytest.approx(0.04) and "hops" not in few.sentence
+
+
+def test_a_schedule_that_hops_on_drives() -> None:
+    motor = Motor.load("paper")
+    eq25, fuzzy = (make_policy(word, motor) for word in ("eq25", "fuzzy-coupled-tuned"))
+    found = compare(fuzzy, eq25, "Eq. 25", [SimFactory(motor, DriveDesign())])
+    assert 0.1 < found.hops < 0.3 and "k_s hops" in found.sentence
+
+
 def test_on_drives(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "SIZE", 16)
     motor = Motor.load("paper")
