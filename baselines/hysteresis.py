@@ -58,6 +58,8 @@ class Hysteresis:
 
 
 _CENTRE = 0.5 * (EQ25_BAND[0] + EQ25_BAND[1])
+LOW, HIGH = (1.0 - GAP) * _CENTRE, (1.0 + GAP) * _CENTRE
+"""Default gap over rated speed: around the centre of the paper's band."""
 
 
 def _build(name: str, v: Values, motor: Motor) -> Hysteresis:
@@ -69,8 +71,8 @@ RULE = Rule(
     "hard switch, up at HI, down at LO; by default at the centre of the paper's band, +-5 %",
     _build,
     (
-        speed("lo", (1.0 - GAP) * _CENTRE, (0.0, 0.9), "switches down to injection"),
-        speed("hi", (1.0 + GAP) * _CENTRE, (0.02, 1.2), "switches up to the observer"),
+        speed("lo", LOW, (0.0, 0.9), "switches down to injection"),
+        speed("hi", HIGH, (0.02, 1.2), "switches up to the observer"),
     ),
     rising=(("lo", "hi"),),
 )

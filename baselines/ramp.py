@@ -11,8 +11,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.baselines.hysteresis import GAP, Hysteresis
-from sensorless.baselines.linear import EQ25_BAND
+from sensorless.baselines.hysteresis import HIGH, LOW, Hysteresis
 from sensorless.baselines.rule import Parameter, Rule, Values, speed
 from sensorless.decision import decision_time
 from sensorless.machine.motor import Motor
@@ -58,9 +57,6 @@ class TimeRamp:
         return self._k_s.copy()
 
 
-_CENTRE = 0.5 * (EQ25_BAND[0] + EQ25_BAND[1])
-
-
 def _build(name: str, v: Values, motor: Motor) -> TimeRamp:
     return TimeRamp(name, v["lo"], v["hi"], 1e-3 * v["ramp"], decision_time(motor))
 
@@ -70,8 +66,8 @@ RULE = Rule(
     "moves to its new end within RAMP ms after the speed crossed HI upwards or LO downwards",
     _build,
     (
-        speed("lo", (1.0 - GAP) * _CENTRE, (0.0, 0.9), "starts down to injection"),
-        speed("hi", (1.0 + GAP) * _CENTRE, (0.02, 1.2), "starts up to the observer"),
+        speed("lo", LOW, (0.0, 0.9), "starts down to injection"),
+        speed("hi", HIGH, (0.02, 1.2), "starts up to the observer"),
         Parameter("ramp", 40.0, "ms", 0.1, inf, "from one end to the other", search=(20.0, 400.0)),
     ),
     rising=(("lo", "hi"),),

@@ -23,7 +23,8 @@ class GainEnv(BlendEnv):
 
     Numbers are factors on the static gain; ``gain_ranges`` sets others,
     as ``{"observer": Gain(0.7, 1.5)}`` of `sensorless.core.gains`. A value follows the action
-    with a time constant of 10 ms. All at 0 is ``Blend-v0``, to the bit.
+    with a time constant of 10 ms. With all gains at 0 the drive is that of ``Blend-v0``, to the
+    bit; the reward and the default interval are not.
 
     **Reward**
     The terms of `WindowWeights`: running costs over the last 20 ms, integrated over time, together

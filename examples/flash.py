@@ -18,6 +18,7 @@ from sensorless.policies.registry import make_policy
 
 CALLS = """
 drive_init, ks_schedule_init   once, at power-up
+drive_find_rotor               once, behind drive_init, if DRIVE_FINDS_ROTOR of params.h is 1
 ks_schedule_step, drive_step   every PWM period, with two currents, the link and the speed wanted
 drive.fault, schedule.fault    read after it; bits stay set until you clear them"""
 

@@ -52,6 +52,8 @@ FENCE = re.compile(r"^ *```.*?^ *```", re.DOTALL | re.MULTILINE)
 CODE_IN_LIST = re.compile(r"(?<=\n\n) {6}(?=\S)")
 NUMBER = re.compile(r"<td>(?=[−+-]?\d(?:[^<]|<br ?/?>){0,40}</td>)")
 """Opens a cell of a table that is a number with what belongs to it."""
+WORD = re.compile(r"<td>(?=<code>[^<]*</code></td>)")
+"""Opens a cell of a table that is a word of code and nothing else."""
 WIDE = ("leaderboard.md", "results/reference.md", "results/flux.md")
 """Pages whose tables take the room of the table of contents."""
 LIST_AFTER_TEXT = re.compile(r"^((?![-*] |\d+\. |\s|\||#)\S.*)\n((?:[-*]|1\.) )", re.MULTILINE)
@@ -82,8 +84,8 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Keep numbers of tables on one line, with their interval."""
-    return NUMBER.sub('<td class="number">', html)
+    """Keep numbers of tables on one line, with their interval, and words of code."""
+    return WORD.sub('<td class="word">', NUMBER.sub('<td class="number">', html))
 
 
 def on_post_build(config: MkDocsConfig) -> None:
