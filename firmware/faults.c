@@ -180,10 +180,11 @@ uint32_t faults_weights(const drive_params_t *p) {
     static const float k_s[6] = {0.0f, 1.0f, -0.0f, 1.0000001f, -1.0e-30f, 2.0f};
     drive_state_t x;
     uint32_t bad = 0;
+    int n = 500 + (int)(0.5f / p->k_s_step); /* the weight moves by one step a period */
     for (uint32_t j = 0; j < 6; j++) {
         drive_init(p, &x, 0.0f, 0.1f * p->guard.omega, 0.5f);
         drive_in_t in = {0.0f, 0.0f, link(p), 0.1f * p->guard.omega, k_s[j]};
-        for (int k = 0; k < 500; k++) {
+        for (int k = 0; k < n; k++) {
             x.lock.bad = 0; /* no machine answers here, which lock.h would tell */
             bad += harmed(&x, drive_step(p, &x, &in));
         }

@@ -9,6 +9,7 @@ import numpy as np
 from sensorless.machine.magnetics import currents, flux
 from sensorless.machine.motor import Motor
 from sensorless.observers.hfi_design import error_slope
+from sensorless.observers.injection_signal import sample_error
 from sensorless.observers.pll_design import pll_gains
 from sensorless.observers.smo_design import SWITCHING
 
@@ -17,9 +18,15 @@ PLL_HZ = (35.0, 50.0)
 HOLD_SHARE = 0.3
 """Gain of the loop that holds zero current, over the deadbeat gain: damped for any inductance
 between L_d and L_q, with one period of computation and the mean of two samples."""
+EMF_PERIODS = 4.0
+"""Periods in which the EMF is followed, angle and speed critically damped. Until it is known it
+drives a current through the loop that holds zero, in T_s / HOLD_SHARE: this is not much longer."""
+EMF_NOISE = 0.05
+"""Noise of the EMF that is followed, over that of a shaft that counts as spinning. What takes
+longer because of it:"""
 EMF_TAU = 1.25e-3
-"""Time constant with which the EMF is followed, angle and speed critically damped [s]: a fifth of
-CATCH, so that what is left of the first error is 2 %."""
+"""Longest time in which the EMF is followed [s]: a fifth of CATCH, so that what is left of the
+first error is 2 %."""
 FLY_SHARE = 0.25
 """EMF, over its rated value, above which the shaft counts as spinning. Above it, the EMF turns by
 several times its noise while it is watched; below it, the injection estimator still locks in."""
@@ -82,6 +89,17 @@ def knows_poles(motor: Motor) -> bool:
     return abs(polarity_pulse(motor)[1]) >= 0.02 * motor.i_rated
 
 
+def emf_time(motor: Motor) -> float:
+    """Time constant with which the EMF is followed [s].
+
+    An error sigma of each sample is one of L_q sigma (x_k - x_k-2) / (2 T_s) in the mean EMF of two
+    periods; a low-pass of 2 T_s / tau leaves sqrt(2) L_q sigma / tau of it, whatever T_s is.
+    """
+    noise = math.sqrt(2.0) * motor.L_q * sample_error(motor)
+    quiet = noise / (EMF_NOISE * FLY_SHARE * motor.omega_rated * motor.psi_f)
+    return min(EMF_TAU, max(EMF_PERIODS * motor.T_s, quiet))
+
+
 def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict[str, Any]:
     """Fields of ``start_params_t``.
 
@@ -103,7 +121,8 @@ def design_start(motor: Motor, hfi: dict[str, Any], smo: dict[str, Any]) -> dict
     volt_seconds, difference = polarity_pulse(motor) if knows_poles(motor) else (0.0, 0.0)
     u_max = PULSE_SHARE * motor.u_dc / math.sqrt(3.0)
     n_pulse = max(2, math.ceil(volt_seconds / (u_max * motor.T_s)))
-    pole, e_fly = math.exp(-motor.T_s / EMF_TAU), FLY_SHARE * motor.omega_rated * motor.psi_f
+    pole = math.exp(-motor.T_s / emf_time(motor))
+    e_fly = FLY_SHARE * motor.omega_rated * motor.psi_f
     n = {name: max(4, round(time / motor.T_s)) for name, time in TIMES.items()}
     return {
         "hfi": {**hfi, "pll": loops[0], "n_hold": 1.0, "rise_max": 0.0},

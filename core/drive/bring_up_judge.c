@@ -61,6 +61,7 @@ static float oddity(const bring_up_params_t *p, map_t m) {
 }
 
 #define LOPSIDED 0.06f /* share of the steps that one channel's gain, some 20 % off, turns around */
+#define LEANS 0.2f     /* anisotropy beyond the machine's that a leg without its duty makes */
 #define ODD 0.3f       /* oddity from which on a wiring does not explain the steps */
 #define R_LEAST 0.6f   /* resistance over its nominal value, bounds of what is believed */
 #define R_MOST 1.6f
@@ -136,7 +137,8 @@ void bring_up_judge_probe(const bring_up_params_t *p, bring_up_state_t *x) {
     judge_wiring(p, x, m);
     /* inductances are symmetric; a gain of one channel makes (g_a - g_b) / sqrt(12) of this */
     int lopsided = x->wiring == WIRING_RIGHT && abs_f(m.p.b) > LOPSIDED * norm_ab(m.p);
-    x->fault |= lopsided ? BRING_UP_FAULT_SCALE : 0;
+    int leans = x->wiring == WIRING_RIGHT && norm_ab(m.q) > (p->anisotropy + LEANS) * norm_ab(m.p);
+    x->fault |= lopsided || leans ? BRING_UP_FAULT_SCALE : 0;
 }
 
 /* With k = T_s / L a step is k (u - lost - R i). */

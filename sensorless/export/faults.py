@@ -28,11 +28,12 @@ DO = {
     "BRING_UP_FAULT_MOVES": "let the shaft come to rest; correct the offset of the sensors",
     "BRING_UP_FAULT_DEAF": "switch the PWM on, connect the motor, check both scales",
     "BRING_UP_FAULT_DELAY": "move sample, interrupt, or the event that loads the duty registers",
-    "BRING_UP_FAULT_SIGN": "invert both current channels, or the duties",
+    "BRING_UP_FAULT_SIGN": "invert both current channels, or the duties; with "
+    "`BRING_UP_FAULT_PHASES`: look for one duty alone that is inverted",
     "BRING_UP_FAULT_PHASES": "exchange phases in the currents or in the duties, not in both",
     "BRING_UP_FAULT_CHANNEL": "invert that channel",
-    "BRING_UP_FAULT_SCALE": "check duty formula, scale of each current and of the link, and L_d; "
-    "a shaft that turns slowly shows like this, too",
+    "BRING_UP_FAULT_SCALE": "check the duty formula of each leg, scale of each current and of the "
+    "link, and L_d; a shaft that turns slowly shows like this, too",
     "BRING_UP_FAULT_DEAD_TIME": "switch the driver's compensation off, or export with "
     "`--set dead_time_share=0`",
     "BRING_UP_FAULT_STATE": "check again, from `bring_up_init` on; if it repeats, look for what "

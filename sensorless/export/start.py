@@ -39,6 +39,9 @@ FLYING = 0.9
 """Share of the voltage that the EMF of a shaft may take when a drive catches it."""
 STEPS, ANGLES, CATCH_S = 18, 4, 30e-3
 """Speeds up to that share at which a catch is simulated, angles at each, and how long [s]."""
+WRONG = 0.1
+"""Error of the speed of a catch that went wrong, over the speed at which the EMF takes all the
+voltage."""
 LOST = {
     "report": "goes on: stop it or start it again, as the application allows",
     "restart": "goes on\nwith the coupled observer. If that does not help, it takes its torque "
@@ -66,7 +69,8 @@ def caught_share(motor: Motor, design: DriveDesign) -> float:
     """Share of the voltage up to which the simulated drive catches a shaft.
 
     Before the drive knows the EMF, the EMF drives a current, which a fast machine with little
-    inductance brings beyond the over-current limit. Where it does, one step less is allowed.
+    inductance brings beyond the over-current limit. Where it does, or where the speed comes out
+    wrong, one step less is allowed.
     """
     n = STEPS * ANGLES
     shares = FLYING * np.arange(1, STEPS + 1) / STEPS
@@ -77,8 +81,10 @@ def caught_share(motor: Motor, design: DriveDesign) -> float:
     sims = SimFactory(motor, design).build(s)
     k_s, obs = np.zeros(n, np.float32), np.zeros((n, SIGNAL_N), np.float32)
     sim_run(sims, round(CATCH_S / motor.T_s), k_s, obs)
-    trips = (sims["drive"]["x"]["fault"] & lib.FAULT_OVER_CURRENT) != 0
-    bad = trips.reshape(STEPS, ANGLES).any(axis=1)
+    x, full = sims["drive"]["x"], _full_speed(motor) * RPM_TO_RAD_S
+    trips = (x["fault"] & lib.FAULT_OVER_CURRENT) != 0
+    wrong = np.abs(x["est"]["omega"] / motor.n_p - s.omega_0) > WRONG * full
+    bad = (trips | wrong).reshape(STEPS, ANGLES).any(axis=1)
     steps = max(int(bad.argmax()) - 1, 0) if bad.any() else STEPS
     return FLYING * steps / STEPS
 

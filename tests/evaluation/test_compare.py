@@ -89,7 +89,8 @@ def test_a_weight_that_moves_without_a_reason_is_told() -> None:
     assert few.hops == pytest.approx(0.04) and "hops" not in few.sentence
 
 
-def test_a_schedule_that_hops_on_drives() -> None:
+def test_a_schedule_that_hops_on_drives(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "SIZE", 200)
     motor = Motor.load("paper")
     eq25, fuzzy = (make_policy(word, motor) for word in ("eq25", "fuzzy-coupled-tuned"))
     found = compare(fuzzy, eq25, "Eq. 25", [SimFactory(motor, DriveDesign())])

@@ -38,6 +38,12 @@ def gains(a: float, b: float) -> Matrix:
     return a, 0.0, (a - b) / math.sqrt(3.0), b
 
 
+def stuck(phase: float) -> Matrix:
+    """The leg of the phase at this angle keeps half a duty: its part of the voltage is missing."""
+    c, s = math.cos(phase), math.sin(phase)
+    return 1.0 - 2.0 / 3.0 * c * c, -2.0 / 3.0 * c * s, -2.0 / 3.0 * c * s, 1.0 - 2.0 / 3.0 * s * s
+
+
 @dataclass(frozen=True)
 class Mistake:
     """What stands between the core and the machine; the defaults are right."""
@@ -83,6 +89,8 @@ def _all() -> Iterator[tuple[str, Mistake]]:
     for gain in (0.5, 1.5):
         yield f"channel-a-gain-{gain:g}", Mistake(shows, current=gains(gain, 1.0))
         yield f"channel-b-gain-{gain:g}", Mistake(shows, current=gains(1.0, gain))
+    for name, phase in (("a", 0.0), ("b", THIRD), ("c", -THIRD)):
+        yield f"duty-{name}-stuck", Mistake((*shows, "phases", "channel"), voltage=stuck(phase))
     for name, factor in DUTIES.items():
         yield f"duty-{name}", Mistake(shows, voltage=scaled(factor))
     for share in (0.9, 1.0, 1.1):

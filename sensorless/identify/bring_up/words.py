@@ -21,11 +21,12 @@ CURE = {
     "motor of --motor?",
     "delay": "the voltage has to act from one period after its sample to two: move the sample, the "
     "interrupt, or the event that loads the duty registers",
-    "sign": "invert both currents, or the duties (an active-low gate driver)",
+    "sign": "invert both currents, or the duties (an active-low gate driver); with phases: is one "
+    "duty alone inverted?",
     "phases": "exchange the phases in the current channels or in the duties, not in both",
     "channel": "invert that current channel",
-    "scale": "check the duty formula 0.5 + u / u_dc, the scale of currents and DC link, and L_d; "
-    "a shaft that turns slowly shows like this, too",
+    "scale": "check the duty formula 0.5 + u / u_dc of each leg, the scale of currents and DC "
+    "link, and L_d; a shaft that turns slowly shows like this, too",
     "dead_time": "somebody else compensates dead time: switch that off, or export with "
     "--set dead_time_share=0",
     "state": "the state of the check was damaged, or bring_up_init was not called: repeat it from "
