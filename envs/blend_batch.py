@@ -85,8 +85,8 @@ class BlendBatch:
         motor = settings.motor
         self.motor = motor if isinstance(motor, Motor) else Motor.load(motor)
         self.settings = settings
-        self.periods = whole_periods(settings.decision_period, self.motor)
         self._factory = SimFactory(self.motor, settings.design)
+        self.periods = whole_periods(settings.decision_period, self.motor)
         self._seeds: Seeds = np.zeros(n, dtype=np.uint64)
         self._episode: Seeds = np.zeros(n, dtype=np.uint64)
         self._sims = np.zeros(n, dtype=SIM)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import lru_cache
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -27,9 +28,9 @@ def check_seed(seed: int, largest: int = LARGEST) -> None:
     Raises
     ------
     UserError
-        It is out of range.
+        It is no whole number, or out of range.
     """
-    if not 0 <= seed <= largest:
+    if not isinstance(seed, Integral) or not 0 <= seed <= largest:
         known = "2^63 - 1" if largest == LARGEST else largest
         raise UserError(f"seed: {shown(seed)}; give 0 to {known}")
 

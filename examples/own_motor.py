@@ -12,9 +12,10 @@ from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.design.new_motor import new_motor
 from sensorless.envs.scenarios.words import plan_from
-from sensorless.errors import in_one_line
+from sensorless.errors import UserError, in_one_line
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.trace import outcome, trace
+from sensorless.files import write_atomic
 from sensorless.machine.datasheet import Datasheet
 from sensorless.machine.motor import Motor
 from sensorless.machine.motor_file import written
@@ -42,9 +43,11 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--size", type=int, default=100, help="scenarios")
     given = parser.parse_args(words)
 
+    if given.out.exists():
+        raise UserError(f"out: {str(given.out)!r} exists; write to another file")
     design = DriveDesign()
     tables = new_motor("hub", SHEET, u_dc=48.0, pwm_hz=10e3, design=design)
-    given.out.write_text(written(tables, "From a data sheet."), encoding="utf-8")
+    write_atomic(given.out, written(tables, "From a data sheet."))
     motor = Motor.load(given.out)  # as `--motor hub.toml` does
     print(f"wrote {given.out}: every number with its source")
 

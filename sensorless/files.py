@@ -86,8 +86,9 @@ def put(part: Path, path: Path) -> None:
     Raises
     ------
     OSError
-        It cannot be renamed.
+        It cannot be renamed, or the other one is write-protected: renaming alone would not mind.
     """
+    _refuse_protected(path)
     for file in [part, *part.rglob("*")] if part.is_dir() else [part]:
         sync(file)
     if part.is_dir() and path.is_dir():
@@ -95,6 +96,11 @@ def put(part: Path, path: Path) -> None:
     else:
         os.replace(part, path)
     sync(path.parent)
+
+
+def _refuse_protected(path: Path) -> None:
+    if path.exists() and not os.access(path, os.W_OK):
+        raise OSError(errno.EACCES, "it is write-protected")
 
 
 def sync(path: Path) -> None:
@@ -227,6 +233,7 @@ def check_writable(path: str | Path | None, name: str = "out") -> None:
             raise UserError(f"{name}: {str(path)!r} is a folder; give the name of a file")
         if is_device(path):
             return
+        _refuse_protected(path)
         probe = part_of(_end(path))
         probe.touch()
         probe.unlink()

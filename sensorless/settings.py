@@ -90,7 +90,7 @@ class Setting:
             return False
         x: Any = value
         above = x > self.low if self.above else x >= self.low
-        return bool(above and x <= self.high and (_is_finite(x) or self.endless))
+        return bool(above and x <= self.high and (is_finite(x) or self.endless))
 
     def checked(self, value: object, where: str = "") -> Any:
         """Value converted to the kind of the setting.
@@ -116,7 +116,7 @@ class Setting:
             kind = "a whole number "
         elif self.kind is float and not _is_number(value):
             kind = "a number "
-        elif self.kind is float and not _is_finite(value) and not self.endless:
+        elif self.kind is float and not is_finite(value) and not self.endless:
             kind = "a finite number "
         raise UserError(
             f"{where}{self.name}: {shown(value)}: must be {kind}{self.allowed} ({self.meaning})"
@@ -143,7 +143,8 @@ def _is_number(value: object) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool)
 
 
-def _is_finite(x: Any) -> bool:
+def is_finite(x: Any) -> bool:
+    """Whether a number is below ``LARGEST``."""
     size = abs(x) if isinstance(x, int) else abs(float(x))
     return size < LARGEST
 
@@ -223,10 +224,11 @@ def refuse_old(name: str, known: Mapping[str, Setting], where: str) -> None:
 
 
 def check(owner: object, where: str = "") -> None:
-    """Check every setting of an instance; errors as `Setting.checked`."""
+    """Check every setting of an instance, and make it of its kind; errors as `Setting.checked`."""
     cls: type = type(owner)
     for setting in settings_of(cls).values():
-        setting.checked(getattr(owner, setting.name), where)
+        value = setting.checked(getattr(owner, setting.name), where)
+        object.__setattr__(owner, setting.name, value)
 
 
 def read(cls: type, values: Mapping[str, object], where: str) -> dict[str, Any]:

@@ -25,7 +25,7 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import summary
 from sensorless.evaluation.evaluate import score
-from sensorless.files import write_record
+from sensorless.files import check_writable, write_record
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import make_policy
 from sensorless.versions import versions
@@ -82,6 +82,7 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=200)
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
+    check_writable(args.out)
     design = design_from(args.set)
     motors = [Motor.load(path.stem) for path in sorted(MOTORS.glob("*.toml"))]
     motors += [Motor.load(name) for name in args.motor]

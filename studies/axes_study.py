@@ -25,7 +25,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import Scores, score
-from sensorless.files import write_record
+from sensorless.files import check_writable, ensure_writable, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named
 from sensorless.policy import Policy
@@ -79,11 +79,12 @@ def main() -> None:
     parser.add_argument("--estimator", default="smo", help="of the drive: smo or flux")
     parser.add_argument("--out", type=Path, default=Path("results/studies/axes.json"))
     args = parser.parse_args()
+    ensure_writable(args.out.parent)
+    check_writable(args.out)
     design = DriveDesign(estimator=args.estimator)
     factory = SimFactory(Motor.load(args.motor), design)
     start = table_named(TrainConfig.start, factory.motor)
     base = TrainConfig(motor=args.motor, steps=args.steps)
-    args.out.parent.mkdir(parents=True, exist_ok=True)
     done: list[dict[str, Any]] = (
         json.loads(args.out.read_text(encoding="utf-8"))["runs"] if args.out.exists() else []
     )

@@ -16,7 +16,8 @@ import numpy as np
 
 from sensorless.design.records import bring_up_record
 from sensorless.envs.scenarios.machine_family import NAME, family
-from sensorless.files import write_record
+from sensorless.errors import in_one_line
+from sensorless.files import check_writable, write_record
 from sensorless.identify.bring_up.survey import count_pole_pairs, survey, turning_drive
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.versions import versions
@@ -61,6 +62,7 @@ def main() -> None:
     parser.add_argument("--machines", type=int, default=24, help="random (default %(default)s)")
     parser.add_argument("--out", type=Path, default=Path("results/studies/bring_up.json"))
     args = parser.parse_args()
+    check_writable(args.out)
     found = {
         "seed": args.seed,
         "family": NAME,
@@ -75,4 +77,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

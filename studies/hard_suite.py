@@ -15,7 +15,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import in_one_line
 from sensorless.falsify.minimise import minimise
 from sensorless.falsify.search import search
-from sensorless.files import write_atomic
+from sensorless.files import check_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.versions import versions
@@ -30,6 +30,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=HARD)
     args = parser.parse_args()
+    check_writable(args.out)
     motor, found, counts = Motor.load("paper"), [], {}
     for estimator, size in SIZES.items():
         policy = make_policy("eq25", motor)

@@ -22,9 +22,9 @@ from sensorless.design.records import control_record
 from sensorless.envs.scenarios.machine_family import NAME, family
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
-from sensorless.errors import UserError
+from sensorless.errors import UserError, in_one_line
 from sensorless.evaluation.evaluate import score
-from sensorless.files import write_record
+from sensorless.files import check_writable, ensure_writable, write_record
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.procedure import identify_machine
 from sensorless.identify.machine.result import motor_tables
@@ -127,6 +127,8 @@ def main() -> None:
     parser.add_argument("--scenarios", type=int, default=100, help="of each machine driven")
     parser.add_argument("--out", type=Path, default=Path("results/studies/identify.json"))
     args = parser.parse_args()
+    ensure_writable(args.out.parent)
+    check_writable(args.out)
     machines: list[dict[str, Any]] = []
     runs: dict[str, Any] = {}
     for j, motor in enumerate(family(args.seed, args.size)):
@@ -144,10 +146,9 @@ def main() -> None:
         "machines": machines,
         "versions": versions(),
     }
-    args.out.parent.mkdir(parents=True, exist_ok=True)
     write_record(args.out, record)
     print(json.dumps(record["summary"], indent=1))
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

@@ -45,7 +45,7 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.over_seeds import contrast, survived
-from sensorless.files import write_atomic
+from sensorless.files import check_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, rule_named, table_named
 from sensorless.policy import TablePolicy
@@ -269,6 +269,7 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=2000, help="scenarios to judge on")
     parser.add_argument("--out", type=Path, default=Path("results/studies/learners.json"))
     words = parser.parse_args()
+    check_writable(words.out)
     case = CASES[words.case]
     who = words.learners or [w for w in STEPS if w != "rule" or words.case == "ks"]
     known = json.loads(words.out.read_text(encoding="utf-8")) if words.out.is_file() else {}

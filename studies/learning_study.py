@@ -29,7 +29,7 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.over_seeds import contrast, survived
-from sensorless.files import write_atomic, write_record
+from sensorless.files import check_writable, write_atomic, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named
 from sensorless.policies.shipped import ALIASES, FOLDER, tuned_file
@@ -280,6 +280,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("results/studies/learning.json"))
     parser.add_argument("--publish", action="store_true", help="ship the best by their names")
     words = parser.parse_args()
+    check_writable(words.out)
     found = study(words.case, words)
     known = json.loads(words.out.read_text(encoding="utf-8")) if words.out.is_file() else {}
     write_record(words.out, {**known, words.case: found})

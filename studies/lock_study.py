@@ -30,7 +30,7 @@ from sensorless.envs.scenarios.suites import SUITES, SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.lock import BACK_IN, BAND, IN_TIME, LOCK, STAYS, in_control, lock_summary
 from sensorless.evaluation.rollout import CAUSES, are_feasible, at_a_time, rollouts
-from sensorless.files import write_record
+from sensorless.files import check_writable, write_record
 from sensorless.machine.magnetics import torque
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -245,9 +245,12 @@ def main() -> None:
     parser.add_argument("--suite", nargs="+", default=KNOWN, choices=KNOWN)
     parser.add_argument("--action", nargs="+", default=ACTIONS, choices=(*ACTIONS, "stop"))
     parser.add_argument("--seed", type=int, default=977)
-    parser.add_argument("--size", type=int, default=65, help="scenarios of a suite")
+    parser.add_argument(
+        "--size", type=int, default=64, help="scenarios of a suite, a square number for envelope"
+    )
     parser.add_argument("--out", type=Path, help="file for the result")
     args = parser.parse_args()
+    check_writable(args.out)
     found = []
     for motor in map(Motor.load, args.motor):
         for name in args.policy:

@@ -26,7 +26,7 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import paired, summary
 from sensorless.evaluation.evaluate import Scores, score
-from sensorless.files import write_record
+from sensorless.files import check_writable, ensure_writable, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.best import best
 from sensorless.policies.registry import make_policy
@@ -134,7 +134,8 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=1000, help="scenarios a machine")
     parser.add_argument("--out", type=Path, default=Path("results/studies/motors.json"))
     args = parser.parse_args()
-    args.out.parent.mkdir(parents=True, exist_ok=True)
+    ensure_writable(args.out.parent)
+    check_writable(args.out)
     words = (*args.against, *args.policy)
     asked = {
         "suite": SUITE,

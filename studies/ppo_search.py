@@ -28,7 +28,7 @@ from sensorless.agents.validation import validate
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import in_one_line
-from sensorless.files import write_atomic
+from sensorless.files import check_writable, ensure_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import table_named
 from sensorless.versions import versions
@@ -108,8 +108,9 @@ def main() -> None:
     parser.add_argument("--start", default=TrainConfig.start)
     parser.add_argument("--out", type=Path, default=Path("results/studies/ppo_search.json"))
     args = parser.parse_args()
+    ensure_writable(args.out.parent)
+    check_writable(args.out)
     asked = {k: v for k, v in vars(args).items() if k not in ("out", "trials")}
-    args.out.parent.mkdir(parents=True, exist_ok=True)
     storage = JournalStorage(JournalFileBackend(str(args.out.with_suffix(".journal"))))
     name = json.dumps(asked, sort_keys=True)  # other words, another study in the same journal
     study = optuna.create_study(storage=storage, study_name=name, load_if_exists=True)

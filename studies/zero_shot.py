@@ -27,7 +27,7 @@ from sensorless.evaluation.aggregate import paired
 from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.rollout import are_feasible
-from sensorless.files import write_record
+from sensorless.files import check_writable, write_record
 from sensorless.policies.registry import make_policy
 from sensorless.tuning.tune import tune
 from sensorless.versions import versions
@@ -93,6 +93,7 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=256, help="scenarios a machine")
     parser.add_argument("--out", type=Path, default=Path("results/studies/random_machines.json"))
     words = parser.parse_args()
+    check_writable(words.out)
     known = versions()
     asked = {k: v for k, v in vars(words).items() if k not in ("policy", "machines", "out")}
     asked |= {"versions": {name: known[name] for name in ("sensorless", "core")}}

@@ -155,3 +155,20 @@ def test_a_record_has_floats_of_six_digits(tmp_path: Path) -> None:
     path = tmp_path / "record.json"
     write_record(path, {"share": np.float32(1.0) / 3.0, "n": 1234567, "rows": [1e-9 / 7.0]})
     assert path.read_text() == '{"share":0.333333,"n":1234567,"rows":[1.42857e-10]}\n'
+
+
+def test_what_is_write_protected_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Renaming another file or folder over it would not ask."""
+    file, folder, new = tmp_path / "a.json", tmp_path / "a", tmp_path / "b"
+    file.write_text("old")
+    folder.mkdir()
+    new.mkdir()
+    monkeypatch.setattr(os, "access", lambda path, mode: path == tmp_path)  # also for root
+    with pytest.raises(UserError, match=r"^out: .*a\.json': it is write-protected"):
+        check_writable(file)
+    with pytest.raises(UserError, match=r"a\.json': it is write-protected"):
+        write_atomic(file, "new")
+    with pytest.raises(OSError, match="write-protected"):
+        put(new, folder)
+    assert file.read_text() == "old" and new.is_dir()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "a.json", "b"]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.settings import (
     REQUIRED,
@@ -155,3 +156,9 @@ def test_auto_leaves_a_number_to_its_formula() -> None:
     assert settings_of(Tank)["level"].parsed("auto") is None
     with pytest.raises(UserError, match="between 0 and 3 m, or auto"):
         check(Tank(level="auto"))  # type: ignore[arg-type]
+
+
+def test_numbers_of_numpy_become_numbers_of_python() -> None:
+    """JSON writes no others: a tuning would end without its file."""
+    design = DriveDesign(smo_gain=np.float32(1.0))  # type: ignore[arg-type]
+    assert type(design.smo_gain) is float

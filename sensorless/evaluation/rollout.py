@@ -23,7 +23,7 @@ from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.lock import LockWatch
 from sensorless.machine.motor import Motor
-from sensorless.policy import NO_SETTINGS, Policy, Settings, decide, decide_gains, gains_of
+from sensorless.policy import NO_SETTINGS, Policy, Settings, Signals, decide, decide_gains, gains_of
 
 ROUNDING = 1e-5
 """How far a weight may lie beyond 0 to 1; it is clipped."""
@@ -118,8 +118,8 @@ def rollout(
 
     Raises
     ------
-    ValueError
-        The policy gives weights of another shape, or none from 0 to 1.
+    UserError
+        As ``weights``.
     """
     n = len(scenarios)
     periods = decision_periods(factory.motor)
@@ -139,15 +139,10 @@ def rollout(
     policy.reset(n)
     sim_signals(sims, obs)
     for j in range(decisions):
-        k_s = np.asarray(decide(policy, obs.copy(), sims), dtype=np.float32)
-        if k_s.shape != (n,):
-            raise ValueError(f"policy {policy.name}: weights of shape {k_s.shape}; return ({n},)")
-        if not (k_s.min(initial=0.0) >= -ROUNDING and k_s.max(initial=1.0) <= 1.0 + ROUNDING):
-            bad = k_s[~((k_s >= -ROUNDING) & (k_s <= 1.0 + ROUNDING))][0]
-            raise UserError(f"policy {policy.name}: a weight of {bad:g}; return 0 to 1")
+        k_s = weights(policy, obs.copy(), sims)
         if gains is not None:
             decide_gains(policy, obs.copy(), gains)
-        run.decide(k_s.clip(0.0, 1.0))
+        run.decide(k_s)
         for row, x in kept:
             row[j] = x
         if go_on:
@@ -155,6 +150,24 @@ def rollout(
     lived = np.where(sims["lost"] != 0, sims["k_lost"], sims["k"]).astype(np.int64)
     lock = watch.scores(sims) if go_on else {}
     return Rollout(factory.motor, scenarios, sums, sims["lost"].copy(), lived, lock)
+
+
+def weights(policy: Policy, obs: Signals, sims: Array) -> NDArray[np.float32]:
+    """Weights (n,) that a policy wants at the signals (n, SIGNAL_N), 0 to 1.
+
+    Raises
+    ------
+    UserError
+        They have another shape, or one is not from 0 to 1; the core would keep the last one.
+    """
+    k_s = np.asarray(decide(policy, obs, sims), dtype=np.float32)
+    n = len(obs)
+    if k_s.shape != (n,):
+        raise UserError(f"policy {policy.name}: weights of shape {k_s.shape}; return ({n},)")
+    if not (k_s.min(initial=0.0) >= -ROUNDING and k_s.max(initial=1.0) <= 1.0 + ROUNDING):
+        bad = k_s[~((k_s >= -ROUNDING) & (k_s <= 1.0 + ROUNDING))][0]
+        raise UserError(f"policy {policy.name}: a weight of {bad:g}; return 0 to 1")
+    return k_s.clip(0.0, 1.0)
 
 
 def with_twin_to_the_end(

@@ -19,10 +19,10 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.lock import EARLY
-from sensorless.evaluation.rollout import CAUSES, cause_of, twins_alone
+from sensorless.evaluation.rollout import CAUSES, cause_of, twins_alone, weights
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
-from sensorless.policy import Policy, decide, decide_gains, gains_of
+from sensorless.policy import Policy, decide_gains, gains_of
 from sensorless.units import wrapped
 
 Trace = dict[str, Array]
@@ -60,7 +60,7 @@ def trace(
     Raises
     ------
     UserError
-        There is not exactly one scenario, or it is too long.
+        There is not exactly one scenario, it is too long, or as ``rollout.weights``.
     """
     if len(scenario) != 1:
         raise UserError(f"scenario: {len(scenario)} rows; trace one at a time")
@@ -81,7 +81,7 @@ def trace(
     periods, ranges = decision_periods(motor), gains_of(policy)
     gains = gain_records(sim, ranges, decision_time(motor))
     while (go_on or not run.lost) and not run.at_end:
-        k_s = float(decide(policy, obs.copy(), sim)[0])
+        k_s = float(weights(policy, obs.copy(), sim)[0])
         if ranges:
             decide_gains(policy, obs.copy(), gains)
             for period in range(periods):

@@ -7,6 +7,7 @@ import math
 import sys
 from dataclasses import dataclass, field
 from functools import cached_property
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ else:
 from sensorless.errors import UserError, has_control, shown
 from sensorless.files import is_device
 from sensorless.machine.flux_correction import FluxCorrection, read_correction
-from sensorless.settings import REQUIRED, derived, number, read
+from sensorless.settings import REQUIRED, derived, is_finite, number, read, settings_of
 from sensorless.units import rad_per_s
 
 MOTORS = Path(__file__).parent / "motors"
@@ -52,6 +53,10 @@ class Saturation:
     k_q: float = number(0.0, "1", 0, INF, "weight of the q flux in the bridges")
     psi_n: float = number(0.0, "Vs", 0, INF, "d flux linkage at which the bridges carry none")
     W: int = number(0, "1", 0, 7, "exponent of the bridges")
+
+    def __post_init__(self) -> None:
+        """Check that every number is one, as ``_numbers``."""
+        _numbers(self, "saturation: ")
 
     @classmethod
     def linear(cls, L_d: float, L_q: float, psi_f: float) -> "Saturation":
@@ -102,6 +107,10 @@ class Motor:
     magnet_per_K: float = number(-0.0011, "1/K", -0.01, 0, "temperature coefficient of psi_f")
     saturation: Saturation = field(kw_only=True)
     flux_correction: FluxCorrection | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check that every number is one, as ``_numbers``; ``require_sane`` checks its range."""
+        _numbers(self, f"motor {self.name!r}: ")
 
     @property
     def omega_rated(self) -> float:
@@ -171,6 +180,25 @@ class Motor:
     def from_tables(cls, data: dict[str, Any], where: str) -> "Motor":
         """Machine from the tables of a TOML file; ``where`` names it in errors, see ``load``."""
         return _from_tables(dict(data), where)
+
+
+def _numbers(owner: Motor | Saturation, where: str) -> None:
+    """Make numbers of Python of all settings, whatever NumPy has made of them.
+
+    Raises
+    ------
+    UserError
+        Names the field that is no finite number of its kind.
+    """
+    cls: type = type(owner)
+    for name, setting in settings_of(cls).items():
+        x = getattr(owner, name)
+        if x is None and setting.derived:
+            continue
+        kind = Integral if setting.kind is int else Real
+        if not isinstance(x, kind) or isinstance(x, bool) or not is_finite(x):
+            setting.checked(x, where)
+        object.__setattr__(owner, name, setting.kind(x))
 
 
 def check_name(name: str, where: str = "") -> None:

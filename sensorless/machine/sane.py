@@ -13,6 +13,7 @@ from sensorless.errors import UserError
 from sensorless.machine.folds import fold
 from sensorless.machine.magnetics import currents
 from sensorless.machine.motor import Motor
+from sensorless.settings import settings_of
 from sensorless.units import rad_per_s
 
 FAR = 10.0
@@ -37,6 +38,12 @@ def require_sane(motor: Motor) -> None:
 
 def insane(m: Motor) -> Iterator[tuple[str, str]]:
     """Each field of which ``require_sane`` would refuse the machine, and why."""
+    beyond = [(x.name, x) for x in settings_of(Motor).values() if not x.holds(getattr(m, x.name))]
+    for name, setting in beyond:
+        meaning = f"must be {setting.allowed} ({setting.meaning})"
+        yield name, f"{name} = {getattr(m, name):g}: {meaning}"
+    if beyond:
+        return
     speed = rad_per_s(m.n_rated_rpm)
     if m.B * speed > m.tau_rated:
         yield (

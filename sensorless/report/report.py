@@ -9,6 +9,7 @@ from typing import Any
 
 from sensorless.agents.loading import verdict_of
 from sensorless.baselines.linear import EQ25_BAND, linear_table
+from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import PolicyProgress
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
@@ -106,9 +107,10 @@ class Report:
         ------
         UserError
             A file of the run is damaged, found before anything is judged, or the folder cannot be
-            written to.
+            written to or has a page that is no report.
         """
         check_folder(folder)
+        _keep_other_pages(folder / PAGE)
         about = self._about()
         panels, about_panels = learning(self.run)
         words = [self.run, *self.others]
@@ -282,3 +284,11 @@ def _tuned() -> list[str]:
 def _drawn(results: Results) -> str:
     text = f"{results.count} scenarios of {results.suite}"
     return text if results.count == results.size else f"{text} ({results.size} random ones)"
+
+
+def _keep_other_pages(page: Path) -> None:
+    """Refuse a folder whose page is somebody else's: every report has its commands in it."""
+    if page.is_file() and b"sensorless report" not in page.read_bytes():
+        raise UserError(
+            f"out: {str(page)!r} exists and is no report; give a new folder, or move it away"
+        )

@@ -116,6 +116,7 @@ def tune(
         tunable = ", ".join(r.name for r in RULES.values() if r.parameters)
         raise UserError(f"rule: {name!r} has no parameters to tune; choose from {tunable}")
     check_seed(seed)
+    seed = int(seed)  # JSON takes none of NumPy
     start = rule.parse(name, numbers or None, motor)
     drawn = Machines.of(motor, machines, seed)
     es = _cma(rule, start, seed)

@@ -8,6 +8,7 @@ import pytest
 
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation import compare as module
 from sensorless.evaluation.compare import Outcomes, compare, contrast
 from sensorless.evaluation.objective import Cost
@@ -91,6 +92,7 @@ def test_a_weight_that_moves_without_a_reason_is_told() -> None:
 
 def test_a_schedule_that_hops_on_drives(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "SIZE", 200)
+    monkeypatch.setattr(module, "suite", suite)  # of their whole length
     motor = Motor.load("paper")
     eq25, fuzzy = (make_policy(word, motor) for word in ("eq25", "fuzzy-coupled-tuned"))
     found = compare(fuzzy, eq25, "Eq. 25", [SimFactory(motor, DriveDesign())])

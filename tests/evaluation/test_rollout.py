@@ -184,7 +184,7 @@ def test_a_weight_rounded_beyond_the_range_is_clipped() -> None:
 
 
 def test_a_policy_with_the_wrong_number_of_weights_is_stopped() -> None:
-    with pytest.raises(ValueError, match="policy recorder: weights of shape"):
+    with pytest.raises(UserError, match="policy recorder: weights of shape"):
         rollout(Crooked(), short(3), FACTORY)
 
 

@@ -1,6 +1,8 @@
 """What a run records of a drive that runs away, and how that is summed up."""
 
+import re
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,12 +10,14 @@ import pytest
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.words import fig9, plan_from
+from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.rollout import CAUSES
 from sensorless.evaluation.trace import TESTS, Trace, cut_short, lost_cause, outcome, trace
 from sensorless.evaluation.trace_summary import plateaus
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
+from sensorless.policy import NO_SETTINGS, Signals
 
 
 def test_a_run_ends_where_numbers_overflow() -> None:
@@ -89,3 +93,32 @@ def test_the_tests_that_failed_are_recorded() -> None:
         t = trace(make_policy("eq25", motor), plan, motor, DriveDesign(), go_on=True)
         assert outcome(t).startswith("lost (angle)" if gone else "kept lock, but the angle")
         assert t["alarm"].any() == bool(t["reason"][-1]) == gone
+
+
+class Fixed:
+    """Always answers the same."""
+
+    name, sensored, settings = "fixed", False, NO_SETTINGS
+
+    def __init__(self, weights: object) -> None:
+        self.weights = weights
+
+    def reset(self, n: int) -> None:
+        pass
+
+    def act(self, obs: Signals) -> Any:
+        return self.weights
+
+
+@pytest.mark.parametrize(
+    ("weights", "said"),
+    [([-1.0], "a weight of -1"), ([2.0], "a weight of 2"), ([np.nan], "a weight of nan"),
+     ([], "weights of shape (0,)"), ([[1.0]], "weights of shape (1, 1)"),
+     (None, "weights of shape ()"), (1.0, "weights of shape ()")],
+)  # fmt: skip
+def test_a_wrong_weight_is_no_trace(weights: object, said: str) -> None:
+    """The core would take 1 in its place: evaluate refuses it, too."""
+    motor = Motor.load("paper")
+    case = plan_from("0:40", "0:0", None, 0.1, motor, 1)
+    with pytest.raises(UserError, match=f"^policy fixed: {re.escape(said)}; return"):
+        trace(Fixed(weights), case, motor, DriveDesign())

@@ -26,7 +26,8 @@ from sensorless.observers.bring_up_design import plan_bring_up
 from tests.helpers.command import run
 
 SEEDS = np.arange(500, 506, dtype=np.uint64)
-HARD = ("compensated-", "duty-power", "delay-1.5", "channel-a-gain", "channel-b-gain")
+HARD = ("compensated-", "duty-power", "delay-1.5", "channel-a-gain", "channel-b-gain",
+        *(f"duty-{x}-stuck" for x in "abc"))  # fmt: skip
 """Found often, not always; docs/bring-up.md has the rates."""
 
 

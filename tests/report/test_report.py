@@ -252,3 +252,10 @@ def test_a_report_needs_no_library_that_is_not_installed(monkeypatch: pytest.Mon
     monkeypatch.setattr("sensorless.report.report.find_spec", lambda name: None)
     others = Report("eq25", Bench(MOTOR, DESIGN)).others
     assert "linear-tuned" in others and not [name for name in others if "fuzzy" in name]
+
+
+def test_a_page_of_somebody_else_is_kept(tmp_path: Path) -> None:
+    (tmp_path / "index.html").write_text("mine")
+    done = CliRunner().invoke(app, ["report", "eq25", "--size", "4", "--out", str(tmp_path)])
+    assert isinstance(done.exception, UserError) and "is no report" in str(done.exception)
+    assert (tmp_path / "index.html").read_text() == "mine"

@@ -1,6 +1,8 @@
 """The recorded studies: they write what they found and go on where they stopped."""
 
 import json
+import math
+import re
 import runpy
 import sys
 from dataclasses import dataclass
@@ -85,3 +87,25 @@ def test_a_mistake_is_told_in_one_line(
     monkeypatch.setattr(sys, "argv", [f"{name}.py", option, "nope"])
     with pytest.raises(SystemExit, match=r"^error: (motor|policy).*'nope'"):
         runpy.run_path(str(ROOT / "studies" / f"{name}.py"), run_name="__main__")
+
+
+OUT = ["any_machine", "axes_study", "best_schedules", "bring_up_study", "carrier_study",
+       "damage_campaign", "fault_campaign", "handover_study", "hard_suite", "identify_study",
+       "lock_study", "motors_study", "one_schedule", "ppo_search", "q15_study", "return_study",
+       "standstill_study", "zero_shot"]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OUT)
+def test_a_record_that_cannot_be_written_is_told_first(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", [f"{name}.py", "--out", "/proc/nope/x.json"])
+    with pytest.raises(SystemExit, match=r"^error: out.*/proc/nope"):
+        runpy.run_path(str(ROOT / "studies" / f"{name}.py"), run_name="__main__")
+
+
+def test_the_scenarios_of_the_lock_study_fit_every_suite() -> None:
+    """The suite envelope is a grid."""
+    text = (ROOT / "studies" / "lock_study.py").read_text(encoding="utf-8")
+    size = re.search(r'"--size", type=int, default=(\d+)', text)
+    assert size and math.isqrt(int(size[1])) ** 2 == int(size[1])
