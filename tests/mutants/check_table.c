@@ -181,7 +181,7 @@ static void answers(void) {
 static void schedule(void) {
     ks_table_t t = table(4, 0);
     signal_params_t signal = {0.03f, 190.0f, 1.0f, 1.0f, 1.0f, 1.0f};
-    ks_schedule_params_t p = {&t, nodes, 9, {0.2f, 0.3f}, 3};
+    ks_schedule_params_t p = {&t, nodes, 9, {0.2f, 0.3f}, 11};
     check("flips", faults_flips(&t, nodes, 9) == 0);
     check("refusals", faults_refusals(&p, &signal) == 0);
     check("signals", faults_signals(&p, &signal) == 0);
@@ -189,13 +189,13 @@ static void schedule(void) {
     signal_state_t at = {0};
     check("schedule",
           ks_schedule_init(&p, &x) == KS_OK && x.fault == 0 && x.wait == 0 && x.k_s_ref == 1.0f);
-    for (int k = 0; k < 30; k++) {
+    for (int k = 0; k < 60; k++) {
         at.omega = draw_f(0, 1), at.i_q = draw_f(-1, 1), at.disagree = draw_f(-1, 1);
         at.voltage = draw_f(0, 3);
         float y[SIGNAL_N], was = x.k_s_ref;
         signals_read(&signal, &at, y);
         float k_s = ks_schedule_step(&p, &x, &signal, &at);
-        check("decision", k_s == (k % 3 ? was : ks_table_eval(&t, nodes, y)));
+        check("decision", k_s == (k % 11 ? was : ks_table_eval(&t, nodes, y)));
         check("decision on good signals", x.fault == 0);
     }
     x.wait = 99;
@@ -213,10 +213,11 @@ static void schedule(void) {
     check("rule of NaN", ks_schedule_step(&p, &x, &signal, &at) == 1.0f &&
                              x.fault == (KS_FAULT_TABLE | KS_FAULT_INPUT));
     for (int k = 0; k < 30; k++) {
-        x.wait = 0;
+        x.wait = 0, x.fault = 0;
         at.omega = draw_f(-0.5, 0.5);
         double want = fmin(fmax((0.3 - fabs((double)at.omega)) / 0.1, 0.0), 1.0);
         check("rule", near((double)ks_schedule_step(&p, &x, &signal, &at), want, 1e-5));
+        check("rule: no bit of its own", x.fault == 0 && x.wait == p.periods - 1);
     }
 }
 
