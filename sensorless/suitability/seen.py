@@ -7,6 +7,7 @@ import numpy as np
 
 from sensorless.machine.magnetics import Floats, cross_angle
 from sensorless.machine.motor import Motor
+from sensorless.observers.frame_feedback import MOST, frame_feedback
 from sensorless.observers.injection_signal import (
     RIPPLE_SHARE,
     InjectionSignal,
@@ -100,6 +101,16 @@ def low_trip(motor: Motor, suggested: dict[str, float]) -> Iterator[Finding]:
         text = f"i_trip = {motor.i_trip:g} A is below {least:g} A, which the current may reach "
         text += "from i_max before control reacts: such a swing trips"
         yield Finding(NOTE, "i_trip", text)
+
+
+def swings(motor: Motor) -> Iterator[Finding]:
+    """A note if injection answers the corrections of its own frame by more than it should."""
+    gamma = frame_feedback(motor)
+    if gamma > MOST:
+        text = f"u_inj = {motor.u_inj:g} V: the coupled observer's injection answers its own "
+        text += f"corrections by {gamma:.2g}, above {MOST:.2g}: under load its angle swings at a "
+        text += "quarter of the PWM frequency; a higher u_inj or a lower coupled_injection_hz helps"
+        yield Finding(NOTE, "u_inj", text)
 
 
 def _two(value: float) -> float:
