@@ -142,7 +142,7 @@ class Comparison:
     def _hopping(self) -> str:
         if self.hops <= OFTEN:
             return ""
-        return f"; k_s hops, it moves at constant speed and load, in {self.hops:.0%} of them"
+        return f"; k_s hops, it moves at constant speed and load, in {self.hops:.0%} of those with rest"
 
     def facts(self) -> dict[str, Any]:
         """All of it in JSON types."""

@@ -14,6 +14,7 @@ from sensorless.observers.injection_signal import (
     injection_signal,
     suggested_injection,
 )
+from sensorless.observers.tracking import injection_bandwidth
 from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 from sensorless.suitability.plausible import ROUNDING, TURN
 
@@ -107,9 +108,13 @@ def swings(motor: Motor) -> Iterator[Finding]:
     """A note if injection answers the corrections of its own frame by more than it should."""
     gamma = frame_feedback(motor)
     if gamma > MOST:
-        text = f"u_inj = {motor.u_inj:g} V: the coupled observer's injection answers its own "
-        text += f"corrections by {gamma:.2g}, above {MOST:.2g}: under load its angle swings at a "
-        text += "quarter of the PWM frequency; a higher u_inj or a lower coupled_injection_hz helps"
+        hertz = injection_bandwidth(motor) / (2.0 * np.pi)
+        text = f"u_inj = {motor.u_inj:g} V: with the {hertz:.2g} Hz of its formula, the coupled "
+        text += (
+            f"observer's injection answers its own corrections by {gamma:.2g}, above {MOST:.2g}: "
+        )
+        text += "under load its angle swings at a quarter of the PWM frequency; a higher u_inj, or "
+        text += f"--set coupled_injection_hz below {hertz * MOST / gamma:.2g}, ends that"
         yield Finding(NOTE, "u_inj", text)
 
 
