@@ -142,7 +142,8 @@ class Comparison:
     def _hopping(self) -> str:
         if self.hops <= OFTEN:
             return ""
-        return f"; k_s hops, it moves at constant speed and load, in {self.hops:.0%} of those with rest"
+        share = f"{self.hops:.0%} of those with rest"
+        return f"; k_s hops, it moves at constant speed and load, in {share}"
 
     def facts(self) -> dict[str, Any]:
         """All of it in JSON types."""
