@@ -34,9 +34,9 @@ typedef struct {
     float inv_i_idle;  /* 1 / torque current from which there is none of it [1/A] */
     float layer;       /* boundary layer of the correction, over the auxiliary flux */
     float inv_layer;   /* its inverse; 0: no sigmoid */
-    float k_p;         /* from eps to angle [1/s] */
+    float k_p;         /* from eps to angle [1/s] times T_s */
     float k_i;         /* from eps to speed [1/s^2] */
-    float k_l;         /* from eps to load [1/s^3] */
+    float k_l;         /* from eps to load [1/s^3] times T_s */
     float k_tau;       /* share of the flux-current product that accelerates [rad/(s^2 Vs A)] */
     float load_max;    /* bound on the load [rad/s^2] */
     float alpha_rise;  /* low-pass on eps for the bandwidth's rise: 1 - exp(-w T_s) */
@@ -52,13 +52,12 @@ typedef struct {
 } coupled_params_t;
 
 typedef struct {
-    ab_t psi;      /* estimated stator flux [Vs] */
-    ab_t i_1;      /* sample k-1, whichever observer is in use [A] */
-    float load;    /* acceleration by load and friction [rad/s^2] */
-    float eps_f;   /* low-passed error across the auxiliary flux [rad] */
-    float err_hfi; /* angle error by injection, truth minus estimate near lock [rad] */
-    float gain_0;  /* correction of the flux at standstill [1/s] times T_s, see coupled_rates */
-    float gain_w;  /* its rise with speed, times T_s [s] */
+    ab_t psi;     /* estimated stator flux [Vs] */
+    ab_t i_1;     /* sample k-1, whichever observer is in use; the caller keeps it [A] */
+    float load;   /* acceleration by load and friction [rad/s^2] */
+    float eps_f;  /* low-passed error across the auxiliary flux [rad] */
+    float gain_0; /* correction of the flux at standstill [1/s] times T_s, see coupled_rates */
+    float gain_w; /* its rise with speed, times T_s [s] */
     drift_state_t drift; /* what errors of the voltages do to the flux */
     match_state_t match; /* errors of the current sensors, kept by a new start */
 } coupled_state_t;
@@ -98,12 +97,13 @@ CORE_INLINE void coupled_rates(const coupled_params_t *p, coupled_state_t *x, fl
 
 /* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] without
  * dead-time compensation [V]; L_q, L_qq: apparent and incremental inductance [H]; psi_0: d flux
- * from the curve psi_d [Vs]; k_s: weight of injection; err: its error signal; learn: 0, or what to
- * learn besides the drift: odd the gain of the sensors, even their offsets. y: angle and speed,
- * advanced to k+1; r = rot_of(the angle of y at k). */
-CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
-                                 rot_t r, ab_t i_ab, ab_t u_ab, float L_q, float L_qq, float psi_0,
-                                 float k_s, float err, int learn, float T_s) {
+ * from the curve psi_d [Vs]; k_s: weight of injection; err: angle error that it sees [rad]; learn:
+ * 0, or what to learn besides the drift: odd the gain of the sensors, even their offsets. y: angle
+ * and speed, advanced to k+1; r = rot_of(the angle of y at k). Returns how far the angle turns
+ * beyond its speed [rad]. */
+CORE_INLINE float coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
+                                  rot_t r, ab_t i_ab, ab_t u_ab, float L_q, float L_qq, float psi_0,
+                                  float k_s, float err, int learn, float T_s) {
     float rate = x->gain_0 + x->gain_w * abs_f(y->pll.omega);
     int led = abs_f(y->pll.omega) >= p->omega_floor || k_s > COUPLED_LED;
     int fresh = !led || !(y->valid > 0.0f);
@@ -127,38 +127,40 @@ CORE_INLINE void coupled_observe(const coupled_params_t *p, coupled_state_t *x, 
     float slide = p->inv_layer > 0.0f ? p->layer * tanh_f(along * p->inv_layer) : along;
     float gain = rate * slide;
 
-    x->err_hfi = bound_f(p->inv_slope * err, 1.0f);
-    float e_h = k_s * x->err_hfi;
+    float e_h = k_s * err;
     float trust = x->drift.trust;
-    float load = bound_f(x->load + T_s * p->k_l * eps * (trust * trust), p->load_max);
+    float load = bound_f(x->load + p->k_l * eps * (trust * trust), p->load_max);
     x->load = fresh ? 0.0f : load;
     x->eps_f += p->alpha_rise * (eps - x->eps_f);
     float rise = clamp_f(p->rise * (abs_f(x->eps_f) - p->eps_rise), 0.0f, p->rise_max);
-    float f = trust * (1.0f + rise);
+    float f = trust * (1.0f + rise); /* of the bandwidth in force */
+    float f_eps = f * eps;
 
     float motion = p->k_tau * (psi.d * i.q - psi.q * i.d) + x->load;
-    float omega = y->pll.omega + T_s * (p->k_i * f * f * eps + motion);
+    float omega = y->pll.omega + T_s * (p->k_i * f * f_eps + motion);
     float turn = p->k_h * e_h;
+    float jump = p->k_p * f_eps + turn;
     float share = drift_load(d, i.q);
     float turn_u = T_s * drift_turn(&x->drift, share);
     y->pll.omega = bound_f(omega, p->omega_max);
-    y->pll.theta = wrap_pi(y->pll.theta + T_s * (y->pll.omega + p->k_p * f * eps) + turn);
+    y->pll.theta = wrap_pi(y->pll.theta + (T_s * y->pll.omega + jump));
     dq_t next = {psi.d + gain * aux.d, psi.q + gain * aux.q};
     x->psi = dq_to_ab(next, rot_turn(r, turn + turn_u));
-    x->i_1 = i_ab;
 
-    y->e.a = -r.s * y->pll.omega * aux.d;
-    y->e.b = r.c * y->pll.omega * aux.d;
+    float emf = y->pll.omega * aux.d;
+    y->e.a = -r.s * emf;
+    y->e.b = r.c * emf;
     y->err = eps;
     y->valid = led ? 1.0f : 0.0f;
     drift_learn(d, &x->drift, learn > 0, k_s, e_h, i.q, share, y->pll.omega);
     if (SHORTCUT(learn <= 0)) {
-        return;
+        return jump;
     }
     match_gain(&p->match, &x->match, learn > 0 && (learn & 1) != 0, i_ab, r, aux, inv, p->L_d, L_qq,
                along, y->pll.omega);
     match_offset(&p->match, &x->match, learn > 0 && (learn & 1) == 0, r, aux, inv, eps,
                  y->pll.omega);
+    return jump;
 }
 
 #endif

@@ -12,6 +12,7 @@ static void hfi_clear(hfi_state_t *x) {
     x->i_1.q = 0.0f;
     x->i_2.d = 0.0f;
     x->i_2.q = 0.0f;
+    x->jump = 0.0f;
     x->sign_1 = 0.0f;
     x->sign_2 = 0.0f;
     x->sign_3 = 0.0f;
@@ -47,7 +48,6 @@ static void coupled_clear(const coupled_params_t *p, coupled_state_t *x) {
     x->load = 0.0f;
     drift_clear(&p->drift, &x->drift);
     x->eps_f = 0.0f;
-    x->err_hfi = 0.0f;
     coupled_correct(p, x, 1.0f);
     x->match.gain = 0.0f;
     x->match.offset_a = 0.0f;

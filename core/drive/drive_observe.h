@@ -13,10 +13,11 @@ CORE_INLINE void drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_
     int learn = x->lock.wait > p->coupled.match.after ? x->lock.wait : 0;
     x->est.theta = x->emf.pll.theta;
     x->est.omega = x->emf.pll.omega;
-    coupled_observe(&p->coupled, &x->coupled, &x->emf, r, i_ab, x->u_2, curve_at(&p->L_q, pos),
-                    curve_incremental(&p->L_q, pos), curve_at(&p->coupled.psi_d, pos), x->k_s,
-                    x->hfi.err, learn, p->T_s);
-    x->theta_hfi = wrap_pi(x->est.theta + x->coupled.err_hfi);
+    float err = bound_f(p->coupled.inv_slope * x->hfi.err, 1.0f);
+    x->hfi.jump = coupled_observe(&p->coupled, &x->coupled, &x->emf, r, i_ab, x->u_2,
+                                  curve_at(&p->L_q, pos), curve_incremental(&p->L_q, pos),
+                                  curve_at(&p->coupled.psi_d, pos), x->k_s, err, learn, p->T_s);
+    x->theta_hfi = wrap_pi(x->est.theta + err);
     x->theta_smo = wrap_pi(x->est.theta + x->emf.err);
     x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);
     x->hfi.pll.omega = x->emf.pll.omega;

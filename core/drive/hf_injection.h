@@ -10,7 +10,9 @@
  * instant, and the second difference x = s (i(k) - 2 i(k-1) + i(k-2)) / 4 removes everything except
  * the alternating part; s is the sign of the voltage that was applied over [k-1, k]. With one
  * period of computation delay, that voltage was computed at k-2: signs wait in a queue, and the
- * parity of k is never used.
+ * parity of k is never used. A correction of the angle turns the frame beyond its speed between two
+ * samples. The old sample is turned as far: a d current would answer the correction otherwise, and
+ * the loop swing at a quarter of the PWM frequency (docs/theory-injection.md).
  *
  * Magnetic cross-coupling turns the lock point by theta_cross (half the angle of Eq. 16), a
  * function of the torque current; the caller adds it to the angle.
@@ -45,7 +47,8 @@ typedef struct {
 typedef struct {
     pll_state_t pll; /* lock angle, without compensation of cross-coupling */
     dq_t i_1;        /* sample k-1 in the frame of the scheme [A] */
-    dq_t i_2;        /* sample k-2 [A] */
+    dq_t i_2;        /* sample k-2 in the frame that k-1 had but for its jump [A] */
+    float jump;      /* turn of the frame since k-1 beyond its speed [rad] */
     float sign_1;    /* sign of the injection applied over [k, k+1]: +-1, or 0 when off */
     float sign_2;    /* over [k-1, k] */
     float sign_3;    /* over [k-2, k-1] */
@@ -61,7 +64,9 @@ typedef struct {
  * k. */
 CORE_INLINE void hfi_demodulate(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab, rot_t r) {
     dq_t i = ab_to_dq(i_ab, r);
-    dq_t step = {i.d - 2.0f * x->i_1.d + x->i_2.d, i.q - 2.0f * x->i_1.q + x->i_2.q};
+    dq_t turned = {x->jump * x->i_1.q, -x->jump * x->i_1.d};
+    dq_t step = {i.d - 2.0f * x->i_1.d + x->i_2.d - turned.d,
+                 i.q - 2.0f * x->i_1.q + x->i_2.q - turned.q};
     float quarter = 0.25f * x->sign_2;
     float answer = quarter * step.d;
     if (SCALAR_ONLY(p->scheme == HFI_STATIONARY)) {
@@ -71,6 +76,8 @@ CORE_INLINE void hfi_demodulate(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab
         step = ab_to_dq(twice, r);
         i.d = i_ab.a;
         i.q = i_ab.b;
+        turned.d = 0.0f;
+        turned.q = 0.0f;
     }
     float x_d = quarter * step.d;
     float x_q = quarter * step.q;
@@ -79,8 +86,8 @@ CORE_INLINE void hfi_demodulate(const hfi_params_t *p, hfi_state_t *x, ab_t i_ab
     x->amplitude = sqrt_f(x_d * x_d + x_q * x_q);
     x->err = valid ? x_q / max_f(x->amplitude, p->i_floor) : 0.0f;
     x->valid = valid ? 1.0f : 0.0f;
-    x->i_2.d = x->i_1.d;
-    x->i_2.q = x->i_1.q;
+    x->i_2.d = x->i_1.d + turned.d;
+    x->i_2.q = x->i_1.q + turned.q;
     x->i_1 = i;
 }
 

@@ -32,6 +32,7 @@ static void replay_step(const drive_params_t *p, replay_t *r, const replay_in_t 
     x->hfi.sign_2 = s;
     x->u_2 = u_ab;
     rot_t r_est = drive_observe(p, x, i_ab, ks_limit(k_s_ref));
+    x->coupled.i_1 = i_ab;
     x->lock.wait = x->lock.wait > 1 ? x->lock.wait - 1 : p->lock.n; /* the drive learns by it */
     control_sample(&x->control, r_est, i_ab);
     float u_d = 0.5f * (u.d + r->u_1.d); /* the fundamental */

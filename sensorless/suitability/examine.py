@@ -8,7 +8,7 @@ from sensorless.machine.rated_point import RatedPoint, rated_point
 from sensorless.machine.sane import insane
 from sensorless.suitability.finding import LIMIT, NO, Finding, Verdict, verdict
 from sensorless.suitability.plausible import plausible
-from sensorless.suitability.seen import Seen, look, low_trip, objections, suggestions, swings
+from sensorless.suitability.seen import Seen, look, low_trip, objections, suggestions
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,6 @@ def examine(motor: Motor, pll_hz: float) -> Examination:
         found.append(Finding(LIMIT if point.torque_at_speed > 0.0 else NO, "rating", objection))
     salient = motor.L_q > motor.L_d
     found += objections(motor, seen) if salient else ()
-    found += swings(motor) if salient else ()
     suggested = suggestions(motor, seen, pll_hz) if salient else None
     found += low_trip(motor, suggested) if suggested else ()
     return Examination(motor, tuple(found), point, seen, suggested)

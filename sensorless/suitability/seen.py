@@ -7,14 +7,12 @@ import numpy as np
 
 from sensorless.machine.magnetics import Floats, cross_angle
 from sensorless.machine.motor import Motor
-from sensorless.observers.frame_feedback import MOST, frame_feedback
 from sensorless.observers.injection_signal import (
     RIPPLE_SHARE,
     InjectionSignal,
     injection_signal,
     suggested_injection,
 )
-from sensorless.observers.tracking import injection_bandwidth
 from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 from sensorless.suitability.plausible import ROUNDING, TURN
 
@@ -102,20 +100,6 @@ def low_trip(motor: Motor, suggested: dict[str, float]) -> Iterator[Finding]:
         text = f"i_trip = {motor.i_trip:g} A is below {least:g} A, which the current may reach "
         text += "from i_max before control reacts: such a swing trips"
         yield Finding(NOTE, "i_trip", text)
-
-
-def swings(motor: Motor) -> Iterator[Finding]:
-    """A note if injection answers the corrections of its own frame by more than it should."""
-    gamma = frame_feedback(motor)
-    if gamma > MOST:
-        hertz = injection_bandwidth(motor) / (2.0 * np.pi)
-        text = f"u_inj = {motor.u_inj:g} V: with the {hertz:.2g} Hz of its formula, the coupled "
-        text += (
-            f"observer's injection answers its own corrections by {gamma:.2g}, above {MOST:.2g}: "
-        )
-        text += "under load its angle swings at a quarter of the PWM frequency; a higher u_inj, or "
-        text += f"--set coupled_injection_hz below {hertz * MOST / gamma:.2g}, ends that"
-        yield Finding(NOTE, "u_inj", text)
 
 
 def _two(value: float) -> float:

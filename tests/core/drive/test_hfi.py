@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from sensorless.core.api import TRACE_NAMES, sim_trace
 from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.magnetics import cross_angle, flux, inverse_inductance
 from sensorless.machine.motor import Motor
 from sensorless.observers.tracking import rated_acceleration
@@ -209,3 +211,45 @@ def test_table_compensates_cross_coupling(steady_angle: Angle, tau: float) -> No
     """With the compensation curve less than 0.2 degrees remain."""
     design = replace(PRINTED, cross="table")
     assert abs(steady_angle(design, 1.0, 150.0, tau)) < 0.2
+
+
+def test_a_frame_that_jumps_is_no_error(c: Call, motor: Motor) -> None:
+    """A current I along d, 50 times the answer X, whose angle is corrected by phi every period.
+
+    Told of the corrections, the estimator finds its angle error. Otherwise the second difference
+    of the frame's angle comes to it, times I / (4 X), with the sign of the injection.
+    """
+    p = np.array(control_record(motor, DESIGN)["hfi"]).reshape(1)
+    p["pll"]["k_p"] = p["pll"]["k_i"] = 0.0
+    answer, size = 0.5 * motor.T_s * motor.u_inj / motor.L_d, 50.0
+    jumps = np.random.default_rng(4).normal(0.0, 1e-3, 400)
+    at = np.cumsum(jumps)
+    signs = np.resize([1.0, -1.0], len(at))
+    for told in (1.0, 0.0):
+        x = np.zeros(1, dtype=STATE)
+        found = np.zeros(len(at))
+        for k, (angle, sign) in enumerate(zip(at, signs, strict=True)):
+            i = (size + sign) * answer
+            x["pll"]["theta"], x["jump"] = angle, told * jumps[k]
+            x["sign_2"], x["sign_3"] = sign, -sign
+            c("hfi_observe", p, x, i, 0.0, angle, 0.0, motor.T_s)
+            found[k] = x["err"][0]
+        bend = signs[2:] * 0.25 * size * np.diff(at, 2)
+        expected = -at[2:] - (1.0 - told) * bend
+        assert found[2:] == pytest.approx(expected, abs=0.003)
+        assert np.std(bend) > 0.01, "of what is not told"
+
+
+def swing(motor: Motor, load: float) -> float:
+    """Share of the angle error's power at a quarter of the PWM frequency, at rest under a load."""
+    s = Scenarios.nominal(motor, np.array([1], dtype=np.uint64), 0.6)
+    s.tau[:], s.noise[:] = load * motor.tau_rated, 0.0
+    rows = sim_trace(SimFactory(motor, DriveDesign()).build(s), round(0.5 / motor.T_s), 1.0)[-400:]
+    x = rows[:, TRACE_NAMES.index("theta_e_err")]
+    spectrum = np.abs(np.fft.rfft(x - x.mean()))
+    return float(spectrum[100] ** 2 / np.sum(spectrum**2))
+
+
+def test_the_frame_does_not_feed_on_itself() -> None:
+    """A correction by K e, d current I, answer X: K I / (4 X) is 1.1, beyond the bound 0.71."""
+    assert swing(Motor.load("brusa_hsm1"), 1.2) < 0.1
