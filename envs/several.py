@@ -36,6 +36,9 @@ class SeveralMachines(VectorEnv[Observation, ArrayLike, Any]):
     envs: tuple[BlendVectorEnv, ...] = ()  # what was refused is closed, too, when it is deleted
 
     def __init__(self, envs: Sequence[BlendVectorEnv]) -> None:
+        for env in envs:
+            if not isinstance(env, BlendVectorEnv):
+                raise UserError(f"envs: {type(env).__name__}; give environments BlendVectorEnv")
         modes = {env.metadata["autoreset_mode"] for env in envs}
         if modes != {AutoresetMode.SAME_STEP}:
             found = ", ".join(sorted(mode.value for mode in modes)) or "no environment"

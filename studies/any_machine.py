@@ -16,6 +16,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.design.words import design_from
 from sensorless.envs.scenarios.machine_family import NAME, family
@@ -76,10 +77,10 @@ def main() -> None:
     parser.add_argument("--set", nargs="+", default=[], metavar="NAME=VALUE")
     parser.add_argument("--motor", nargs="+", default=[], help="more machines")
     parser.add_argument("--family", type=int, default=24, help="random machines")
-    parser.add_argument("--family-seed", type=int, default=5)
+    parser.add_argument("--family-seed", type=a_seed, default=5)
     parser.add_argument("--suite", nargs="+", default=SUITES, choices=tuple(KNOWN), metavar="NAME")
-    parser.add_argument("--seed", type=int, default=11)
-    parser.add_argument("--size", type=int, default=200)
+    parser.add_argument("--seed", type=a_seed, default=11)
+    parser.add_argument("--size", type=a_count, default=200)
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
     check_writable(args.out)

@@ -20,6 +20,7 @@ import numpy as np
 from sensorless.agents.loading import load_run
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.train import train
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
@@ -72,8 +73,8 @@ def main() -> None:
     """Train what is missing in the file."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--steps", type=int, default=4_000_000, help="decisions of a run")
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
-    parser.add_argument("--size", type=int, default=2000, help="scenarios to judge on")
+    parser.add_argument("--seeds", type=a_seed, nargs="+", default=[1, 2, 3])
+    parser.add_argument("--size", type=a_count, default=2000, help="scenarios to judge on")
     parser.add_argument("--sets", nargs="+", choices=list(SETS), default=list(SETS))
     parser.add_argument("--motor", default="paper")
     parser.add_argument("--estimator", default="smo", help="of the drive: smo or flux")

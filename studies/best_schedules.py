@@ -15,6 +15,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from sensorless.cli.study_numbers import a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import in_one_line
 from sensorless.export.judge import judge_export
@@ -60,7 +61,7 @@ def main() -> None:
     parser.add_argument("--motor", nargs="+", default=shipped)
     parser.add_argument("--rule", nargs="+", default=list(RULES))
     parser.add_argument("--budget", type=float, default=20000.0, help="of each rule [s simulated]")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=a_seed, default=1)
     parser.add_argument("--out", type=Path, default=RECORD)
     args = parser.parse_args()
     ensure_writable(args.out.parent)

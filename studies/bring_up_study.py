@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.records import bring_up_record
 from sensorless.envs.scenarios.machine_family import NAME, family
 from sensorless.errors import in_one_line
@@ -57,9 +58,9 @@ def show(found: dict[str, Any]) -> None:
 def main() -> None:
     """Run and write the record."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seed", type=int, default=1000, help="first seed (default %(default)s)")
-    parser.add_argument("--size", type=int, default=100, help="drives (default %(default)s)")
-    parser.add_argument("--machines", type=int, default=24, help="random (default %(default)s)")
+    parser.add_argument("--seed", type=a_seed, default=1000, help="the first (default %(default)s)")
+    parser.add_argument("--size", type=a_count, default=100, help="drives (default %(default)s)")
+    parser.add_argument("--machines", type=a_count, default=24, help="random (default %(default)s)")
     parser.add_argument("--out", type=Path, default=Path("results/studies/bring_up.json"))
     args = parser.parse_args()
     check_writable(args.out)

@@ -15,6 +15,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from sensorless.cli.study_numbers import a_seed
 from sensorless.core.api import CARRIER_NAMES, PLANT_STATE
 from sensorless.core.machine import carrier_run
 from sensorless.design.drive import DriveDesign
@@ -128,7 +129,7 @@ def main() -> None:
     """Run the study."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--motor", default="paper")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=a_seed, default=1)
     parser.add_argument("--out", type=Path, default=Path("results/studies"))
     args = parser.parse_args()
     folder = ensure_writable(args.out)

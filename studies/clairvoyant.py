@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sensorless.cli.study_numbers import a_count
 from sensorless.decision import decision_time
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.frozen import FROZEN, MOTOR, SEED
@@ -225,8 +226,10 @@ def main() -> None:
     """Search, write the record, print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--estimator", choices=EQ25, action="append", help="default: all three")
-    parser.add_argument("--size", type=int, default=128, help="scenarios")
-    parser.add_argument("--generations", type=int, default=50, help="of 13 runs a scenario each")
+    parser.add_argument("--size", type=a_count, default=128, help="scenarios")
+    parser.add_argument(
+        "--generations", type=a_count, default=50, help="of 13 runs a scenario each"
+    )
     parser.add_argument("--policy", action="append", default=[], help="one more to judge")
     parser.add_argument(
         "--seeds", nargs="+", action="append", default=[], metavar=("NAME", "WORD"),

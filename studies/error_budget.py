@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
@@ -37,8 +38,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--motor", default="paper")
     parser.add_argument("--suite", default="stress-1")
-    parser.add_argument("--seed", type=int, default=11)
-    parser.add_argument("--size", type=int, default=1000)
+    parser.add_argument("--seed", type=a_seed, default=11)
+    parser.add_argument("--size", type=a_count, default=1000)
     parser.add_argument("--policy", default="eq25")
     parser.add_argument("--estimator", choices=ESTIMATORS, default=DriveDesign().estimator)
     args = parser.parse_args()

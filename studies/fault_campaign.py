@@ -23,6 +23,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.core.api import Array, enumeration, ffi, lib, pointer, struct_dtype
 from sensorless.decision import decision_periods
 from sensorless.design.drive import ESTIMATORS, DriveDesign
@@ -170,8 +171,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--motor", default="paper", help="name or motor file")
     parser.add_argument("--estimator", nargs="+", default=list(ESTIMATORS))
-    parser.add_argument("--seed", type=int, default=101)
-    parser.add_argument("--seeds", type=int, default=5, help="scenarios for each fault")
+    parser.add_argument("--seed", type=a_seed, default=101)
+    parser.add_argument("--seeds", type=a_count, default=5, help="scenarios for each fault")
     parser.add_argument("--out", type=Path, default=Path("results/studies/fault_campaign.json"))
     options = parser.parse_args()
     ensure_writable(options.out.parent)

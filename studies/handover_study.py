@@ -20,6 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 from sensorless.baselines.logistic import RULE
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, suite
@@ -118,8 +119,8 @@ def show(found: dict[str, dict[str, Any]], drive: str) -> Table:
 def main() -> None:
     """Measure, print and record."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--seed", type=int, default=11)
-    parser.add_argument("--size", type=int, default=2000)
+    parser.add_argument("--seed", type=a_seed, default=11)
+    parser.add_argument("--size", type=a_count, default=2000)
     parser.add_argument("--search", type=int, default=40, help="generations of CMA-ES; 0: none")
     parser.add_argument("--out", type=Path, default=Path("results/studies/handover.json"))
     options = parser.parse_args()

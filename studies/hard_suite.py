@@ -9,6 +9,7 @@ for the coupled one. Neighbours in the file go to different halves.
 import argparse
 from pathlib import Path
 
+from sensorless.cli.study_numbers import a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.finds import HARD, text_of
 from sensorless.envs.scenarios.scenario import SimFactory
@@ -27,7 +28,7 @@ SIZES = {"smo": 16_000, "flux": 12_000, "coupled": 12_000}
 def main() -> None:
     """Search on each estimator, and write all finds into one file."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=a_seed, default=1)
     parser.add_argument("--out", type=Path, default=HARD)
     args = parser.parse_args()
     check_writable(args.out)

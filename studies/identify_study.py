@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.control import operating_line
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
@@ -120,11 +121,11 @@ def summary(machines: list[dict[str, Any]]) -> dict[str, Any]:
 def main() -> None:
     """Identify, drive, write and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seed", type=int, default=13, help="of the family and of the errors")
-    parser.add_argument("--size", type=int, default=64, help="machines")
+    parser.add_argument("--seed", type=a_seed, default=13, help="of the family and of the errors")
+    parser.add_argument("--size", type=a_count, default=64, help="machines")
     parser.add_argument("--details", action="store_true", help="harmonics, iron loss, link ripple")
     parser.add_argument("--drive", type=int, default=8, help="machines to drive; 0: none")
-    parser.add_argument("--scenarios", type=int, default=100, help="of each machine driven")
+    parser.add_argument("--scenarios", type=a_count, default=100, help="of each machine driven")
     parser.add_argument("--out", type=Path, default=Path("results/studies/identify.json"))
     args = parser.parse_args()
     ensure_writable(args.out.parent)

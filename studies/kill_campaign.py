@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from sensorless.cli.main import main as sensorless
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.files import is_part, write_atomic
 
 SMALL = "--n-envs 16 --n-steps 16 --n-epochs 1 --validate-size 16 --eval-freq 256"
@@ -161,8 +162,8 @@ def campaign(kills: int, seed: int) -> dict[str, Any]:
 def main() -> int:
     """Run the campaign; status 1 if anything is broken."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--kills", type=int, default=50)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kills", type=a_count, default=50)
+    parser.add_argument("--seed", type=a_seed, default=1)
     parser.add_argument("--out", type=Path, help="write what happened as JSON")
     words = parser.parse_args()
     out = None if words.out is None else words.out.resolve()

@@ -39,6 +39,7 @@ from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import stream, training_env
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.agents.train.train import new_model
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
@@ -263,10 +264,10 @@ def main() -> None:
     """Run one case."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("case", choices=list(CASES))
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
+    parser.add_argument("--seeds", type=a_seed, nargs="+", default=[1, 2, 3, 4, 5])
     parser.add_argument("--learners", nargs="+", choices=list(STEPS))
     parser.add_argument("--steps", type=int, default=0, help="decisions of a learner; 0: its own")
-    parser.add_argument("--size", type=int, default=2000, help="scenarios to judge on")
+    parser.add_argument("--size", type=a_count, default=2000, help="scenarios to judge on")
     parser.add_argument("--out", type=Path, default=Path("results/studies/learners.json"))
     words = parser.parse_args()
     check_writable(words.out)

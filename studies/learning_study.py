@@ -21,6 +21,7 @@ from sensorless.agents.loading import load_run, load_table
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.train import train
 from sensorless.agents.validation import validate
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.carried import record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
@@ -269,12 +270,16 @@ def main() -> None:
     """Run one case."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("case", choices=list(CASES))
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
-    parser.add_argument("--rule-seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
+    parser.add_argument("--seeds", type=a_seed, nargs="+", default=[1, 2, 3, 4, 5])
+    parser.add_argument("--rule-seeds", type=a_seed, nargs="+", default=[1, 2, 3, 4, 5])
     parser.add_argument("--steps", type=int, default=0, help="decisions of a training; 0: its own")
     parser.add_argument("--budget", type=float, default=20_000.0, help="simulated s of a tuning")
-    parser.add_argument("--validate", type=int, default=8192, help="scenarios to pick the best on")
-    parser.add_argument("--size", type=int, default=2000, help="scenarios of a suite to judge on")
+    parser.add_argument(
+        "--validate", type=a_count, default=8192, help="scenarios to pick the best on"
+    )
+    parser.add_argument(
+        "--size", type=a_count, default=2000, help="scenarios of a suite to judge on"
+    )
     parser.add_argument("--suites", nargs="+", choices=list(JUDGED), default=list(JUDGED))
     parser.add_argument("--work", type=Path, default=Path("build/learning"))
     parser.add_argument("--out", type=Path, default=Path("results/studies/learning.json"))

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.core.api import Array, lib
 from sensorless.decision import decision_time
 from sensorless.design.drive import ESTIMATORS, DriveDesign
@@ -244,9 +245,12 @@ def main() -> None:
                         choices=tuple(ESTIMATORS))  # fmt: skip
     parser.add_argument("--suite", nargs="+", default=KNOWN, choices=KNOWN)
     parser.add_argument("--action", nargs="+", default=ACTIONS, choices=(*ACTIONS, "stop"))
-    parser.add_argument("--seed", type=int, default=977)
+    parser.add_argument("--seed", type=a_seed, default=977)
     parser.add_argument(
-        "--size", type=int, default=64, help="scenarios of a suite, a square number for envelope"
+        "--size",
+        type=a_count,
+        default=64,
+        help="scenarios of a suite, a square number for envelope",
     )
     parser.add_argument("--out", type=Path, help="file for the result")
     args = parser.parse_args()

@@ -20,6 +20,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
@@ -130,8 +131,8 @@ def main() -> None:
     parser.add_argument("--against", nargs="+", default=list(AGAINST))
     parser.add_argument("--motor", nargs="+", default=list(MACHINES))
     parser.add_argument("--estimator", default="smo", help="of policies that bring none")
-    parser.add_argument("--seed", type=int, default=11, help="of the scenarios to judge on")
-    parser.add_argument("--size", type=int, default=1000, help="scenarios a machine")
+    parser.add_argument("--seed", type=a_seed, default=11, help="of the scenarios to judge on")
+    parser.add_argument("--size", type=a_count, default=1000, help="scenarios a machine")
     parser.add_argument("--out", type=Path, default=Path("results/studies/motors.json"))
     args = parser.parse_args()
     ensure_writable(args.out.parent)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.agents.train.config import TrainConfig
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.carried import record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.counter_random import combine
@@ -132,11 +133,13 @@ def search(motors: Sequence[Motor], words: argparse.Namespace) -> KsTable:
 def main() -> None:
     """Search, and write the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--machines", type=int, default=32)
+    parser.add_argument("--machines", type=a_count, default=32)
     parser.add_argument("--budget", type=float, default=8000.0, help="simulated s for each ramp")
-    parser.add_argument("--generations", type=int, default=42)
-    parser.add_argument("--size", type=int, default=24, help="scenarios of a machine a generation")
-    parser.add_argument("--seed", type=int, default=7, help="of machines, scenarios and search")
+    parser.add_argument("--generations", type=a_count, default=42)
+    parser.add_argument(
+        "--size", type=a_count, default=24, help="scenarios of a machine a generation"
+    )
+    parser.add_argument("--seed", type=a_seed, default=7, help="of machines, scenarios and search")
     parser.add_argument("--out", type=Path, default=Path("build/one-schedule.json"))
     parser.add_argument("--publish", action="store_true", help="ship it by its name")
     words = parser.parse_args()

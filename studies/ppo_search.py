@@ -25,6 +25,7 @@ from sensorless.agents.loading import load_run
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.train import train
 from sensorless.agents.validation import validate
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import in_one_line
@@ -98,10 +99,10 @@ def summary(study: optuna.Study, asked: dict[str, Any]) -> str:
 def main() -> None:
     """Search until the journal has enough finished trials."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--trials", type=int, default=60, help="finished trials wanted in all")
+    parser.add_argument("--trials", type=a_count, default=60, help="finished trials wanted in all")
     parser.add_argument("--steps", type=int, default=2_000_000, help="decisions of a run")
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2])
-    parser.add_argument("--size", type=int, default=1000, help="scenarios to judge on")
+    parser.add_argument("--seeds", type=a_seed, nargs="+", default=[1, 2])
+    parser.add_argument("--size", type=a_count, default=1000, help="scenarios to judge on")
     parser.add_argument("--motor", default="paper")
     parser.add_argument("--estimator", default="smo", help="of the drive: smo or flux")
     parser.add_argument("--axes", default=TrainConfig.axes)

@@ -15,6 +15,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
@@ -132,8 +133,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("policies", nargs="*", default=list(POLICIES))
     parser.add_argument("--suite", default="stress-1")
-    parser.add_argument("--seed", type=int, default=11)
-    parser.add_argument("--size", type=int, default=2000)
+    parser.add_argument("--seed", type=a_seed, default=11)
+    parser.add_argument("--size", type=a_count, default=2000)
     parser.add_argument("--out", type=Path, default=Path("results/studies/q15.json"))
     options = parser.parse_args()
     ensure_writable(options.out.parent)

@@ -15,6 +15,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.decision import RUNNING, TRAINING
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_v1 import GainVectorEnv
@@ -79,8 +80,8 @@ def show(policies: dict[str, dict[str, Any]]) -> Table:
 def main() -> None:
     """Measure, print and record."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--seed", type=int, default=11)
-    parser.add_argument("--size", type=int, default=400)
+    parser.add_argument("--seed", type=a_seed, default=11)
+    parser.add_argument("--size", type=a_count, default=400)
     parser.add_argument("--out", type=Path, default=Path("results/studies/returns.json"))
     options = parser.parse_args()
     ensure_writable(options.out.parent)

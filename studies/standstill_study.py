@@ -18,6 +18,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.errors import in_one_line
@@ -128,8 +129,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--motor", nargs="+", default=list(MOTORS), help="names or motor files")
     parser.add_argument("--estimator", nargs="+", default=list(ESTIMATORS))
-    parser.add_argument("--seed", type=int, default=11)
-    parser.add_argument("--runs", type=int, default=4, help="seeds of the noise, from --seed on")
+    parser.add_argument("--seed", type=a_seed, default=11)
+    parser.add_argument(
+        "--runs", type=a_count, default=4, help="seeds of the noise, from --seed on"
+    )
     parser.add_argument("--out", type=Path, default=Path("results/studies/standstill.json"))
     options = parser.parse_args()
     ensure_writable(options.out.parent)

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines_suite import machine
 from sensorless.envs.scenarios.scenario import SimFactory
@@ -86,11 +87,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--policy", nargs="+", default=["fuzzy-coupled-tuned", "eq25"])
     parser.add_argument("--rule", default="linear", help="that is tuned on every machine")
-    parser.add_argument("--machines", type=int, default=64)
+    parser.add_argument("--machines", type=a_count, default=64)
     parser.add_argument("--budget", type=float, default=20_000.0, help="simulated s of a tuning")
-    parser.add_argument("--seed", type=int, default=1, help="of machines and scenarios")
-    parser.add_argument("--tune-seed", type=int, default=1)
-    parser.add_argument("--size", type=int, default=256, help="scenarios a machine")
+    parser.add_argument("--seed", type=a_seed, default=1, help="of machines and scenarios")
+    parser.add_argument("--tune-seed", type=a_seed, default=1)
+    parser.add_argument("--size", type=a_count, default=256, help="scenarios a machine")
     parser.add_argument("--out", type=Path, default=Path("results/studies/random_machines.json"))
     words = parser.parse_args()
     check_writable(words.out)

@@ -5,6 +5,7 @@ A scenario depends on these and on its own index only, so any part of a suite ca
 
 import dataclasses
 from collections.abc import Callable
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ from sensorless.envs.scenarios.stress import (
     stress_1_scenarios,
     stress_scenarios,
 )
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.machine.motor import Motor
 
 ROLES = {"train": 1, "tune": 2, "test": 3}
@@ -82,8 +83,8 @@ class SuiteRows:
         if self.role not in ROLES:
             raise UserError(f"role: {self.role!r} does not exist; choose from {', '.join(ROLES)}")
         check_seed(seed)
-        if not 1 <= size <= MOST_SCENARIOS:
-            raise UserError(f"size: {size}; give 1 to {MOST_SCENARIOS} scenarios")
+        if not isinstance(size, Integral) or not 1 <= size <= MOST_SCENARIOS:
+            raise UserError(f"size: {shown(size)}; give 1 to {MOST_SCENARIOS} scenarios")
         if name == "envelope" and (size < 4 or int(np.sqrt(size)) ** 2 != size):
             raise UserError(f"size: {size}; envelope is a grid: give a square number, at least 4")
 

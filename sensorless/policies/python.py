@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from sensorless.core.gains import GAIN_N, GAIN_NAMES, RANGE, Gain, Values
 from sensorless.design.drive import DriveDesign
-from sensorless.errors import UserError, shown
+from sensorless.errors import UserError, has_control, shown
 from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Settings, Signals, gains_of
 
@@ -60,8 +60,8 @@ class PythonPolicy:
         self.name = getattr(own, "name", spec.partition(":")[2])
         self.settings: Settings = getattr(own, "settings", NO_SETTINGS)
         self.ranges: Mapping[str, Gain] = gains_of(own)
-        if not isinstance(self.name, str) or not self.name:
-            raise self._error(f"name: {self.name!r}; give text")
+        if not isinstance(self.name, str) or not self.name or has_control(self.name):
+            raise self._error(f"name: {shown(self.name)}; give text of one line")
         if not isinstance(self.settings, Mapping):
             raise self._error(f"settings: {_kind(self.settings)}; give settings by name")
         with self._told("settings"):

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sensorless.envs.blend_env import BlendEnv
 from sensorless.envs.blend_v1 import GainVectorEnv
 from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.counter_random import Seeds
@@ -33,6 +34,11 @@ def envs(mode: str = "SameStep") -> list[BlendVectorEnv]:
         BlendVectorEnv(n, autoreset_mode=mode, scenarios=brief, motor=motor)
         for n, motor in zip(SIZES, MOTORS, strict=True)
     ]
+
+
+def test_an_environment_of_one_drive_is_refused() -> None:
+    with pytest.raises(UserError, match="envs: BlendEnv; give environments BlendVectorEnv"):
+        SeveralMachines([BlendEnv()])  # type: ignore[list-item]
 
 
 def same(whole: Any, part: Any, rows: slice) -> None:

@@ -137,6 +137,7 @@ def test_rounding_beyond_the_range_is_clipped() -> None:
         ({"sensored": True}, "asks for the truth"),
         ({"act_knowing": lambda self, obs, sims: 0}, "asks for the truth"),
         ({"name": 3}, "name: 3; give text"),
+        ({"name": "two\nlines"}, "name: 'two\\nlines'; give text of one line"),
         ({"name": property(lambda self: 1 / 0)}, "fails in its attributes: ZeroDivisionError"),
         ({"settings": ["smo"]}, "settings: an object of type list"),
         ({"settings": {"observer": "smo"}}, "fails in settings: TypeError"),

@@ -107,5 +107,25 @@ def test_a_record_that_cannot_be_written_is_told_first(
 def test_the_scenarios_of_the_lock_study_fit_every_suite() -> None:
     """The suite envelope is a grid."""
     text = (ROOT / "studies" / "lock_study.py").read_text(encoding="utf-8")
-    size = re.search(r'"--size", type=int, default=(\d+)', text)
+    size = re.search(r'"--size",\s*type=a_count,\s*default=(\d+)', text)
     assert size and math.isqrt(int(size[1])) ** 2 == int(size[1])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("bring_up_study", "--seed", "-1"), "--seed: -1: give 0 to 2^63 - 1"),
+        (("fault_campaign", "--seeds", "0"), "--seeds: 0: give 1 to 2^63 - 1"),
+        (("clairvoyant", "--generations", "few"), "--generations: 'few': give a whole number"),
+    ],
+)
+def test_a_wrong_number_is_told(
+    words: tuple[str, ...],
+    said: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    name, *rest = words
+    with pytest.raises(SystemExit):
+        run(study(name), monkeypatch, *rest)
+    assert said in capsys.readouterr().err

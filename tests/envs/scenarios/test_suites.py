@@ -2,6 +2,7 @@
 
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -42,10 +43,11 @@ def test_a_part_of_a_part() -> None:
         ("stress", 1, 9, "play", "role"),
         ("stress", -1, 9, "test", "seed"),
         ("stress", 1, 0, "test", "size"),
+        ("stress", 1, 4.0, "test", "size: 4.0"),
         ("envelope", 1, 10, "test", "square"),
     ],
 )
-def test_what_is_no_suite(name: str, seed: int, size: int, role: str, said: str) -> None:
+def test_what_is_no_suite(name: str, seed: int, size: Any, role: str, said: str) -> None:
     with pytest.raises(UserError, match=said):
         SuiteRows(name, MOTOR, seed, size, role)
 
