@@ -144,6 +144,8 @@ static void meets(int j) {
         double err = bounded((double)p.coupled.inv_slope * (double)x.hfi.err, 1.0);
         check("meets: one angle",
               fabs(wrapped((double)x.hfi.pll.theta - (double)x.emf.pll.theta + cross)) < 2e-6);
+        double beyond = (double)x.emf.pll.theta - own - (double)p.T_s * (double)x.emf.pll.omega;
+        check("meets: jump of the frame", fabs(wrapped(beyond) - (double)x.hfi.jump) < 2e-6);
         check("meets: angles shown",
               fabs(wrapped((double)x.theta_hfi - own - err)) < 2e-6 &&
                   fabs(wrapped((double)x.theta_smo - own - (double)x.emf.err)) < 2e-6);
