@@ -216,6 +216,7 @@ CORE_COLD static ab_t seek_axis(const drive_params_t *p, drive_state_t *x, ab_t 
     } else if (tracks || pole) {
         estimate_t own = {x->hfi.pll.theta, x->hfi.pll.omega};
         show_angle(x, own);
+        x->hfi.jump = 0.0f; /* this loop says nothing of it */
         hfi_observe(&q->hfi, &x->hfi, i_ab, own.theta, own.omega, p->T_s);
     }
     float way = pole ? start_pulse(q, s) : 0.0f;
