@@ -130,9 +130,11 @@ static void tracks(void) {
         drive_state_t x = seeking(p, START_LOCK, 1);
         x.start.n = j % 2 ? 0 : p->start.n_lock - 1;
         x.hfi.pll.theta = draw_f(-3, 3), x.hfi.pll.omega = draw_f(-90, 90);
+        x.hfi.jump = 0.1f; /* left by the observer */
         x.start.e_f.a = draw_f(-9, 9), x.start.e_f.b = draw_f(-9, 9);
         float was = x.hfi.pll.theta;
         drive_step(p, &x, &in);
+        check("tracks: no jump", x.hfi.jump == 0.0f);
         check("tracks: angles", x.est.theta == was && x.theta_hfi == was && x.theta_smo == was);
         if (x.start.phase == START_POLE) {
             vec_t e = of_ab(x.start.e_f) * cexp(-I * (double)x.hfi.pll.theta);
