@@ -47,7 +47,7 @@ typedef struct {
 typedef struct {
     pll_state_t pll; /* lock angle, without compensation of cross-coupling */
     dq_t i_1;        /* sample k-1 in the frame of the scheme [A] */
-    dq_t i_2;        /* sample k-2 in the frame that k-1 had but for its jump [A] */
+    dq_t i_2;        /* sample k-2, turned by the jump of the frame from then to k-1 [A] */
     float jump;      /* turn of the frame since k-1 beyond its speed [rad] */
     float sign_1;    /* sign of the injection applied over [k, k+1]: +-1, or 0 when off */
     float sign_2;    /* over [k-1, k] */
