@@ -94,7 +94,9 @@ def test_a_schedule_that_hops_on_drives(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(module, "SIZE", 200)
     monkeypatch.setattr(module, "suite", suite)  # of their whole length
     motor = Motor.load("paper")
-    eq25, fuzzy = (make_policy(word, motor) for word in ("eq25", "fuzzy-coupled-tuned"))
+    eq25, fuzzy = (
+        make_policy(word, motor) for word in ("eq25", "fuzzy:20.7258,320.825,0.309153,19.476")
+    )
     found = compare(fuzzy, eq25, "Eq. 25", [SimFactory(motor, DriveDesign())])
     assert 0.1 < found.hops < 0.3 and "k_s hops" in found.sentence
 
