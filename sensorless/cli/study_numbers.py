@@ -1,26 +1,31 @@
 """Numbers that the scripts of studies take: a wrong one is told in one line."""
 
-import argparse
+from argparse import ArgumentTypeError
 
-from sensorless.envs.counter_random import LARGEST
+from sensorless.envs.counter_random import check_seed
+from sensorless.errors import UserError
 
 
-def _whole(text: str, least: int, most: int) -> int:
+def _whole(text: str) -> int:
     try:
-        value = int(text)
+        return int(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r}: give a whole number") from None
-    if not least <= value <= most:
-        known = "2^63 - 1" if most == LARGEST else most
-        raise argparse.ArgumentTypeError(f"{text}: give {least} to {known}")
-    return value
+        raise ArgumentTypeError(f"{text!r}; give a whole number") from None
 
 
 def a_seed(text: str) -> int:
     """A seed, 0 to 2^63 - 1."""
-    return _whole(text, 0, LARGEST)
+    value = _whole(text)
+    try:
+        check_seed(value)
+    except UserError as error:
+        raise ArgumentTypeError(str(error)) from None
+    return value
 
 
 def a_count(text: str) -> int:
     """A number of things, 1 or more."""
-    return _whole(text, 1, LARGEST)
+    value = _whole(text)
+    if value < 1:
+        raise ArgumentTypeError(f"{value}; give 1 or more")
+    return value

@@ -114,9 +114,9 @@ def test_the_scenarios_of_the_lock_study_fit_every_suite() -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("bring_up_study", "--seed", "-1"), "--seed: -1: give 0 to 2^63 - 1"),
-        (("fault_campaign", "--seeds", "0"), "--seeds: 0: give 1 to 2^63 - 1"),
-        (("clairvoyant", "--generations", "few"), "--generations: 'few': give a whole number"),
+        (("bring_up_study", "--seed", "-1"), "--seed: seed: -1; give 0 to 2^63 - 1"),
+        (("fault_campaign", "--seeds", "0"), "--seeds: 0; give 1 or more"),
+        (("clairvoyant", "--generations", "few"), "--generations: 'few'; give a whole number"),
     ],
 )
 def test_a_wrong_number_is_told(
