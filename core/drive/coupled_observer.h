@@ -8,9 +8,10 @@
  * third state, besides the torque of current and flux). Its part along psi_a corrects the flux
  * through a sigmoid with a boundary layer: sliding mode far from the model, linear near it.
  *
- * Injection gives the slow part with weight k_s. Its error e_h turns angle and flux by the same
- * amount, so its noise never reaches eps and the speed; what errors of the voltages do to the flux
- * is learned from it (voltage_drift.h). Derivation, poles and gains: docs/coupled-observer.md.
+ * Injection gives the slow part with weight k_s. Its error e_h turns the angle, and moves the flux
+ * by what such a turn does to e, j e_h psi_a: so its noise never reaches eps and the speed, whatever
+ * the load. What errors of the voltages do to the flux is learned from it (voltage_drift.h).
+ * Derivation, poles and gains: docs/coupled-observer.md.
  */
 #ifndef SENSORLESS_COUPLED_OBSERVER_H
 #define SENSORLESS_COUPLED_OBSERVER_H
@@ -141,11 +142,12 @@ CORE_INLINE float coupled_observe(const coupled_params_t *p, coupled_state_t *x,
     float turn = p->k_h * e_h;
     float jump = p->k_p * f_eps + turn;
     float share = drift_load(d, i.q);
-    float turn_u = T_s * drift_turn(&x->drift, share);
+    float nu = T_s * drift_turn(&x->drift, share);
     y->pll.omega = bound_f(omega, p->omega_max);
     y->pll.theta = wrap_pi(y->pll.theta + (T_s * y->pll.omega + jump));
-    dq_t next = {psi.d + gain * aux.d, psi.q + gain * aux.q};
-    x->psi = dq_to_ab(next, rot_turn(r, turn + turn_u));
+    dq_t next = {psi.d + gain * aux.d - turn * aux.q - nu * psi.q,
+                 psi.q + gain * aux.q + turn * aux.d + nu * psi.d};
+    x->psi = dq_to_ab(next, r);
 
     float emf = y->pll.omega * aux.d;
     y->e.a = -r.s * emf;

@@ -132,7 +132,7 @@ static void one(int j) {
     double turn = (double)p.k_h * e_h;
     double beyond = (double)p.k_p * f * eps + turn;
     double theta = (double)old.pll.theta + T * omega + beyond;
-    vec_t next = (psi + gain * aux) * r * cexp(I * (turn + T * away));
+    vec_t next = (psi + (gain + I * turn) * aux + I * T * away * psi) * r;
     check("coupled: flux", near_v(of_ab(x.psi), next, 4e-6));
     check("coupled: error", fabs((double)y.err - eps) < 2e-5);
     check("coupled: beyond its speed", fabs((double)jump - beyond) < 2e-6);
