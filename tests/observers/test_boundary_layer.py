@@ -16,8 +16,8 @@ from sensorless.observers.flux_design import standstill_rate
 from sensorless.observers.tracking import resistance_drift, voltage_drift
 from sensorless.policies.registry import make_policy
 
-QUIET = member(1_000_777, 2)
-"""Its dead time takes 0.7 % of the EMF, its resistance 2.5 %, and little corrects its flux."""
+QUIET = member(1_000_501, 61)
+"""Its dead time takes 0.8 % of the EMF, its resistance 12 %, and little corrects its flux."""
 
 
 def by_dead_time(motor: Motor) -> float:
@@ -52,5 +52,5 @@ def test_a_thin_layer_lets_the_flux_follow_its_integration(monkeypatch: pytest.M
     monkeypatch.setattr(coupled_design, "layer", by_dead_time)
     lost_thin, loose_thin = unsteady(QUIET)
     designed.cache_clear()
-    assert (lost, loose) == (0, 0)
-    assert lost_thin >= 3 and loose_thin >= 6
+    assert lost == 0 and loose <= 2
+    assert lost_thin >= 5 and loose_thin >= 12
