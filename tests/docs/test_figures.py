@@ -161,6 +161,17 @@ def test_bandwidths_of_the_coupled_observer(name: str) -> None:
         assert near(told.strip(), value)
 
 
+def test_flux_over_the_auxiliary_flux() -> None:
+    """At rated current and most torque from it, on the motor where the two differ most."""
+    motor = Motor.load("brusa_hsm1")
+    i = motor.i_rated * np.exp(1j * np.linspace(0.5 * np.pi, np.pi, 9001))
+    psi = motor.psi_f + motor.L_d * i.real + 1j * motor.L_q * i.imag
+    best = np.argmax((psi.conj() * i).imag)
+    ratio = (psi / (psi - motor.L_q * i.real - 1j * motor.L_d * i.imag))[best]
+    told = f"ψ̂ is ({ratio.real:.2f} + {ratio.imag:.2f}j) ψ_a: {1.0 - ratio.real:.1f} φ stayed in ε"
+    assert f"{told}, and {ratio.imag:.2f} φ went into σ" in text(DOCS / "coupled-observer.md")
+
+
 def told_poles(name: str) -> Iterator[tuple[str, str]]:
     """Magnitudes of real and imaginary parts [Hz] that the page tells."""
     (row,) = re.findall(

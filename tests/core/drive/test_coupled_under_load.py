@@ -21,9 +21,9 @@ class Loaded:
         p = params(motor)
         p["drift"]["k"] = p["drift"]["u_dt_i"] = 0.0
         i = part * motor.i_rated * np.exp(1j * np.radians(130.0))
-        self.psi = motor.psi_f + motor.L_d * i.real + 1j * motor.L_q * i.imag
-        self.aux = self.psi - motor.L_q * i.real - 1j * motor.L_d * i.imag
-        psi_ab = self.psi * np.exp(1j * THETA)
+        psi = motor.psi_f + motor.L_d * i.real + 1j * motor.L_q * i.imag
+        self.aux = psi - motor.L_q * i.real - 1j * motor.L_d * i.imag
+        psi_ab = psi * np.exp(1j * THETA)
         i_ab = i * np.exp(1j * THETA)
         samples = np.tile(np.array([i_ab.real, i_ab.imag], dtype=np.float32), (N, 1))
         x = np.zeros(1, dtype=struct_dtype("coupled_state_t"))
@@ -42,9 +42,9 @@ class Loaded:
         return self.out[:, COLUMNS.index(name)]
 
 
-@pytest.mark.parametrize("part", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("part", [0.5, 1.0])
 @pytest.mark.parametrize("name", ["brusa_hsm1", "ipmsm_2200w"])
-def test_noise_of_the_injection_never_reaches_the_speed(c: Call, name: str, part: float) -> None:
+def test_noise_of_the_injection_stays_out_of_the_speed(c: Call, name: str, part: float) -> None:
     """The angle walks at random, the flux by j psi_a with it; eps and speed stay."""
     motor = Motor.load(name)
     err = np.random.default_rng(1).normal(0.0, 0.02, N)
@@ -58,10 +58,3 @@ def test_noise_of_the_injection_never_reaches_the_speed(c: Call, name: str, part
     wanted = 1j * still.aux * np.exp(1j * THETA) * walk
     left = moved[:-1] - wanted[1:]  # what corrects the length of the flux takes some of it
     assert np.std(left) < 0.1 * np.std(wanted)
-
-
-def test_a_flux_that_turned_with_the_angle_would_tell_of_one(c: Call) -> None:
-    """A turn of the flux itself, j psi, moves eps by less than one of the angle, j psi_a."""
-    run = Loaded(c, Motor.load("brusa_hsm1"), 1.0, np.zeros(N))
-    across = (run.psi / run.aux).real
-    assert 0.3 < across < 0.7
