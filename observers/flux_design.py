@@ -38,9 +38,9 @@ def design_flux(
     """Fields of ``flux_params_t`` (doi 10.1109/TIA.2018.2858753).
 
     The flux is corrected along the auxiliary flux with ``standstill_rate`` + ``gain`` times the
-    speed. Injection turns it at k rad/s a
-    radian of lead and full weight. Dead time that nothing compensates turns it by
-    ``voltage_drift``; k = voltage_drift / ``APART`` stops it there.
+    speed. Injection moves it across the auxiliary flux, at k times that flux a second for a radian
+    of lead and full weight. Dead time that nothing compensates turns it by ``voltage_drift``;
+    k = voltage_drift / ``APART`` stops it there.
 
     Parameters
     ----------

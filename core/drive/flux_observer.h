@@ -9,8 +9,9 @@
  *
  * Voltage errors, above all of the dead time, turn psi_hat. At low speed and light load nothing in
  * these equations opposes that, and the flux slips by whole turns. So injection, where it is on,
- * turns the flux by k_turn k_s times its lead. The angle follows through eps. It is not turned
- * directly: then the speed would stay wrong by that turn as long as the voltage is wrong.
+ * moves the flux by j psi_a times k_turn k_s times its lead: across psi_a, so the correction along
+ * it does not see the move. The angle follows through eps. It is not turned directly: then the
+ * speed would stay wrong by that turn as long as the voltage is wrong.
  */
 #ifndef SENSORLESS_FLUX_OBSERVER_H
 #define SENSORLESS_FLUX_OBSERVER_H
@@ -26,7 +27,7 @@ typedef struct {
     float psi_sq_min;  /* least square of the auxiliary flux that errors are divided by [(Vs)^2] */
     float gain_0;      /* half the correction of the flux at standstill [1/s] times T_s */
     float gain_w;      /* half its rise with speed, times T_s [s] */
-    float k_turn;      /* from injection's lead to the flux [1/s] times T_s */
+    float k_turn;      /* from injection's lead to the flux, over psi_a [1/s] times T_s */
     float omega_floor; /* below this speed the flux is not used, electrical [rad/s] */
 } flux_params_t;
 
@@ -57,9 +58,9 @@ CORE_INLINE void flux_observe(const flux_params_t *p, flux_state_t *x, emf_estim
     dq_t e = {model.d - psi.d, model.q - psi.q};
     float along = inv * (e.d * aux.d + e.q * aux.q);
     float gain = 2.0f * (p->gain_0 + p->gain_w * abs_f(y->pll.omega)) * along;
-    dq_t next = {psi.d + gain * aux.d, psi.q + gain * aux.q};
     float turn = valid ? p->k_turn * lead : 0.0f;
-    x->psi = dq_to_ab(next, rot_turn(r, turn));
+    dq_t next = {psi.d + gain * aux.d - turn * aux.q, psi.q + gain * aux.q + turn * aux.d};
+    x->psi = dq_to_ab(next, r);
 
     dq_t emf = {0.0f, y->pll.omega * aux.d};
     y->e = dq_to_ab(emf, r);

@@ -190,7 +190,7 @@ static void flux(void) {
         vec_t e = (model - psi) * conj(aux) / square; /* along and across the auxiliary flux */
         double gain = 2.0 * ((double)p.gain_0 + (double)p.gain_w * fabs(omega)) * creal(e);
         double turn = valid ? (double)p.k_turn * (double)lead : 0.0;
-        vec_t next = (psi + gain * aux) * r * cexp(I * turn);
+        vec_t next = (psi + (gain + I * turn) * aux) * r;
         check("flux", near_v(of_ab(x.psi), next, 3e-6));
         check("flux's error", fabs((double)y.err - bounded(-cimag(e), 1.0)) < 2e-5);
         check("flux's EMF", near_v(of_ab(y.e), I * omega * creal(aux) * r, 2e-4));

@@ -126,6 +126,26 @@ def test_injection_holds_a_flux_that_the_voltages_turn(c: Call, motor: Motor, k_
     assert y["pll"]["omega"][0] == pytest.approx(omega, rel=1e-3)
 
 
+@pytest.mark.parametrize("name", ["brusa_hsm1", "ipmsm_2200w", "paper"])
+def test_injection_moves_the_flux_as_a_turn_of_the_angle_would(c: Call, name: str) -> None:
+    """At rated torque, voltages exact: all of the move shows as eps, none as a wrong length."""
+    motor = Motor.load(name)
+    p = np.array(control_record(motor, FLUX)["flux"]).reshape(1)
+    i = motor.i_rated * np.exp(1j * np.radians(130.0))
+    psi = motor.psi_f + motor.L_d * i.real + 1j * motor.L_q * i.imag
+    x, y = (np.zeros(1, struct_dtype(name)) for name in ("flux_state_t", "emf_estimate_t"))
+    x["psi"]["a"], x["psi"]["b"] = psi.real, psi.imag
+    sample = np.array([i.real, i.imag], np.float32)
+    flux = []
+    for lead in (0.2, 0.0):
+        c("flux_observe", p, x, y, sample, np.float32(motor.R_s) * sample, motor.L_q,
+          motor.omega_rated, 0.0, lead, motor.T_s)  # fmt: skip
+        flux.append(complex(x["psi"]["a"][0], x["psi"]["b"][0]))
+    turn = 0.2 * float(p["k_turn"][0])
+    assert y["err"][0] == pytest.approx(turn, rel=2e-3)
+    assert abs(flux[1] - flux[0]) < 2e-3 * abs(flux[0] - psi)
+
+
 @pytest.mark.parametrize(("carrier", "n"), [(False, 64), (True, 4)])
 def test_flux_observer_does_not_slip(motor: Motor, carrier: bool, n: int) -> None:
     """Loads taken off at 1 s, at 40 to 250 r/min, under schedules that rely on the flux.
