@@ -9,7 +9,6 @@ from typing import Any
 
 from sensorless.agents.loading import verdict_of
 from sensorless.baselines.linear import EQ25_BAND, linear_table
-from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import PolicyProgress
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
@@ -22,6 +21,7 @@ from sensorless.policies.bench import Bench
 from sensorless.policy import TablePolicy, design_for
 from sensorless.report import maps, tables
 from sensorless.report.cases import Case, cases
+from sensorless.report.folder import PAGE, keep_other_files, results_file
 from sensorless.report.judged import case_of, judged
 from sensorless.report.learning import learning
 from sensorless.report.page import UPLOT, render
@@ -36,7 +36,6 @@ from sensorless.report.verdict import (
 )
 from sensorless.report.waves import packed
 
-PAGE = "index.html"
 SUITES = ("stress-1", "handoff")
 PLAIN = "eq25"
 PAPER = "sliding_mode"
@@ -107,10 +106,10 @@ class Report:
         ------
         UserError
             A file of the run is damaged, found before anything is judged, or the folder cannot be
-            written to or has a page that is no report.
+            written to or has a page or results that are no report's.
         """
         check_folder(folder)
-        _keep_other_pages(folder / PAGE)
+        keep_other_files(folder, suites)
         about = self._about()
         panels, about_panels = learning(self.run)
         words = [self.run, *self.others]
@@ -161,7 +160,7 @@ class Report:
         )
         ensure_writable(folder)
         for result in results:
-            result.write(folder / f"results-{result.suite}.json", scenarios=False)
+            result.write(results_file(folder, result.suite), scenarios=False)
         write_atomic(folder / PAGE, page)
         return folder / PAGE, said
 
@@ -284,11 +283,3 @@ def _tuned() -> list[str]:
 def _drawn(results: Results) -> str:
     text = f"{results.count} scenarios of {results.suite}"
     return text if results.count == results.size else f"{text} ({results.size} random ones)"
-
-
-def _keep_other_pages(page: Path) -> None:
-    """Refuse a folder whose page is somebody else's: every report has its commands in it."""
-    if page.is_file() and b"sensorless report" not in page.read_bytes():
-        raise UserError(
-            f"out: {str(page)!r} exists and is no report; give a new folder, or move it away"
-        )

@@ -254,8 +254,21 @@ def test_a_report_needs_no_library_that_is_not_installed(monkeypatch: pytest.Mon
     assert "linear-tuned" in others and not [name for name in others if "fuzzy" in name]
 
 
-def test_a_page_of_somebody_else_is_kept(tmp_path: Path) -> None:
-    (tmp_path / "index.html").write_text("mine")
-    done = CliRunner().invoke(app, ["report", "eq25", "--size", "4", "--out", str(tmp_path)])
-    assert isinstance(done.exception, UserError) and "is no report" in str(done.exception)
-    assert (tmp_path / "index.html").read_text() == "mine"
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("index.html", "mine"),
+        ("results-stress-1.json", "mine"),
+        ("results-stress-1.json", '{"policies": []}'),
+        ("results-stress-1.json", '{"policies": {"eq25": {"scenarios": {}}}}'),
+    ],
+)
+def test_a_file_of_somebody_else_is_kept(tmp_path: Path, name: str, text: str) -> None:
+    """Results with single scenarios are those of ``evaluate``."""
+    (tmp_path / name).write_text(text)
+    done = CliRunner().invoke(
+        app, ["report", "eq25", "--suite", "stress-1", "--size", "4", "--out", str(tmp_path)]
+    )
+    assert isinstance(done.exception, UserError) and name in str(done.exception)
+    assert (tmp_path / name).read_text() == text
+    assert [file.name for file in tmp_path.iterdir()] == [name]
