@@ -24,8 +24,7 @@ from sensorless.observers.tracking import (
 from sensorless.units import RPM_TO_RAD_S
 
 DIP = 0.1
-"""Dip of the speed after a step of rated torque, over rated speed. The IP speed loop with a double
-pole at w dips by tau / (J w e)."""
+"""Wanted ``load_dip``."""
 LOOP_SHARE = 1.0 / 18.0
 """Largest natural frequency of the speed loop over the bandwidth of the flux: faster, and the loop
 makes torque of the estimate's lag and noise."""
@@ -100,13 +99,22 @@ def derive(motor: Motor, design: DriveDesign) -> Derived:
     return Derived(**{name: _first(given[name], formulas[name]) for name in formulas})
 
 
+def load_dip(motor: Motor, w: float) -> float:
+    """Dip of the speed after a step of rated torque, over rated speed.
+
+    The IP speed loop with a double pole at w [rad/s] dips by tau / (J w e). So for a dip in the
+    place of w the formula gives the pole.
+    """
+    return rated_acceleration(motor) / (math.e * w * motor.omega_rated)
+
+
 def speed_loop(motor: Motor) -> float:
     """Natural frequency of the speed loop [Hz]: ``DIP`` after a rated load, or ``LOOP_SHARE``.
 
     The slope limit of the torque current is then 2 w i_rated, with which this loop answers a step
     of rated torque: it acts on what asks for more, steps of the reference.
     """
-    for_dip = rated_acceleration(motor) / (math.e * DIP * motor.omega_rated)
+    for_dip = load_dip(motor, DIP)
     return min(for_dip, LOOP_SHARE * tracking(motor, flux_noise(motor))) / (2.0 * math.pi)
 
 

@@ -37,6 +37,9 @@ def rows(c: Check) -> list[Row]:
     out = [] if e.point is None else _reached(e.motor, e.point)
     if e.seen is not None and e.suggested is not None:
         out += _seen(e.motor, e.seen, e.suggested)
+    if math.isfinite(c.dip):
+        dips = f"a rated load at once dips the speed by {c.dip:.0%} of rated"
+        out.append(("load step", dips, ""))
     return [*out, *map(_quick, c.runs)]
 
 
@@ -101,7 +104,8 @@ def _quick(run: QuickRun) -> Row:
     if run.infeasible < 1.0:
         if math.isfinite(run.torque_dev):  # it is of what kept lock
             found = f"torque deviation {100 * run.torque_dev:.2f} %, {found}"
-        found = f"lost {run.lost:.0%}, speed not held {run.not_held:.0%}, {found}"
+        found = f"speed not held {run.not_held:.0%}, {found}"
+        found = f"lost {run.lost:.0%}, slipped and back {run.slipped:.0%}, {found}"
     return f"quick run, {run.size} of suite {run.suite}", found, ""
 
 

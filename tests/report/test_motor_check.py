@@ -3,14 +3,17 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machine_family import member
+from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.machine_check import LOST, QuickRun, judged
-from sensorless.machine.motor import Motor
+from sensorless.machine.motor import Motor, Saturation
+from sensorless.policies.registry import make_policy
 from sensorless.report.motor_check import check, facts, rows
-from sensorless.suitability.finding import LIMIT, NO
+from sensorless.suitability.finding import LIMIT, NO, NOTE
 
 
 @pytest.mark.parametrize(
@@ -46,8 +49,38 @@ def test_loads_at_low_speed_are_run_too() -> None:
     assert [run.suite for run in done.runs] == ["stress", "unload", "braking"]
     found = {what: text for what, text, _ in rows(done)}
     for run, said in zip(done.runs, facts(done)["runs"], strict=True):
-        assert said["not_held"] == run.not_held == 0.0
-        assert "speed not held 0%" in found[f"quick run, 4 of suite {run.suite}"]
+        assert said["not_held"] == run.not_held == said["slipped"] == run.slipped == 0.0
+        told = found[f"quick run, 4 of suite {run.suite}"]
+        assert "slipped and back 0%" in told and "speed not held 0%" in told
+    assert "dips the speed by 10% of rated" in found["load step"]
+
+
+def test_a_bare_servo_shaft_is_told_that_it_is_light() -> None:
+    """From rest to rated speed in 10 ms: loads run ahead of the drive, which slips and is back."""
+    servo = replace(
+        Motor.load("paper"), n_p=5, R_s=1.1, L_d=3.2e-3, L_q=4.6e-3, psi_f=0.036, J=3.2e-5, B=1e-5,
+        tau_rated=1.0, i_rated=3.6, n_rated_rpm=3000.0, u_dc=310.0, T_s=1e-4, u_inj=40.0, i_max=7.5,
+        i_trip=15.0, dead_time=1.5e-6, adc_range=16.0,
+        saturation=Saturation.linear(3.2e-3, 4.6e-3, 0.036),
+    )  # fmt: skip
+    done = check(servo, DriveDesign(), 100)
+    (light,) = (f for f in done.examination.findings if f.field == "J")
+    assert light.weight == NOTE and f"dips the speed by {done.dip:.0%}" in light.text
+    assert done.dip > 0.3
+    run = done.runs[2]
+    eq25 = {"eq25": make_policy("eq25", servo)}
+    found = evaluate(servo, DriveDesign(), run.suite, 1, 100, eq25).policies["eq25"]["scenarios"]
+    kept = np.array([cause is None for cause in found["lost_cause"]])
+    slips = np.count_nonzero(kept & (np.array(found["angle_err_max_deg"]) > 60.0))
+    assert 100.0 * run.slipped == pytest.approx(slips) and slips > 0
+    told = [f for f in done.examination.findings if "slips and comes back in" in f.text]
+    assert told and all(f.weight == NOTE for f in told)
+
+
+@pytest.mark.parametrize(("slipped", "weight"), [(0.01, NOTE), (0.06, LIMIT)])
+def test_slips_are_told(slipped: float, weight: str) -> None:
+    (found,) = judged([QuickRun("stress", 100, 0.0, 0.0, 0.0, 0.01, slipped=slipped)])
+    assert found.weight == weight and f"in {slipped:.0%} of the feasible" in found.text
 
 
 @pytest.mark.parametrize(
