@@ -5,13 +5,15 @@
     k_s = 0                                     high <= |omega_hat|
 
 This is Eq. 25 of doi 10.12177/emca.2025.011 with what the print lacks: the magnitude (as printed,
-every negative speed gives k_s = 1) and the cases of equality.
+every negative speed gives k_s = 1) and the cases of equality. The paper gives the band of its own
+motor alone; on others it begins at the same share of rated speed, and ends at the same or later.
 """
 
 import numpy as np
 
 from sensorless.baselines.rule import Rule, Values, speed
 from sensorless.machine.motor import Motor
+from sensorless.observers.hand_over import unaided_speed
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, KsTable
 
@@ -22,6 +24,16 @@ BAND = (
     speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it the observer alone"),
 )
 """Parameters of a rule that leaves injection over a band of the speed, by default the paper's."""
+
+
+def eq25_band(motor: Motor) -> tuple[float, float]:
+    """Band of Eq. 25 on a machine, over rated speed [-].
+
+    The paper's, or up to ``unaided_speed`` where resistance and dead time take so much of the EMF
+    that a drive without injection leans too far at the end of the paper's; at most to rated speed.
+    """
+    low, high = EQ25_BAND
+    return low, min(max(high, unaided_speed(motor) / motor.omega_rated), 1.0)
 
 
 def linear_table(low: float, high: float) -> KsTable:
@@ -41,8 +53,8 @@ def _build(name: str, v: Values, motor: Motor) -> TablePolicy:
 
 EQ25 = Rule(
     "eq25",
-    "linear ramp of the paper, 20 to 26.7 % of rated speed (300 to 400 r/min there)",
-    lambda name, v, motor: TablePolicy(name, linear_table(*EQ25_BAND)),
+    "linear ramp of the paper, 20 to 26.7 % of rated speed (300 to 400 r/min there), or more",
+    lambda name, v, motor: TablePolicy(name, linear_table(*eq25_band(motor))),
 )
 RULE = Rule(
     "linear",

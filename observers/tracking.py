@@ -53,6 +53,11 @@ def resistance_drift(motor: Motor) -> float:
     return LEFT_RESISTANCE * motor.R_s * motor.i_rated / motor.psi_f
 
 
+def unknown_drift(motor: Motor) -> float:
+    """Rate at which what is not known of the voltage turns the flux, at rated current [rad/s]."""
+    return LEFT_DEAD_TIME * voltage_drift(motor) + resistance_drift(motor)
+
+
 def flux_noise(motor: Motor) -> float:
     """Noise of the flux angle of a sample [rad]: L_q ``SAMPLE_ERRORS`` of it over psi_f."""
     return motor.L_q * SAMPLE_ERRORS * sample_error(motor) / motor.psi_f

@@ -1,5 +1,7 @@
 """The table that training starts from: a schedule copied onto the grid of the run."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
@@ -9,6 +11,9 @@ from sensorless.table.ks_table import Axis, KsTable
 
 MARGIN = 0.25
 """How far nodes of k_s may lie outside [0, 1] in training, unless something else is asked for."""
+AXES, PLACED = "speed:0:1:16,disagreement:-1.5:1.5:5", "speed:16,disagreement:-1.5:1.5:5"
+"""Axes unless something else is asked for: the ends of the paper's band are nodes; and those where
+a linear start has other ends."""
 TO_RATED = 1.0
 """Speed that a placed axis must reach, over rated speed."""
 
@@ -17,8 +22,8 @@ def start_table(axes: str, start: str, source: KsTable, motor: Motor, slew_per_s
     """Copy a schedule onto a grid.
 
     A linear ramp of the speed is copied exactly if the ends of its band are nodes, which is
-    required. A table is copied exactly if its own axes are taken. Any other schedule is sampled at
-    the nodes.
+    required; ``AXES`` give way to ``PLACED`` for that. A table is copied exactly if its own axes
+    are taken. Any other schedule is sampled at the nodes.
 
     Parameters
     ----------
@@ -51,7 +56,10 @@ def start_table(axes: str, start: str, source: KsTable, motor: Motor, slew_per_s
                 f"axes: {axes!r} lack {axis.signal}, which start {start!r} looks at; add that axis"
             )
         if axis is ramp:
-            _check_corners(shape[known.index(axis.signal)], ramp, start, motor)
+            speeds = shape[known.index(axis.signal)]
+            if axes == AXES and list(_beside(speeds, ramp)):
+                return start_table(PLACED, start, source, motor, slew_per_s)
+            _check_corners(speeds, ramp, start, motor)
     obs = np.zeros((*(axis.n for axis in shape), SIGNAL_N), dtype=np.float32)
     for a, nodes in enumerate(np.meshgrid(*(axis.nodes for axis in shape), indexing="ij")):
         obs[..., SIGNAL_NAMES.index(shape[a].signal)] = nodes
@@ -106,12 +114,19 @@ def _placed(n: int, ramp: Axis) -> Axis:
     return Axis("speed", ramp.lo, ramp.lo + (n - 1) * (ramp.hi - ramp.lo), n)
 
 
-def _check_corners(axis: Axis, ramp: Axis, start: str, motor: Motor) -> None:
+def _beside(axis: Axis, ramp: Axis) -> Iterator[float]:
+    """Ends of the ramp that are no nodes of the axis, over rated speed."""
     nodes = np.linspace(axis.lo, axis.hi, axis.n)
     for end in (ramp.lo, ramp.hi):
         if np.min(np.abs(nodes - end)) > 1e-3 * (nodes[1] - nodes[0]):
-            near = ", ".join(f"{x * motor.n_rated_rpm:g}" for x in nodes)
-            raise UserError(
-                f"start: {start!r}: {end * motor.n_rated_rpm:g} r/min is not a node of the "
-                f"speed axis; start at two of its nodes ({near}), or give axes speed:{axis.n},..."
-            )
+            yield end
+
+
+def _check_corners(axis: Axis, ramp: Axis, start: str, motor: Motor) -> None:
+    nodes = np.linspace(axis.lo, axis.hi, axis.n)
+    for end in _beside(axis, ramp):
+        near = ", ".join(f"{x * motor.n_rated_rpm:g}" for x in nodes)
+        raise UserError(
+            f"start: {start!r}: {end * motor.n_rated_rpm:g} r/min is not a node of the "
+            f"speed axis; start at two of its nodes ({near}), or give axes speed:{axis.n},..."
+        )

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sensorless.agents.table.start import MARGIN, start_table
+from sensorless.agents.table.start import AXES, MARGIN, start_table
 from sensorless.core.gains import DEFAULT, Gain, ranks
 from sensorless.decision import TRAINING
 from sensorless.envs.reward import RewardWeights
@@ -52,9 +52,10 @@ class TrainConfig:
         {"table": "a table", "mlp": "a network over all signals (see sensorless distill)"},
     )
     axes: str = word(
-        "speed:0:1:16,disagreement:-1.5:1.5:5",
+        AXES,
         "give the table these axes, SIGNAL:LOW:HIGH:NODES,...; speed:NODES puts nodes at both ends "
-        "of the ramp of a linear start; the word start takes the axes of the start",
+        "of the ramp of a linear start, as the default does where they are not among its own; the "
+        "word start takes the axes of the start",
     )
     start: str = word(
         "eq25",

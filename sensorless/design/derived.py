@@ -13,12 +13,11 @@ from sensorless.observers.coupled_design import bandwidths
 from sensorless.observers.q_inductance import coupled_L_q_bias
 from sensorless.observers.tracking import (
     HAND_OVER,
-    LEFT_DEAD_TIME,
     flux_noise,
     injection_noise,
     rated_acceleration,
-    resistance_drift,
     tracking,
+    unknown_drift,
     voltage_drift,
 )
 from sensorless.units import RPM_TO_RAD_S
@@ -133,8 +132,7 @@ def injection_loop(motor: Motor) -> float:
 
 def speed_floor(motor: Motor) -> float:
     """Speed [r/min] whose EMF is as large as the voltage that the drive does not know."""
-    unknown = LEFT_DEAD_TIME * voltage_drift(motor) + resistance_drift(motor)
-    return min(unknown, FLOOR_MOST * motor.omega_rated) / motor.n_p / RPM_TO_RAD_S
+    return min(unknown_drift(motor), FLOOR_MOST * motor.omega_rated) / motor.n_p / RPM_TO_RAD_S
 
 
 def signal_bandwidth(motor: Motor) -> float:

@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from sensorless.baselines.linear import EQ25_BAND, linear_table
+from sensorless.baselines.linear import eq25_band, linear_table
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
@@ -82,7 +82,7 @@ def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
     """Check the machine with a schedule, run it on ``SUITE``, and beside Eq. 25 on the drive."""
     factories = [SimFactory(motor, design)]
     nominal = outcomes(policy, factories, SUITE, SEED, SIZE)
-    eq25 = TablePolicy("eq25", linear_table(*EQ25_BAND), policy.settings)
+    eq25 = TablePolicy("eq25", linear_table(*eq25_band(motor)), policy.settings)
     return Judged(
         int(nominal.lost.sum()),
         int(nominal.feasible.sum()),

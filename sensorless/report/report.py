@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sensorless.agents.loading import verdict_of
-from sensorless.baselines.linear import EQ25_BAND, linear_table
+from sensorless.baselines.linear import eq25_band, linear_table
 from sensorless.evaluation.evaluate import PolicyProgress
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
@@ -222,7 +222,7 @@ class Report:
     def _table(self) -> list[maps.Map]:
         if not isinstance(self.policy, TablePolicy):
             return []
-        eq25 = linear_table(*EQ25_BAND)
+        eq25 = linear_table(*eq25_band(self.motor))
         return maps.schedule(sheets(self.policy.name, self.policy.table, eq25, self.motor, *SHEET))
 
     def _about(self) -> dict[str, str]:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sensorless.agents.table.start import AXES as DEFAULT
 from sensorless.agents.table.start import start_table
 from sensorless.baselines.linear import linear_table
 from sensorless.baselines.logistic import RULE as LOGISTIC
@@ -43,6 +44,16 @@ def test_a_tuned_ramp_lies_on_placed_nodes(tmp_path: Path, low: float, high: flo
     np.testing.assert_allclose(table.evaluate(obs), want, atol=2e-6 / (high - low))
     assert 0.0 < want.mean() < 1.0
     assert not table.evaluate(obs)[obs[:, 0] > high + 1e-6].any(), "injection stays off"
+
+
+@pytest.mark.parametrize("name", ["paper", "brusa_hsm1", "formula_wheel"])
+def test_without_axes_eq25_is_copied_on_any_machine(name: str) -> None:
+    motor = Motor.load(name)
+    source = table_named("eq25", motor)
+    table = start_table(DEFAULT, "eq25", source, motor, 50.0)
+    assert (table.axes[0].hi == 1.0) == (name == "paper") and table.axes[0].n == 16
+    obs = observations(2000)
+    np.testing.assert_allclose(table.evaluate(obs), source.evaluate(obs), atol=5e-5)
 
 
 def test_the_axes_of_the_start_copy_it_bit_by_bit() -> None:
