@@ -93,7 +93,7 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["train", "--name", "x", "--minutes", "0"], "minutes, steps: 0 and 0"),
         (["train", "--name", "x", "--batch-size", "200000"], "batch_size: 200000: an update has"),
         (["train", "--name", "x", "--axes", "speed"], "axes"),
-        (["train", "--name", "x", "--start", "linear:110,320"], "start"),
+        (["train", "--name", "x", "--start", "linear:110,320", "--axes", "speed:0:1:4"], "start"),
         (["train", "--resume", "nothing"], "resume: there is no folder 'nothing'"),
         (["report", "runs/none"], "policy: there is no folder 'runs/none'; give"),
         (["replay", "nope.mat"], "'nope.mat': No such file or directory; give"),

@@ -266,7 +266,7 @@ def test_a_name_with_spaces_is_quoted_in_the_way_on(tmp_path: Path, finished: Pa
 def test_a_mistake_leaves_no_folder(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="not a node"):
         train(
-            replace(SMALL, start="linear:310,400"),
+            replace(SMALL, start="linear:310,400", axes="speed:0:1:16"),
             DriveDesign(),
             tmp_path / "run",
             table_named("linear:310,400", Motor.load("paper")),
