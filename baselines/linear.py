@@ -33,7 +33,11 @@ def eq25_band(motor: Motor) -> tuple[float, float]:
     that a drive without injection leans too far at the end of the paper's; at most to rated speed.
     """
     low, high = EQ25_BAND
-    return low, min(max(high, unaided_speed(motor) / motor.omega_rated), 1.0)
+    try:
+        alone = unaided_speed(motor) / motor.omega_rated
+    except ArithmeticError:  # numbers that no file may have: the drive refuses them and says which
+        return low, high
+    return low, min(max(high, alone), 1.0)
 
 
 def linear_table(low: float, high: float) -> KsTable:

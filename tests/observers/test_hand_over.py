@@ -1,6 +1,7 @@
 """The end of Eq. 25's band: where the voltages carry the angle alone."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
+from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import score
 from sensorless.machine.motor import Motor
 from sensorless.observers.hand_over import UNAIDED, unaided_speed
@@ -56,6 +58,15 @@ def test_it_ends_at_rated_speed_at_most() -> None:
     motor = replace(Motor.load("brusa_hsm1"), dead_time=1e-5)
     assert unaided_speed(motor) > motor.omega_rated
     assert eq25_band(motor) == (EQ25_BAND[0], 1.0)
+
+
+@pytest.mark.parametrize("field", ["R_s", "L_d", "psi_f", "T_s", "n_rated_rpm", "i_rated"])
+def test_numbers_that_no_file_may_have_are_the_drives_to_refuse(field: str) -> None:
+    changed: dict[str, Any] = {field: 0.0}
+    motor = replace(Motor.load("paper"), **changed)
+    assert eq25_band(motor) == EQ25_BAND
+    with pytest.raises(UserError, match=field):
+        SimFactory(motor, DriveDesign()).build(SuiteRows("nominal", motor, 1, 1).draw())
 
 
 def test_a_hot_winding_does_not_slip_beyond_the_band() -> None:
