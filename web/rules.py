@@ -17,7 +17,7 @@ from sensorless.table.ks_table import Axis, KsTable
 
 MOTORS = ("paper", *sorted(path.stem for path in FOLDER.glob("*.toml") if path.stem != "paper"))
 WORDS = {
-    "eq25": "Eq. 25, the paper's ramp (20 to 26.7 % of rated speed)",
+    "eq25": "Eq. 25, the paper's ramp (20 to 26.7 % of rated speed or more)",
     "smoothstep": "Smooth step over the same band",
     "sine": "Sine over the same band",
     "quadratic": "Parabola of the speed",

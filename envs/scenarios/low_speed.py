@@ -13,7 +13,7 @@ HOLD_SPEEDS = (0.0, 5.0 / 1500.0, -5.0 / 1500.0, 20.0 / 1500.0, -20.0 / 1500.0)
 HOLD_TIME = 10.0
 """[s]"""
 BRAKING_SPEEDS = (0.02, 0.3)
-"""Over rated: up to half again the speed at which Eq. 25 ends injection."""
+"""Over rated: up to half again the speed at which Eq. 25 begins to end injection."""
 
 
 def hold_scenarios(motor: Motor, seeds: Seeds, indices: NDArray[np.int64], *_: object) -> Scenarios:
