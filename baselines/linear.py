@@ -35,7 +35,7 @@ def eq25_band(motor: Motor) -> tuple[float, float]:
     low, high = EQ25_BAND
     try:
         alone = unaided_speed(motor) / motor.omega_rated
-    except ArithmeticError:  # numbers that no file may have: the drive refuses them and says which
+    except (ArithmeticError, ValueError):  # no file may have such numbers: the drive says which
         return low, high
     return low, min(max(high, alone), 1.0)
 

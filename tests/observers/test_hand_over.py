@@ -60,9 +60,10 @@ def test_it_ends_at_rated_speed_at_most() -> None:
     assert eq25_band(motor) == (EQ25_BAND[0], 1.0)
 
 
+@pytest.mark.parametrize("value", [0.0, -1.0])
 @pytest.mark.parametrize("field", ["R_s", "L_d", "psi_f", "T_s", "n_rated_rpm", "i_rated"])
-def test_numbers_that_no_file_may_have_are_the_drives_to_refuse(field: str) -> None:
-    changed: dict[str, Any] = {field: 0.0}
+def test_numbers_that_no_file_may_have_are_the_drives_to_refuse(field: str, value: float) -> None:
+    changed: dict[str, Any] = {field: value}
     motor = replace(Motor.load("paper"), **changed)
     assert eq25_band(motor) == EQ25_BAND
     with pytest.raises(UserError, match=field):
