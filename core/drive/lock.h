@@ -7,8 +7,8 @@
  *            On the d axis u_d - R_s i_d - L_d d i_d/dt + omega L_q i_q is 0 at the true angle;
  *            with what is left there, the auxiliary flux's EMF has a direction
  *   SPEED    an estimate that slips moves faster than torque and load can move the shaft: the
- *            estimated speed leaves its own low-pass. And an estimate at its bound no longer tells
- *            how fast the shaft is
+ *            estimated speed leaves its own low-pass, without an EMF that goes with it. And an
+ *            estimate at its bound no longer tells how fast the shaft is
  *   CURRENT  in a frame that is not the rotor's the EMF turns, and the torque current misses its
  *            reference
  *   ANSWER   an injected voltage moves the current along its axis, least where the axis is far off.
@@ -135,6 +135,16 @@ CORE_INLINE int lock_emf_fails(const lock_params_t *p, const lock_state_t *x, fl
            (max_f(across, -along) > p->e_least && INV_SQRT3_F * beside > max_f(along, 0.0f));
 }
 
+/* Residual over the EMF below which both agree: a shaft that stands leaves 0.6 or more on one axis. */
+#define LOCK_AGREES 0.4f
+#define LOCK_TELLS 0.25f /* EMF over e_floor from which that does not come by chance */
+
+/* Whether the EMF is that of the estimate's angle and speed, so that the shaft did move. */
+CORE_INLINE int lock_emf_agrees(const lock_params_t *p, const lock_state_t *x) {
+    float off = max_f(abs_f(x->residual), abs_f(x->across));
+    return x->emf > LOCK_TELLS * p->e_floor && off < LOCK_AGREES * x->emf;
+}
+
 /* Also in the first part: the answer to an injected voltage of amplitude u_inj [V]. seen: how far it
  * moved the current along its axis [A], if valid > 0; k_s: its weight. */
 CORE_INLINE void lock_answer(const lock_params_t *p, lock_state_t *x, float seen, float valid,
@@ -156,7 +166,8 @@ CORE_INLINE void lock_current(const lock_params_t *p, lock_state_t *x, float off
 CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega, float omega_max) {
     x->omega += p->alpha * (omega - x->omega);
     int32_t grace = x->bad > LOCK_GRACE;
-    int32_t moves = abs_f(omega - x->omega) > p->jump || abs_f(omega) >= omega_max;
+    int32_t jumps = abs_f(omega - x->omega) > p->jump && !lock_emf_agrees(p, x);
+    int32_t moves = jumps || abs_f(omega) >= omega_max;
     int32_t found = (lock_emf_fails(p, x, omega) ? LOCK_EMF : 0) | (moves ? LOCK_SPEED : 0) |
                     (x->i_off > p->i_off ? LOCK_CURRENT : 0) | (x->answer < 0.0f ? LOCK_ANSWER : 0);
     int32_t failed = grace ? 0 : found;

@@ -25,6 +25,29 @@ static void speed(void) {
     }
 }
 
+/* An EMF that agrees with the estimate, on both axes, vouches for its speed; a small one does not. */
+static void agrees(void) {
+    lock_params_t p = PARAMS[4].lock;
+    p.i_off = 1e9f, p.e_share = 1e9f, p.e_least = 1e9f;
+    const struct {
+        float emf, along, across; /* over a quarter of e_floor, over that EMF */
+        int told;
+    } cases[] = {{1.01f, 0.0f, 0.0f, 0},  {0.99f, 0.0f, 0.0f, 1},   {2.0f, 0.39f, 0.0f, 0},
+                 {2.0f, 0.41f, 0.0f, 1},  {2.0f, -0.41f, 0.0f, 1},  {2.0f, -0.39f, 0.39f, 0},
+                 {2.0f, 0.39f, 0.41f, 1}, {2.0f, 0.0f, -0.41f, 1}};
+    for (int j = 0; j < 8; j++) {
+        lock_state_t x;
+        memset(&x, 0, sizeof x);
+        lock_begin(&p, &x, 0.0f);
+        x.bad = p.n_alarm;
+        x.emf = cases[j].emf * 0.25f * p.e_floor;
+        x.residual = cases[j].along * x.emf;
+        x.across = cases[j].across * x.emf;
+        lock_judge(&p, &x, 3.0f * p.jump, 1e9f);
+        check("speed: vouched for", x.reason == (cases[j].told ? LOCK_SPEED : 0));
+    }
+}
+
 /* An estimate at its bound, of either sign, does not tell how fast the shaft is. */
 static void bound(void) {
     lock_params_t p = PARAMS[4].lock;
@@ -225,6 +248,7 @@ static void told_once(void) {
 
 void check_lock(void) {
     speed();
+    agrees();
     bound();
     injected();
     direction();

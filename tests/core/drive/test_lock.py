@@ -9,13 +9,16 @@ import pytest
 from sensorless.core.api import Array, lib, struct_dtype
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
-from sensorless.machine.motor import Motor
+from sensorless.envs.scenarios.machine_family import family
+from sensorless.machine.magnetics import flux, mtpa
+from sensorless.machine.motor import MOTORS, Motor
 
 Call = Callable[..., None]
 
 MOTOR = Motor.load("paper")
 PARAMS = control_record(MOTOR, DriveDesign(estimator="smo"))["lock"]
 E_RATED = MOTOR.omega_rated * MOTOR.psi_f
+SHIPPED = sorted(path.stem for path in MOTORS.glob("*.toml"))
 
 
 def evaluate(c: Call, rows: Any) -> Array:
@@ -100,15 +103,33 @@ def test_half_a_turn_is_told_within_ten_milliseconds(c: Call) -> None:
     assert evaluate(c, rows)["alarm"] == 1
 
 
-def test_a_speed_that_no_shaft_reaches_is_told_and_the_steepest_ramp_is_not(c: Call) -> None:
-    """One and a half times rated torque on half the inertia; besides, 60 degrees in 16 ms."""
+@pytest.mark.parametrize(("delta", "told"), [(0.0, False), (20.0, False), (50.0, True)])
+def test_a_speed_that_no_shaft_reaches_is_told_and_the_steepest_ramp_is_not(
+    c: Call, delta: float, told: bool
+) -> None:
+    """One and a half times rated torque on half the inertia; besides, 60 degrees in 16 ms.
+
+    With an EMF that agrees the shaft is that fast: its inertia is less than the file's.
+    """
     steepest = 3.0 * MOTOR.n_p * MOTOR.tau_rated / MOTOR.J
     every = float(1.0 / PARAMS["inv_t"])
     slips = steepest + np.pi / 3.0 / 16e-3 / 4e-3
-    for slope, told in ((steepest, False), (-steepest, False), (1.25 * slips, True)):
+    for slope, fast in ((steepest, False), (-steepest, False), (1.25 * slips, True)):
         t = every * np.arange(60)
-        rows = np.array([without_current(x / MOTOR.omega_rated, 0.0) for x in slope * t])
-        assert evaluate(c, rows)["reason"] == (lib.LOCK_SPEED if told else 0)
+        shares = slope * t / MOTOR.omega_rated
+        rows = np.array([without_current(x, np.deg2rad(delta)) for x in shares])
+        assert evaluate(c, rows)["reason"] == (lib.LOCK_SPEED if fast and told else 0)
+
+
+@pytest.mark.parametrize("motor", [*map(Motor.load, SHIPPED), *family(7207, 64)], ids=lambda m: m.name)
+def test_a_shaft_that_stands_leaves_more_than_an_emf_that_agrees(motor: Motor) -> None:
+    """Over the EMF of the auxiliary flux, at most twice the d axis's: omega psi_d on the q axis,
+    and omega L_q i_q on the d axis, of an estimate that turns alone."""
+    i = np.stack(mtpa(motor), axis=-1)[1:]
+    psi, psi_0 = (flux(motor.saturation, x) for x in (i, i * [0.0, 1.0]))
+    psi_a = psi[:, 0] - psi[:, 1] / i[:, 1] * i[:, 0]
+    left = np.abs(psi).max(axis=1) / np.minimum(psi_a, 2.0 * psi_0[:, 0])
+    assert left.min() > 0.6  # LOCK_AGREES is 0.4
 
 
 def test_a_slip_of_half_a_turn_in_ten_milliseconds_is_told(c: Call) -> None:
