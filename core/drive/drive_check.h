@@ -9,12 +9,15 @@
 #ifndef SENSORLESS_DRIVE_CHECK_H
 #define SENSORLESS_DRIVE_CHECK_H
 
+#include "compiler.h"
 #include "drive_types.h"
 
 enum { CHECK_WORDS = 8 }; /* words of the state that a period looks at */
 
+typedef float CORE_ALIAS check_word_t; /* any word of the state, whatever it holds */
+
 /* Where the last piece begins. */
-#define CHECK_LAST ((int32_t)(sizeof(drive_state_t) / sizeof(float)) - CHECK_WORDS)
+#define CHECK_LAST ((int32_t)(sizeof(drive_state_t) / sizeof(check_word_t)) - CHECK_WORDS)
 #define CHECK_LIMIT 1.0e15f /* beyond any sum of numbers of a state */
 
 /* Where the next piece begins. */
@@ -26,7 +29,7 @@ CORE_INLINE int32_t check_next(int32_t at) {
 
 /* Whether the voltage u of this period [V] and all that was looked at are sound. */
 CORE_INLINE int drive_sound(const guard_params_t *p, const drive_state_t *x, ab_t u) {
-    const float *w = (const float *)(const void *)x + x->check;
+    const check_word_t *w = (const check_word_t *)(const void *)x + x->check;
     float sum = x->hfi.amplitude + x->est.theta + x->flux.psi.a + x->coupled.psi.a;
     sum += x->smo.omega_f + x->k_s + x->control.i_int + x->control.u_abs;
     sum += w[0] + w[1] + w[2] + w[3] + w[4] + w[5] + w[6] + w[7]; /* CHECK_WORDS */
