@@ -48,6 +48,16 @@ def zero_current(motor: Motor) -> float:
     return math.hypot(stopped, injection, pulses)
 
 
+def trust_without_torque(motor: Motor) -> float:
+    """Share of its bandwidth with which the observer follows the flux without torque current.
+
+    The flux of a period is then wrong by ``dead_time_noise`` d instead of ``flux_noise`` sigma.
+    With the share sigma / d the angle moves as much in a period as by the sensors under load.
+    """
+    lost = dead_time_noise(motor)
+    return min(1.0, flux_noise(motor) / lost) if lost > 0.0 else 1.0
+
+
 def design_drift(
     motor: Motor,
     *,
@@ -63,10 +73,6 @@ def design_drift(
     ``voltage_drift`` v of the dead time, ``R_S_ERROR`` R_s i / psi_f of the resistance, and
     ``L_Q_ERROR`` omega L_q i / (2 zeta psi_f) of the inductance. Dead time also makes the injection
     err, which looks like a resistance, so less of one is believed where dead time is most of both.
-
-    Without torque current the flux of a period is wrong by ``dead_time_noise`` d instead of
-    ``flux_noise`` sigma. With the share sigma / d of its bandwidth the observer's angle then moves
-    as much in a period as it does by the sensors under load.
 
     Parameters
     ----------
@@ -87,8 +93,7 @@ def design_drift(
     known = KNOWN_L_Q * (L_q_bias - 1.0)
     both = dead_time**2 + resistance**2
     share = dead_time**2 / both
-    lost = dead_time_noise(motor)
-    calm = min(1.0, flux_noise(motor) / lost) if lost > 0.0 else 1.0
+    calm = trust_without_torque(motor)
     return {
         "k": injection**2 * motor.T_s,
         "most": 2.0 * dead_time + resistance,

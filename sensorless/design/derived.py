@@ -10,6 +10,7 @@ from sensorless.design.control import stiffening
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.motor import Motor
 from sensorless.observers.coupled_design import bandwidths
+from sensorless.observers.drift_design import trust_without_torque
 from sensorless.observers.q_inductance import coupled_L_q_bias
 from sensorless.observers.tracking import (
     HAND_OVER,
@@ -27,6 +28,9 @@ DIP = 0.1
 LOOP_SHARE = 1.0 / 18.0
 """Largest natural frequency of the speed loop over the bandwidth of the flux: faster, and the loop
 makes torque of the estimate's lag and noise."""
+CALM_SHARE = 2.0 * LOOP_SHARE
+"""The same without torque, where the observer follows the flux more slowly: faster, and a light
+shaft swings."""
 PHASE_LOSS = (0.45, math.pi / 4.0)
 """Phase that 1.5 periods of delay may take from the current loop at its crossover, 2 alpha, with
 the inductances that it is designed for and with the smallest of the operating line [rad]."""
@@ -108,13 +112,14 @@ def load_dip(motor: Motor, w: float) -> float:
 
 
 def speed_loop(motor: Motor) -> float:
-    """Natural frequency of the speed loop [Hz]: ``DIP`` after a rated load, or ``LOOP_SHARE``.
+    """Natural frequency of the speed loop [Hz]: ``DIP`` after a rated load, or a share of the flux.
 
     The slope limit of the torque current is then 2 w i_rated, with which this loop answers a step
     of rated torque: it acts on what asks for more, steps of the reference.
     """
     for_dip = load_dip(motor, DIP)
-    return min(for_dip, LOOP_SHARE * tracking(motor, flux_noise(motor))) / (2.0 * math.pi)
+    share = min(LOOP_SHARE, CALM_SHARE * trust_without_torque(motor))
+    return min(for_dip, share * tracking(motor, flux_noise(motor))) / (2.0 * math.pi)
 
 
 def current_loop(motor: Motor, speed_hz: float) -> float:

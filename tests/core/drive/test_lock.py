@@ -18,7 +18,10 @@ Call = Callable[..., None]
 MOTOR = Motor.load("paper")
 PARAMS = control_record(MOTOR, DriveDesign(estimator="smo"))["lock"]
 E_RATED = MOTOR.omega_rated * MOTOR.psi_f
-SHIPPED = sorted(path.stem for path in MOTORS.glob("*.toml"))
+MACHINES = [
+    *map(Motor.load, sorted(path.stem for path in MOTORS.glob("*.toml"))),
+    *family(7207, 64),
+]
 
 
 def evaluate(c: Call, rows: Any) -> Array:
@@ -121,10 +124,12 @@ def test_a_speed_that_no_shaft_reaches_is_told_and_the_steepest_ramp_is_not(
         assert evaluate(c, rows)["reason"] == (lib.LOCK_SPEED if fast and told else 0)
 
 
-@pytest.mark.parametrize("motor", [*map(Motor.load, SHIPPED), *family(7207, 64)], ids=lambda m: m.name)
+@pytest.mark.parametrize("motor", MACHINES, ids=lambda m: m.name)
 def test_a_shaft_that_stands_leaves_more_than_an_emf_that_agrees(motor: Motor) -> None:
-    """Over the EMF of the auxiliary flux, at most twice the d axis's: omega psi_d on the q axis,
-    and omega L_q i_q on the d axis, of an estimate that turns alone."""
+    """An estimate that turns alone leaves omega psi_d on the q, omega L_q i_q on the d axis.
+
+    Here over the EMF of the auxiliary flux, which counts up to twice that of the d axis.
+    """
     i = np.stack(mtpa(motor), axis=-1)[1:]
     psi, psi_0 = (flux(motor.saturation, x) for x in (i, i * [0.0, 1.0]))
     psi_a = psi[:, 0] - psi[:, 1] / i[:, 1] * i[:, 0]
