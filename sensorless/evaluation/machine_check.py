@@ -24,7 +24,7 @@ LOOSE = 0.05
 """Share of a quick run, lost or not held, or kept with a slip, above which the drive is limited."""
 MUCH_DIP = 3.0 * DIP
 """Dip of the speed by a rated load, over rated, that is told: three times the one designed for, and
-on half the inertia twice as much. 24 of 1024 random machines have it."""
+on half the inertia twice as much. 28 of 1024 random machines have it."""
 INFEASIBLE = 0.05
 """Share of a quick run that the sensored twin fails too, above which the drive is limited."""
 
