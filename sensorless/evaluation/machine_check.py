@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sensorless.design.derived import DIP, derive, load_dip
+from sensorless.design.derived import MUCH_DIP, derive, load_dip
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG
 from sensorless.errors import UserError
@@ -22,9 +22,6 @@ LOST = (0.05, 0.2)
 """Lost share of a quick run above which the drive is limited, or unable."""
 LOOSE = 0.05
 """Share of a quick run, lost or not held, or kept with a slip, above which the drive is limited."""
-MUCH_DIP = 3.0 * DIP
-"""Dip of the speed by a rated load, over rated, that is told: three times the one designed for, and
-on half the inertia twice as much. 28 of 1024 random machines have it."""
 INFEASIBLE = 0.05
 """Share of a quick run that the sensored twin fails too, above which the drive is limited."""
 
@@ -87,7 +84,7 @@ def check(motor: Motor, design: DriveDesign, policy: Policy, under: str, size: i
         e = examine(motor, 1.0)
         if e.verdict.word != "no":
             raise
-    if dip > MUCH_DIP:
+    if dip > MUCH_DIP and not math.isclose(dip, MUCH_DIP):
         e = replace(e, findings=(*e.findings, _light(motor, dip)))
     if e.verdict.word == "no" or size == 0:
         return Check(e, (), dip)

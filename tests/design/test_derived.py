@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sensorless.design.derived import DIP, derive
+from sensorless.design.derived import DIP, LOOP_SHARE, MUCH_DIP, derive, load_dip
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
 from sensorless.envs.scenarios.machine_family import family
 from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_inductance, mtpa
 from sensorless.machine.motor import MOTORS, Motor, Saturation
-from sensorless.observers.tracking import LEAST_DEAD_TIME, dead_time_noise, flux_noise
+from sensorless.observers.tracking import dead_time_noise, flux_noise, tracking
 
 PAPER = Motor.load("paper")
 SHIPPED = sorted(path.stem for path in MOTORS.glob("*.toml"))
@@ -42,17 +42,23 @@ def test_a_rated_load_dips_the_speed_as_asked() -> None:
 
 
 def test_without_torque_the_flux_is_followed_fast_enough_for_the_speed_loop() -> None:
-    """On a servo whose dead time makes four times the noise of its sensors, half as fast."""
+    """On a servo whose dead time makes noise: up to twice as slow, if the dip allows it."""
     servo = replace(
         PAPER, n_p=5, R_s=1.1, L_d=3.2e-3, L_q=4.6e-3, psi_f=0.036, J=1.6e-4, u_dc=310.0,
         tau_rated=1.27, i_rated=3.6, n_rated_rpm=3000.0, u_inj=40.0, i_max=7.5, adc_range=16.0,
         saturation=Saturation.linear(3.2e-3, 4.6e-3, 0.036), T_s=1e-4,
     )  # fmt: skip
-    for dead_time, counts in ((0.0, False), (0.5e-6, False), (1.5e-6, True)):
+    for dead_time, counts in ((0.0, False), (0.5e-6, False), (1.2e-6, True)):
         m = replace(servo, dead_time=dead_time)
         by, noisier = derive(m, DriveDesign()), dead_time_noise(m) / flux_noise(m)
         assert by.coupled_flux_hz / by.speed_hz == pytest.approx(max(18.0, 9.0 * noisier))
         assert counts == (noisier > 2.0)
+    for J in (1.6e-4, 0.3e-4):  # at the dip, and beyond it with any loop
+        m = replace(servo, J=J, dead_time=2.5e-6)
+        w = 2.0 * math.pi * derive(m, DriveDesign()).speed_hz
+        assert load_dip(m, w) == pytest.approx(
+            max(MUCH_DIP, load_dip(m, LOOP_SHARE * tracking(m, flux_noise(m))))
+        )
 
 
 @pytest.mark.parametrize("motor", MACHINES, ids=lambda m: m.name)
