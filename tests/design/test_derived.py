@@ -14,7 +14,12 @@ from sensorless.design.records import control_record
 from sensorless.envs.scenarios.machine_family import family
 from sensorless.machine.magnetics import apparent_q_inductance, flux, inverse_inductance, mtpa
 from sensorless.machine.motor import MOTORS, Motor, Saturation
-from sensorless.observers.tracking import dead_time_noise, flux_noise, tracking
+from sensorless.observers.tracking import (
+    LEAST_DEAD_TIME,
+    dead_time_noise,
+    flux_noise,
+    tracking,
+)
 
 PAPER = Motor.load("paper")
 SHIPPED = sorted(path.stem for path in MOTORS.glob("*.toml"))
