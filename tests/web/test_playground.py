@@ -14,7 +14,7 @@ from sensorless.envs.scenarios.words import plan_from
 from sensorless.evaluation.trace import trace
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
-from tests.web.conftest import Shown
+from tests.web.conftest import PATIENCE, Shown
 from tests.web.native import Move, final
 from web.audit import CHECKS
 from web.browser import prefer, size_to
@@ -22,8 +22,6 @@ from web.build import MOST_BYTES
 
 NAMES = ("speed", "ramp", "load", "resistance", "magnet", "inertia", "link", "gain", "offset")
 """Order of the levers in a link."""
-PATIENCE = 30.0
-"""Longest time to wait for the page [s]."""
 
 
 def link(
