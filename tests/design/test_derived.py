@@ -47,7 +47,7 @@ def test_a_rated_load_dips_the_speed_as_asked() -> None:
 
 
 def test_without_torque_the_flux_is_followed_fast_enough_for_the_speed_loop() -> None:
-    """On a servo whose dead time makes noise: up to twice as slow, if the dip allows it."""
+    """On a servo whose dead time makes noise the loop is slower, as far as the dip allows it."""
     servo = replace(
         PAPER, n_p=5, R_s=1.1, L_d=3.2e-3, L_q=4.6e-3, psi_f=0.036, J=1.6e-4, u_dc=310.0,
         tau_rated=1.27, i_rated=3.6, n_rated_rpm=3000.0, u_inj=40.0, i_max=7.5, adc_range=16.0,
