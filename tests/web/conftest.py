@@ -12,9 +12,6 @@ from web.browser import chromium, missing_browser
 from web.build import build
 from web.wasm import missing_tools
 
-PATIENCE = 30.0
-"""Longest time to wait for the page [s]."""
-
 
 @dataclass(frozen=True)
 class Shown:
@@ -39,15 +36,11 @@ def driver() -> Iterator[Any]:
 
 @pytest.fixture(scope="session")
 def shown(driver: Any, tmp_path_factory: pytest.TempPathFactory) -> Shown:
-    """The page, built, loaded and ready."""
-    from selenium.webdriver.support.ui import WebDriverWait
-
+    """The page, built and loaded."""
     require(missing_tools())
     file = tmp_path_factory.mktemp("playground") / "playground.html"
     size = build(file)
     driver.get(file.as_uri())
-    ready = "return Boolean(window.playground && playground.page.pace)"
-    WebDriverWait(driver, PATIENCE).until(lambda page: page.execute_script(ready))
     return Shown(driver, file, size)
 
 

@@ -14,7 +14,7 @@ from sensorless.envs.scenarios.words import plan_from
 from sensorless.evaluation.trace import trace
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
-from tests.web.conftest import PATIENCE, Shown
+from tests.web.conftest import Shown
 from tests.web.native import Move, final
 from web.audit import CHECKS
 from web.browser import prefer, size_to
@@ -22,6 +22,8 @@ from web.build import MOST_BYTES
 
 NAMES = ("speed", "ramp", "load", "resistance", "magnet", "inertia", "link", "gain", "offset")
 """Order of the levers in a link."""
+PATIENCE = 30.0
+"""Longest time to wait for the page [s]."""
 
 
 def link(
@@ -42,10 +44,15 @@ def wait(shown: Shown, condition: str) -> None:
         time.sleep(0.02)
 
 
-def repeat(shown: Shown, fragment: str, decisions: int) -> None:
-    """Open a link and wait until its run is where it was shared."""
+def follow(shown: Shown, fragment: str) -> None:
+    """Open a link, once the page is there."""
     wait(shown, "playground.page.pace")
     shown.run("playground.page.pace.stop(); location.hash = arguments[0]", fragment)
+
+
+def repeat(shown: Shown, fragment: str, decisions: int) -> None:
+    """Open a link and wait until its run is where it was shared."""
+    follow(shown, fragment)
     wait(shown, f"playground.page.run.decision === {decisions} && !playground.page.pace.running")
 
 
@@ -130,7 +137,7 @@ def test_link_repeats_what_was_moved(shown: Shown, motor: Motor) -> None:
 
 @pytest.mark.parametrize("fragment", ["#m=none", "#m=paper&a=coupled+eq25&l=1", "#m=paper&a=x+y"])
 def test_foreign_link_is_refused_in_words(shown: Shown, fragment: str) -> None:
-    shown.run("playground.page.pace.stop(); location.hash = arguments[0]", fragment)
+    follow(shown, fragment)
     wait(shown, "document.getElementById('message').textContent.includes('link')")
     shown.run("document.getElementById('message').textContent = ''; playground.page.pace.stop()")
 
