@@ -16,12 +16,18 @@ from sensorless.policy import Policy
 from sensorless.suitability.examine import Examination, examine
 from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 
-SUITES, SEED, SIZE = ("stress", "unload", "braking"), 1, 100
-"""Scenarios of a quick run: all that is uncertain, and loads at low speed that go or drive."""
+WRONG_FILE = "mismatch"
+"""The suite in which the machine is not as its file says."""
+SUITES, SEED, SIZE = ("stress", "unload", "braking", WRONG_FILE), 1, 100
+"""Scenarios of a quick run: all that is uncertain, loads at low speed that go or drive, and a motor
+file that is wrong."""
 LOST = (0.05, 0.2)
-"""Lost share of a quick run above which the drive is limited, or unable."""
+"""Lost share of a quick run above which the drive is limited, or unable: with a wrong file limited
+only, since a right one is the cure."""
 LOOSE = 0.05
 """Share of a quick run, lost or not held, or kept with a slip, above which the drive is limited."""
+MEASURE = ": measure resistance, inductances and magnet flux of this motor well"
+"""What helps where a wrong file does harm."""
 INFEASIBLE = 0.05
 """Share of a quick run that the sensored twin fails too, above which the drive is limited."""
 
@@ -128,7 +134,7 @@ def judged(runs: Sequence[QuickRun]) -> list[Finding]:
 
 def _judged(run: QuickRun) -> list[Finding]:
     """What the losses of one quick run add."""
-    found = []
+    found, wrong = [], run.suite == WRONG_FILE
     if run.infeasible == 1.0:
         return [Finding(NO, "run", f"even with an encoder, the drive fails all of {run.suite}")]
     if run.infeasible > INFEASIBLE:
@@ -137,12 +143,15 @@ def _judged(run: QuickRun) -> list[Finding]:
     if not run.lost <= LOST[0]:
         text = f"the drive under {run.under} loses {run.lost:.0%} of the feasible scenarios of "
         text += run.suite
-        if run.tripped > 0.5:
+        if wrong:
+            text += MEASURE
+        elif run.tripped > 0.5:
             text += ", mostly by i_trip: a shorter T_s lets the current loop follow"
-        found.append(Finding(NO if not run.lost <= LOST[1] else LIMIT, "run", text))
+        found.append(Finding(LIMIT if wrong or run.lost <= LOST[1] else NO, "run", text))
     if run.slipped > 0.0:
         text = f"the drive under {run.under} slips and comes back in {run.slipped:.0%} of the "
-        text += f"feasible scenarios of {run.suite}: for a moment its angle is beyond "
-        text += f"{LOST_ANGLE_DEG:g} degrees"
+        text += f"feasible scenarios of {run.suite} (for a moment its angle is beyond "
+        text += f"{LOST_ANGLE_DEG:g} degrees)"
+        text += MEASURE if wrong else ""
         found.append(Finding(LIMIT if run.slipped > LOOSE else NOTE, "run", text))
     return found

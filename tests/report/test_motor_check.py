@@ -44,9 +44,23 @@ def test_suites_in_which_the_speed_is_not_held_are_told_once() -> None:
     assert "in 10% of stress, 10% of braking: more inertia" in found.text
 
 
-def test_loads_at_low_speed_are_run_too() -> None:
+@pytest.mark.parametrize("lost", [0.1, 0.9, 1.0])
+def test_losses_with_a_wrong_file_ask_for_a_right_one(lost: float) -> None:
+    (found,) = judged([QuickRun("mismatch", 100, lost, 0.0, 0.0, 0.01)])
+    assert found.weight == LIMIT and "of mismatch: measure resistance" in found.text
+
+
+def test_a_machine_that_depends_on_its_file_is_told() -> None:
+    """It is fit as long as its file is right."""
+    done = check(member(501, 2), DriveDesign(), 100)
+    lost = {run.suite: run.lost for run in done.runs}
+    assert lost.pop("mismatch") > LOST[0] and max(lost.values()) <= 0.02
+    assert any("of mismatch: measure" in finding.text for finding in done.examination.findings)
+
+
+def test_loads_at_low_speed_and_a_wrong_file_are_run_too() -> None:
     done = check(Motor.load("paper"), DriveDesign(), 4)
-    assert [run.suite for run in done.runs] == ["stress", "unload", "braking"]
+    assert [run.suite for run in done.runs] == ["stress", "unload", "braking", "mismatch"]
     found = {what: text for what, text, _ in rows(done)}
     for run, said in zip(done.runs, facts(done)["runs"], strict=True):
         assert said["not_held"] == run.not_held == said["slipped"] == run.slipped == 0.0
@@ -74,13 +88,15 @@ def test_a_bare_servo_shaft_is_told_that_it_is_light() -> None:
     slips = np.count_nonzero(kept & (np.array(found["angle_err_max_deg"]) > 60.0))
     assert 100.0 * run.slipped == pytest.approx(slips) and slips > 0
     told = [f for f in done.examination.findings if "slips and comes back in" in f.text]
-    assert told and all(f.weight == NOTE for f in told)
+    assert [f.weight for f in told if "of mismatch" in f.text] == [LIMIT]
+    assert {f.weight for f in told if "of mismatch" not in f.text} == {NOTE}
 
 
 @pytest.mark.parametrize(("slipped", "weight"), [(0.01, NOTE), (0.06, LIMIT)])
 def test_slips_are_told(slipped: float, weight: str) -> None:
     (found,) = judged([QuickRun("stress", 100, 0.0, 0.0, 0.0, 0.01, slipped=slipped)])
     assert found.weight == weight and f"in {slipped:.0%} of the feasible" in found.text
+    assert "measure" not in found.text
 
 
 @pytest.mark.parametrize(
