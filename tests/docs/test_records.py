@@ -68,7 +68,7 @@ def test_one_schedule_against_a_rule_for_each_machine() -> None:
     for word, found in shares.items():
         (row,) = re.findall(
             rf"^\| `{word}` \| (\d+) % \| (.*) % \| (\d+) % \| (.*) % \| (\d+) \| (\d+) % \|$",
-            text("suites.md"), re.MULTILINE,
+            text("random-machines.md"), re.MULTILINE,
         )  # fmt: skip
         told = [float(cell.replace("−", "-")) for cell in row]
         names = (
@@ -78,7 +78,7 @@ def test_one_schedule_against_a_rule_for_each_machine() -> None:
         assert told[:4] == pytest.approx(values, abs=0.51), word
         assert told[1] == pytest.approx(values[1], abs=0.051), word
         assert told[4:] == pytest.approx([found["lost"], 100.0 * found["no_more_lost"]], abs=0.51)
-    assert f"its own ramps {shares['eq25']['lost_tuned']} " in text("suites.md")
+    assert f"its own ramps {shares['eq25']['lost_tuned']} " in text("random-machines.md")
 
 
 def near(told: str, value: float) -> bool:
