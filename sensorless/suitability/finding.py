@@ -33,9 +33,9 @@ class Verdict:
 
 
 def verdict(findings: Sequence[Finding]) -> Verdict:
-    """Verdict of all findings: the heaviest decide, and are the reasons."""
-    for weight, word in ((NO, "no"), (LIMIT, "with limits")):
-        reasons = tuple(f.text for f in findings if f.weight == weight)
-        if reasons:
-            return Verdict(word, reasons)
-    return Verdict("yes", ())
+    """Verdict of all findings: the heaviest decide, and all but notes are the reasons.
+
+    What limits a machine may be why it fails, so a *no* has the limits too, after its own.
+    """
+    no, limits = (tuple(f.text for f in findings if f.weight == w) for w in (NO, LIMIT))
+    return Verdict("no" if no else "with limits" if limits else "yes", (*no, *limits))

@@ -177,7 +177,7 @@ def test_the_heaviest_finding_decides() -> None:
     a, b, c = (Finding(w, "x", w) for w in (NOTE, LIMIT, NO))
     assert str(verdict([a])) == "suitable: yes"
     assert str(verdict([a, b])) == "suitable: with limits, because limit"
-    assert str(verdict([c, b, a])) == "suitable: no, because no"
+    assert str(verdict([c, b, a])) == "suitable: no, because no; limit"
 
 
 def test_a_flux_map_without_inverse_is_a_verdict_not_an_error() -> None:
