@@ -121,7 +121,7 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
     x->signal.omega_ref = omega;
     x->signal.k_s = k_s;
     control_ready(&p->control, &x->control, omega);
-    x->check = 0;
+    x->begun = DRIVE_BEGUN;
     start_begin(&x->start);
     x->start.phase = START_DONE;
 }

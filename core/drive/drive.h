@@ -40,7 +40,6 @@ CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
     drive_in_t in = drive_guard(&p->guard, x, raw);
     ab_t i_ab = match_correct(&x->coupled.match, in.i_a, in.i_b);
     drive_guard_current(&p->guard, x, i_ab);
-    x->check = check_next(x->check);
     if (SCALAR_ONLY(x->start.phase != START_DONE)) {
         x->coupled.i_1 = i_ab;
         drive_in_t copy = in; /* so that other periods need not have the inputs in memory */

@@ -1,39 +1,35 @@
 /* Finds damage to the state: numbers that are not finite, or beyond any that a drive computes.
  *
- * Every period checks the voltage and the numbers through which damage spreads. The whole state is
- * summed up piece by piece, CHECK_WORDS words a period: a sum is finite only if all its words are,
- * and an integer of the state is next to nothing as a float.
+ * Every period checks the voltage, and the sum of the words in which damage to any word of the state
+ * is after that period: a sum is finite only if all of them are. A word that is not among them is
+ * written anew in every period from those that are, or acts on the voltage.
  *
- * Those that nothing bounds on their way, once with every test of the lock: what is finite, but more
- * than a drive computes, would act for long. */
+ * Numbers that nothing bounds on their way are looked at once with every test of the lock: what is
+ * finite, but more than a drive computes, would act for long. */
 #ifndef SENSORLESS_DRIVE_CHECK_H
 #define SENSORLESS_DRIVE_CHECK_H
 
-#include "compiler.h"
 #include "drive_types.h"
 
-enum { CHECK_WORDS = 8 }; /* words of the state that a period looks at */
-
-typedef float CORE_ALIAS check_word_t; /* any word of the state, whatever it holds */
-
-/* Where the last piece begins. */
-#define CHECK_LAST ((int32_t)(sizeof(drive_state_t) / sizeof(check_word_t)) - CHECK_WORDS)
 #define CHECK_LIMIT 1.0e15f /* beyond any sum of numbers of a state */
 
-/* Where the next piece begins. */
-CORE_INLINE int32_t check_next(int32_t at) {
-    int32_t next = at + CHECK_WORDS;
-    next = next < CHECK_LAST ? next : CHECK_LAST;
-    return at >= 0 && at < CHECK_LAST ? next : 0;
-}
+#ifdef __cplusplus
+extern "C" {
+#endif
 
-/* Whether the voltage u of this period [V] and all that was looked at are sound. */
+/* Sum of the words in which damage to a drive in control is after a period, units apart. */
+float drive_sum(const drive_state_t *x);
+
+/* Sum of the words in which damage to a drive that seeks its rotor may be besides. */
+float drive_seek_sum(const drive_state_t *x);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Whether the voltage u of this period [V] and the state after it are sound. */
 CORE_INLINE int drive_sound(const guard_params_t *p, const drive_state_t *x, ab_t u) {
-    const check_word_t *w = (const check_word_t *)(const void *)x + x->check;
-    float sum = x->hfi.amplitude + x->est.theta + x->flux.psi.a + x->coupled.psi.a;
-    sum += x->smo.omega_f + x->k_s + x->control.i_int + x->control.u_abs;
-    sum += w[0] + w[1] + w[2] + w[3] + w[4] + w[5] + w[6] + w[7]; /* CHECK_WORDS */
-    return abs_f(u.a) <= p->u_out && abs_f(u.b) <= p->u_out && abs_f(sum) <= CHECK_LIMIT;
+    return abs_f(u.a) <= p->u_out && abs_f(u.b) <= p->u_out && abs_f(drive_sum(x)) <= CHECK_LIMIT;
 }
 
 /* The voltage u [V], or one that drive_sound refuses. */
@@ -42,14 +38,29 @@ CORE_INLINE ab_t drive_unless(int sound, const guard_params_t *p, ab_t u) {
     return u;
 }
 
+/* Whether a counter, or several or-ed, is a small positive number: as a float it is finite then. */
+CORE_INLINE int count_sound(int32_t n) { return n >= 0 && n < 1 << 30; }
+
+/* Whether the counters of the start sequence and the fault bits are. */
+CORE_INLINE int drive_start_counts(const drive_state_t *x) {
+    const start_state_t *s = &x->start;
+    return count_sound(s->n | s->tries | s->again | x->fault);
+}
+
+/* Whether those of the tests of lost lock are. */
+CORE_INLINE int drive_lock_counts(const drive_state_t *x) {
+    const lock_state_t *y = &x->lock;
+    return count_sound(y->bad | y->calm | y->restarts | y->alarms | y->alarm | y->reason);
+}
+
 /* Whether phase and counters are such as the start sequence writes, and what its sliding-mode observer
  * goes on from is finite: the observer's bounds hide what is not. */
 CORE_INLINE int drive_seek_sound(const drive_state_t *x) {
     const start_state_t *s = &x->start;
     float from = x->u_1.a + x->u_1.b + x->u_2.a + x->u_2.b;
     from += x->smo.i_hat.a + x->smo.i_hat.b + x->smo.z.a + x->smo.z.b;
-    return s->phase > START_DONE && s->phase < START_END && s->n >= 0 && s->tries >= 0 &&
-           abs_f(from) <= CHECK_LIMIT;
+    return s->phase > START_DONE && s->phase < START_END && drive_start_counts(x) &&
+           drive_lock_counts(x) && abs_f(from) <= CHECK_LIMIT;
 }
 
 /* Whether both estimators' angles, the weight and the torque current's sign are such as a drive

@@ -22,12 +22,12 @@ CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
 ab_t drive_lock(const drive_params_t *p, drive_state_t *x, ab_t u) {
     if (x->lock.wait == 1) {
         drive_watch(p, x);
-        return drive_unless(drive_angles_sound(x), &p->guard, u);
+        return drive_unless(drive_start_counts(x) && drive_angles_sound(x), &p->guard, u);
     }
-    int begun = x->lock.wait >= 0; /* it never goes below, but from zeros without drive_init */
+    int begun = x->begun == DRIVE_BEGUN;
     drive_judge(p, x);
     if (drive_acts(p, x)) {
         drive_act(p, x);
     }
-    return drive_unless(begun && drive_loops_sound(p, x), &p->guard, u);
+    return drive_unless(begun && drive_lock_counts(x) && drive_loops_sound(p, x), &p->guard, u);
 }

@@ -292,5 +292,5 @@ CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive
     }
     drive_signals(&p->signal, x, in->omega_ref);
     x->lock.wait = x->lock.wait > 1 ? x->lock.wait - 1 : p->lock.n;
-    return u;
+    return drive_unless(abs_f(drive_seek_sum(x)) <= CHECK_LIMIT, &p->guard, u);
 }

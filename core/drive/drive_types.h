@@ -30,6 +30,9 @@ enum {
     FAULT_ALL = 255     /* all of these */
 };
 
+/* What memory that was never begun does not hold. */
+enum { DRIVE_BEGUN = 0x1DEA5EED };
+
 /* What inputs of a period may be. */
 typedef struct {
     float i_sample;  /* largest plausible sample of a phase current [A] */
@@ -74,7 +77,7 @@ typedef struct {
     float theta_hfi; /* compensated angle of injection at k; coupled: est plus err_hfi [rad] */
     float theta_smo; /* angle of the observer in use at k; coupled: est plus eps [rad] */
     float k_s;       /* weight in force */
-    int32_t check;   /* word of the state from which the next period checks, see drive_check.h */
+    int32_t begun;   /* DRIVE_BEGUN, from drive_init on */
     int fault;       /* FAULT_* bits, kept until the caller clears them */
 } drive_state_t;
 

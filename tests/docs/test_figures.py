@@ -117,13 +117,17 @@ def test_power_of_the_motors_that_are_named() -> None:
         assert near(told, motor.tau_rated * motor.omega_rated / motor.n_p / 1000.0), name
 
 
-def test_memory_of_gains_and_time_of_a_whole_check() -> None:
+def test_memory_of_gains() -> None:
     more = ffi.sizeof("drive_params_t")
     more += ffi.sizeof("gain_schedule_state_t") - ffi.sizeof("ks_schedule_state_t")
     assert f"takes {more} bytes more" in text(DOCS / "firmware-engineers.md")
     assert f"bytes of RAM; {more} more if" in text(DOCS / "index.md")
-    periods = math.ceil(ffi.sizeof("drive_state_t") / 4 / lib.CHECK_WORDS)
-    assert f"piece by piece within {periods} periods" in text(DOCS / "integrate-the-table.md")
+
+
+def test_words_that_the_check_of_the_state_adds() -> None:
+    words = np.eye(ffi.sizeof("drive_state_t") // 4, dtype=np.float32)
+    counted = sum(lib.drive_sum(ffi.cast("drive_state_t *", ffi.from_buffer(w))) for w in words)
+    assert f"each of {counted:.0f} words" in text(DOCS / "integrate-the-table.md")
 
 
 def test_gains_of_the_papers_machine() -> None:

@@ -16,7 +16,7 @@ FLAGS = "-std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -D_GNU_SO
 QUICK = "-DCORE_INLINE=static inline"
 """Calls instead of copies, which the compiler is a quarter faster with."""
 SUM = "sum "
-OBJECTS = ("drive", "drive_lock", "drive_start", "ks_schedule", "ks_table")
+OBJECTS = ("drive", "drive_check", "drive_lock", "drive_start", "ks_schedule", "ks_table")
 """Files of the core that the checks call."""
 
 

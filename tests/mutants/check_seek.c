@@ -182,22 +182,6 @@ static void unsound(void) {
     }
 }
 
-/* Damage of the words that matter most is seen in the same period, of the others in its turn. */
-static void seen(void) {
-    const drive_params_t *p = &PARAMS[4];
-    for (int j = 0; j < 9; j++) {
-        drive_state_t x;
-        drive_init(p, &x, 0.0f, 0.0f, 0.5f);
-        float *word[9] = {&x.hfi.amplitude, &x.est.theta,     &x.flux.psi.a,
-                          &x.coupled.psi.a, &x.smo.omega_f,   &x.k_s,
-                          &x.control.i_int, &x.control.u_abs, &x.signal.omega_2};
-        ab_t u = {0.0f, 0.0f};
-        x.check = 0; /* this period's turn is elsewhere */
-        *word[j] = j % 2 ? 1e20f : -1e20f;
-        check("damage: seen at once", drive_sound(&p->guard, &x, u) == (j == 8));
-    }
-}
-
 void check_seek(void) {
     fly();
     quiet();
@@ -208,5 +192,4 @@ void check_seek(void) {
     tracks();
     guesses();
     unsound();
-    seen();
 }

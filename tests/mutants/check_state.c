@@ -2,6 +2,7 @@
 #include "checks.h"
 #include "drive_check.h"
 #include "params.h"
+#include <string.h>
 
 static drive_state_t idle_drive(const drive_params_t *p) {
     drive_state_t x;
@@ -95,30 +96,71 @@ static void state_seeks(void) {
     check("seeks: mends", u.a == 0.0f && u.b == 0.0f && x.fault == FAULT_STATE);
 }
 
-/* Every word of the state in turn, and the voltage. */
+/* Both sums have each of their words once, none that is the other's, and nothing else. */
+static void state_sums(void) {
+    enum { WORDS = sizeof(drive_state_t) / sizeof(float), IN_CONTROL = 71, SEEKING = 19 };
+    int ours = 0, besides = 0;
+    for (int w = 0; w < WORDS; w++) {
+        float words[WORDS] = {0.0f};
+        drive_state_t x;
+        words[w] = 1.0f;
+        memcpy(&x, words, sizeof x);
+        float sum = drive_sum(&x), seeks = drive_seek_sum(&x);
+        check("sums", (sum == 0.0f || sum == 1.0f) && (seeks == 0.0f || seeks == 1.0f));
+        check("sums: once", sum * seeks == 0.0f);
+        ours += sum == 1.0f;
+        besides += seeks == 1.0f;
+    }
+    check("sums: in control", ours == IN_CONTROL);
+    check("sums: seeking", besides == SEEKING);
+}
+
+/* Counters and bits, each at both ends; each is looked at in one of the two parts of a test. */
+static void state_counts(void) {
+    const drive_params_t *p = &PARAMS[4];
+    const ab_t u = {1.0f, -2.0f};
+    const struct {
+        int32_t count;
+        int sound;
+    } cases[] = {{0, 1}, {(1 << 30) - 1, 1}, {1 << 30, 0}, {-1, 0}};
+    for (int j = 0; j < 40; j++) {
+        drive_state_t x = idle_drive(p);
+        int32_t *const counts[] = {&x.start.n,       &x.start.tries, &x.start.again, &x.fault,
+                                   &x.lock.bad,      &x.lock.calm,   &x.lock.restarts,
+                                   &x.lock.alarms,   &x.lock.alarm,  &x.lock.reason};
+        int k = j % 10, sound = cases[j / 10].sound;
+        *counts[k] = cases[j / 10].count;
+        check("counts", drive_start_counts(&x) == (sound || k > 3));
+        check("counts: of the lock", drive_lock_counts(&x) == (sound || k < 4));
+        x.lock.wait = k < 4;
+        ab_t v = drive_lock(p, &x, u);
+        int left = k < 4 ? drive_start_counts(&x) : drive_lock_counts(&x); /* some heal */
+        check("counts: refused", (v.a == u.a && v.b == u.b) == left);
+    }
+}
+
+/* Memory without drive_init is seen with the next test of the lock. */
+static void state_begun(void) {
+    const drive_params_t *p = &PARAMS[4];
+    for (int j = 0; j < 2; j++) {
+        drive_state_t x = idle_drive(p);
+        x.begun ^= j;
+        x.lock.wait = 0;
+        ab_t u = {1.0f, -2.0f}, v = drive_lock(p, &x, u);
+        check("begun", (v.a == 1.0f && v.b == -2.0f) == (j == 0));
+    }
+}
+
+/* The voltage, and each sum's limit. */
 static void state_sound(void) {
     const drive_params_t *p = &PARAMS[4];
     drive_state_t x = idle_drive(p);
     ab_t zero = {0.0f, 0.0f};
-    int32_t at = 0, seen = 0;
-    for (int32_t k = 0; k <= CHECK_LAST + CHECK_WORDS; k += CHECK_WORDS) {
-        seen += at == 0;
-        at = check_next(at);
-        check("place", at >= 0 && at <= CHECK_LAST);
+    for (int j = 0; j < 4; j++) {
+        x.lock.emf = (j % 2 ? 1.0f : -1.0f) * (j / 2 ? 1.01e15f : 0.99e15f);
+        check("sound: limit", drive_sound(&p->guard, &x, zero) == (j < 2));
     }
-    check("place: a round", seen == 1 || seen == 2);
-    check("place: damaged", check_next(-5) == 0 && check_next(1 << 30) == 0);
-    float *words = (float *)(void *)&x;
-    for (int32_t w = 0; w < CHECK_LAST + CHECK_WORDS; w++) {
-        drive_state_t was = x;
-        x.check = w < CHECK_LAST ? w : CHECK_LAST;
-        int32_t own = (int32_t)((char *)&x.check - (char *)&x) / 4;
-        if (w != own) {
-            words[w] = (float)NAN;
-            check("sound: a word", !drive_sound(&p->guard, &x, zero));
-        }
-        x = was;
-    }
+    x.lock.emf = 0.0f;
     for (int j = 0; j < 4; j++) {
         float v = (j % 2 ? 1.0f : -1.0f) * p->guard.u_out;
         ab_t in = {j / 2 ? v : 0.0f, j / 2 ? 0.0f : v};
@@ -131,5 +173,8 @@ void check_state(void) {
     state_angles();
     state_loops();
     state_seeks();
+    state_sums();
+    state_counts();
+    state_begun();
     state_sound();
 }
