@@ -11,7 +11,6 @@
 #define CORE_APART static __attribute__((noinline))
 #define CORE_COLD __attribute__((cold)) /* runs rarely: small rather than fast */
 #define CORE_LIKELY(x) __builtin_expect(x, 1)
-#define CORE_ALIAS __attribute__((may_alias)) /* a type that may read objects of any other */
 /* Without -fno-math-errno __builtin_sqrtf calls the library to set errno; these do not. */
 #if defined(__clang_major__) && __clang_major__ >= 17
 #define CORE_SQRTF __builtin_elementwise_sqrt
@@ -32,7 +31,6 @@ static inline __attribute__((always_inline)) float core_sqrtf(float x) {
 #define CORE_APART static
 #define CORE_COLD
 #define CORE_LIKELY(x) (x)
-#define CORE_ALIAS
 #define CORE_FABSF(x) ((x) > 0.0f ? (x) : 0.0f - (x))
 #ifndef CORE_SQRTF
 #error "define CORE_SQRTF: the square root of a float, correctly rounded"
