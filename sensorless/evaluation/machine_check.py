@@ -28,6 +28,8 @@ LOOSE = 0.05
 """Share of a quick run, lost or not held, or kept with a slip, above which the drive is limited."""
 MEASURE = ": measure resistance, inductances and magnet flux of this motor well"
 """What helps where a wrong file does harm."""
+MORE_INERTIA = ": more inertia on the shaft helps; does J count all that the shaft turns?"
+"""What helps where the shaft is too light, or where the file says so and is wrong."""
 INFEASIBLE = 0.05
 """Share of a quick run that the sensored twin fails too, above which the drive is limited."""
 
@@ -99,9 +101,8 @@ def check(motor: Motor, design: DriveDesign, policy: Policy, under: str, size: i
 
 
 def _light(motor: Motor, dip: float) -> Finding:
-    text = f"J = {motor.J:g} kg m2: a rated load at once dips the speed by {dip:.0%} of rated: "
-    text += "more inertia on the shaft helps; does J count all that the shaft turns?"
-    return Finding(NOTE, "J", text)
+    text = f"J = {motor.J:g} kg m2: a rated load at once dips the speed by {dip:.0%} of rated"
+    return Finding(NOTE, "J", text + MORE_INERTIA)
 
 
 def _quick_run(
@@ -127,7 +128,8 @@ def judged(runs: Sequence[QuickRun]) -> list[Finding]:
     if loose:
         text = f"the drive under {loose[0].under} keeps its angle, but swings or stays off its "
         text += "speed in " + ", ".join(f"{run.not_held:.0%} of {run.suite}" for run in loose)
-        text += ": more inertia on the shaft helps; does J count all that the shaft turns?"
+        right = any(run.suite != WRONG_FILE for run in loose)
+        text += MORE_INERTIA if right else MEASURE
         found.append(Finding(LIMIT, "run", text))
     return found
 
@@ -136,7 +138,8 @@ def _judged(run: QuickRun) -> list[Finding]:
     """What the losses of one quick run add."""
     found, wrong = [], run.suite == WRONG_FILE
     if run.infeasible == 1.0:
-        return [Finding(NO, "run", f"even with an encoder, the drive fails all of {run.suite}")]
+        text = f"even with an encoder, the drive fails all of {run.suite}"
+        return [Finding(LIMIT, "run", text + MEASURE) if wrong else Finding(NO, "run", text)]
     if run.infeasible > INFEASIBLE:
         text = f"even with an encoder, the drive fails {run.infeasible:.0%} of {run.suite}"
         found.append(Finding(LIMIT, "run", text))

@@ -50,6 +50,13 @@ def test_losses_with_a_wrong_file_ask_for_a_right_one(lost: float) -> None:
     assert found.weight == LIMIT and "of mismatch: measure resistance" in found.text
 
 
+def test_a_wrong_file_limits_whatever_it_makes_of_the_speed() -> None:
+    """Not held, or failed by the sensored twin in every scenario: measure the motor."""
+    for lost, not_held, infeasible in ((0.0, 0.1, 0.0), (math.nan, math.nan, 1.0)):
+        (found,) = judged([QuickRun("mismatch", 100, lost, not_held, infeasible, 0.01)])
+        assert found.weight == LIMIT and "of mismatch: measure resistance" in found.text
+
+
 def test_a_machine_that_depends_on_its_file_is_told() -> None:
     """It is fit as long as its file is right."""
     done = check(member(501, 2), DriveDesign(), 100)
