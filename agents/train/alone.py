@@ -1,4 +1,4 @@
-"""Lets one training at a time into a run folder."""
+"""Lets one command at a time into a folder that it writes."""
 
 import os
 import sys
@@ -13,8 +13,8 @@ if sys.platform != "win32":
 
 
 @contextmanager
-def alone(folder: Path) -> Iterator[None]:
-    """Hold a run folder; however a process ends, it holds none any more.
+def alone(folder: Path, option: str = "run", by: str = "training") -> Iterator[None]:
+    """Hold a folder; however a process ends, it holds none any more.
 
     The lock is on the folder itself and leaves no file. Windows, and file systems without locks,
     let everyone in.
@@ -22,7 +22,7 @@ def alone(folder: Path) -> Iterator[None]:
     Raises
     ------
     UserError
-        Another training holds it.
+        Another command holds it; the message names the option and what it does.
     """
     if sys.platform == "win32":
         yield
@@ -34,8 +34,8 @@ def alone(folder: Path) -> Iterator[None]:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 raise UserError(
-                    f"run: {str(folder)!r} is in use by another training; wait until it has ended, "
-                    "or give another folder"
+                    f"{option}: {str(folder)!r} is in use by another {by}; wait until it has "
+                    "ended, or give another folder"
                 ) from None
         yield
     finally:

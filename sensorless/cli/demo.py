@@ -1,7 +1,7 @@
 """The command ``sensorless demo``."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.text import Text
@@ -16,6 +16,10 @@ from sensorless.cli.options import (
     require_machine,
 )
 from sensorless.errors import UserError
+
+if TYPE_CHECKING:
+    from sensorless.agents.train.config import TrainConfig
+    from sensorless.machine.motor import Motor
 
 
 def demo_command(
@@ -51,8 +55,7 @@ def demo_command(
         sensorless demo --motor mine.toml --out build/mine
     """
     from sensorless.agents.train.config import TrainConfig
-    from sensorless.cli.demo_steps import SUITE, draw, fresh_folder, hand_over, judge
-    from sensorless.cli.train import run_training
+    from sensorless.cli.demo_steps import SUITE, fresh_folder
     from sensorless.design.drive import DriveDesign
     from sensorless.envs.scenarios.suites import SuiteRows
     from sensorless.machine.motor import Motor
@@ -64,9 +67,19 @@ def demo_command(
     require_machine(machine, DriveDesign())
     SuiteRows(SUITE, machine, seed, size)  # raises where these are no rows of the suite
     require_matplotlib()
-    fresh_folder(out, motor)
+    with fresh_folder(out, motor):
+        _run(out, machine, config, size, seed, as_json)
+
+
+def _run(
+    out: Path, machine: "Motor", config: "TrainConfig", size: int, seed: int, as_json: bool
+) -> None:
+    """Train, judge, draw and export in an empty folder."""
+    from sensorless.cli.demo_steps import SUITE, draw, hand_over, judge
+    from sensorless.cli.train import run_training
+
     run = out / "ppo-table"
-    _step("1/4", f"training a schedule for {minutes:g} min, starting from Eq. 25")
+    _step("1/4", f"training a schedule for {config.minutes:g} min, starting from Eq. 25")
     run_training(config, {}, run)
     _step("2/4", f"judging it on {size} scenarios of the suite {SUITE}")
     with policy_progress() as report:

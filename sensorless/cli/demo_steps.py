@@ -1,8 +1,10 @@
 """The steps of ``sensorless demo``: judge, draw, export."""
 
-import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+from sensorless.agents.train.alone import alone
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.words import plan_from, scenario_from
 from sensorless.errors import UserError
@@ -11,6 +13,7 @@ from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
 from sensorless.export.export import export, table_of
 from sensorless.export.judge import judge_export
+from sensorless.files import ensure_writable, reason, remove
 from sensorless.machine.motor import Motor
 from sensorless.plots.figure import save
 from sensorless.plots.schedule import schedule_maps
@@ -28,32 +31,39 @@ FIG9 = ((0.0, 200.0), (1.0, 350.0), (2.0, 600.0))
 """Times [s] and speeds of the paper's machine [r/min]; without load."""
 
 
-def fresh_folder(folder: Path, motor: str) -> None:
-    """Make an empty folder, or empty one that an earlier demo wrote.
+@contextmanager
+def fresh_folder(folder: Path, motor: str) -> Iterator[None]:
+    """Make an empty folder, or empty one that an earlier demo wrote, for this demo alone.
 
     Raises
     ------
     UserError
-        The folder holds something else, or the file of the motor.
+        The folder holds something else, or the file of the motor, or another demo writes to it.
     """
     if Path(motor).is_file() and folder.resolve() in Path(motor).resolve().parents:
         raise UserError(
             f"out: {str(folder)!r} holds the file of --motor, and is emptied; give a new folder"
         )
-    if folder.exists():
-        if not folder.is_dir() or (any(folder.iterdir()) and not (folder / MARK).is_file()):
-            raise UserError(
-                f"out: {str(folder)!r} holds other files; give a new folder, or that of an "
-                "earlier demo"
-            )
-        shutil.rmtree(folder)
     try:
-        folder.mkdir(parents=True)
-        (folder / MARK).touch()
+        _refuse_other(folder)
     except OSError as error:
+        raise UserError(f"out: {str(folder)!r}: {reason(error)}; give another folder") from None
+    ensure_writable(folder)
+    with alone(folder, "out", "demo"):
+        (folder / MARK).touch()
+        for path in list(folder.iterdir()):
+            if path.name != MARK:  # first and last, so that the next demo knows the folder
+                remove(path)
+        yield
+
+
+def _refuse_other(folder: Path) -> None:
+    if folder.exists() and (
+        not folder.is_dir() or (any(folder.iterdir()) and not (folder / MARK).is_file())
+    ):
         raise UserError(
-            f"out: {str(folder)!r}: {error.strerror}; give a folder that can be written to"
-        ) from None
+            f"out: {str(folder)!r} holds other files; give a new folder, or that of an earlier demo"
+        )
 
 
 def judge(
