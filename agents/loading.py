@@ -1,13 +1,12 @@
 """Loads a trained schedule from its run folder, without pickle or torch."""
 
-import json
 from pathlib import Path
 from typing import Any
 
 from sensorless.agents.mlp.schedule import MlpSchedule
 from sensorless.design.carried import Carried, carried, refuse_other
 from sensorless.errors import UserError, shown
-from sensorless.files import reason
+from sensorless.files import read_json, reason
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import KsTable
@@ -83,8 +82,8 @@ def document(path: Path) -> dict[str, Any]:
         It cannot be read, or has no fields.
     """
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
+        data = read_json(path)
+    except (OSError, ValueError) as error:
         raise UserError(f"{path}: {reason(error)}; restore the file, or train anew") from None
     if not isinstance(data, dict):
         raise UserError(f"{path}: {shown(data)} has no fields; restore the file, or train anew")

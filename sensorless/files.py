@@ -9,6 +9,7 @@ import shutil
 import time
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from sensorless.errors import UserError
 
@@ -56,6 +57,22 @@ def write_record(path: Path, record: object) -> None:
     exact = json.dumps(record, default=float)
     short = json.loads(exact, parse_float=lambda text: float(f"{float(text):.6g}"))
     write_atomic(path, json.dumps(short, separators=(",", ":")) + "\n")
+
+
+def read_json(path: Path) -> Any:
+    """What a JSON file holds.
+
+    Raises
+    ------
+    OSError
+        It cannot be read.
+    ValueError
+        It is no JSON, or nested too deeply to be read.
+    """
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
 
 
 def decoded(raw: bytes) -> str:

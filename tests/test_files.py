@@ -8,10 +8,34 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from sensorless import files
+from sensorless.cli.app import app
 from sensorless.errors import UserError
 from sensorless.files import check_folder, check_writable, put, write_atomic, write_record
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "certify eq25 --size 10 --out deep.json",
+        "simulate --scenario deep.json:0",
+        "simulate --plant deep.json --inputs deep.json --out o.csv",
+        "report eq25 --out rep --size 2 --grid 2 --policy smo --suite stress-1",
+        "export eq25 --out exp --no-fit",
+    ],
+)
+def test_json_that_is_nested_too_deeply_is_refused(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("deep.json", "rep/results-stress-1.json", "exp/ks_table.json"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("[" * 100_000 + "]" * 100_000)
+    done = CliRunner().invoke(app, words.split())
+    assert isinstance(done.exception, UserError), done.exception
+    assert "\n" not in str(done.exception)
 
 
 @pytest.mark.parametrize("name", ["missing/results.json", "file/results.json", "folder"])

@@ -18,6 +18,7 @@ from sensorless.envs.scenarios.stress import (
     stress_scenarios,
 )
 from sensorless.errors import UserError
+from sensorless.files import read_json
 from sensorless.machine.motor import Motor
 
 SEARCHED = {
@@ -114,7 +115,7 @@ def load(path: Path) -> list[Find]:
         It is no such file.
     """
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))["finds"]
+        data = read_json(path)["finds"]
         return [
             Find(**{**x, **{name: tuple(x[name]) for name in TUPLES if x.get(name) is not None}})
             for x in data

@@ -1,6 +1,5 @@
 """Compensation of cross-coupling: nothing, a line, the flux map's own curve, or a measured one."""
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -9,7 +8,7 @@ import numpy as np
 
 from sensorless.core.api import CURVE_N
 from sensorless.errors import UserError
-from sensorless.files import reason
+from sensorless.files import read_json, reason
 from sensorless.machine.magnetics import Floats, cross_angle, torque
 from sensorless.machine.motor import Motor
 
@@ -70,8 +69,8 @@ def load(path: Path, motor: Motor, i_q: Floats) -> Floats:
         The file cannot be read, is damaged, or is of another machine.
     """
     try:
-        data: Any = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
+        data: Any = read_json(path)
+    except (OSError, ValueError) as error:
         raise UserError(
             f"cross: {path}: {reason(error)}; give a file that sensorless identify cross-coupling "
             "wrote"

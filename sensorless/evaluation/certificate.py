@@ -9,7 +9,7 @@ from scipy.stats import binomtest
 
 from sensorless.envs.scenarios.suites import scenario_word
 from sensorless.errors import UserError
-from sensorless.files import write_atomic
+from sensorless.files import read_json, write_atomic
 
 LISTED = 100
 """Lost scenarios, and as many that are not held, that the file names."""
@@ -54,7 +54,7 @@ def counted(out: Path, run: dict[str, Any]) -> Tally:
         It is no such file, or of another run.
     """
     try:
-        known = json.loads(out.read_text(encoding="utf-8"))
+        known = read_json(out)
         tally = Tally(**known["tally"])
         done = replace(tally, lost_at=tuple(tally.lost_at), not_held_at=tuple(tally.not_held_at))
         _check(done)

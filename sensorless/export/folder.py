@@ -1,11 +1,11 @@
 """Puts an export in its place: a new folder or an earlier export, never over anything else."""
 
 import hashlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 
 from sensorless.errors import UserError
+from sensorless.files import read_json
 
 TABLE_JSON = "ks_table.json"
 SUMS = "SHA256SUMS"
@@ -43,7 +43,7 @@ def check_replaceable(folder: Path) -> None:
 def _written(folder: Path) -> set[str] | None:
     """Names of the files of an earlier export; None if the folder is not one."""
     try:
-        data = json.loads((folder / TABLE_JSON).read_text(encoding="utf-8"))
+        data = read_json(folder / TABLE_JSON)
         return {*data["provenance"]["export"]["sha256"], TABLE_JSON, SUMS}
     except (OSError, ValueError, KeyError, TypeError):
         return None

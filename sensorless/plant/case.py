@@ -5,13 +5,13 @@ It gives the machine (``linear`` or ``pmsyrm``), the mechanics (``J`` and ``B``,
 a small ``m`` electrical ones.
 """
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from sensorless.errors import UserError
+from sensorless.files import read_json
 from sensorless.machine.motor import Saturation
 
 EXPONENTS = ("S", "T", "U", "V", "W")
@@ -57,7 +57,7 @@ def read_case(path: str | Path) -> PlantCase:
         The file cannot be read, or a field is missing, unknown or out of range.
     """
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
+        data = read_json(Path(path))
     except OSError as error:
         raise UserError(
             f"plant {str(path)!r}: {error.strerror}; give a file that can be read"

@@ -10,7 +10,7 @@ from typing import Any
 from sensorless.baselines.rule import Values
 from sensorless.design.carried import Carried, carried
 from sensorless.errors import UserError, shown
-from sensorless.files import reason, write_atomic
+from sensorless.files import read_json, reason, write_atomic
 
 FORMAT = "sensorless-tuned/1"
 
@@ -49,8 +49,8 @@ class Tuned:
             The file cannot be read, or has another format.
         """
         try:
-            data = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError, RecursionError) as error:
+            data = read_json(path)
+        except (OSError, ValueError) as error:
             raise UserError(
                 f"{path}: {reason(error)}; give a file that sensorless tune wrote"
             ) from None

@@ -1,10 +1,10 @@
 """The files of a report, and what it may replace: only what a report has written before."""
 
-import json
 from collections.abc import Iterable
 from pathlib import Path
 
 from sensorless.errors import UserError
+from sensorless.files import read_json
 
 PAGE = "index.html"
 
@@ -39,7 +39,7 @@ def _replaceable(file: Path) -> bool:
     if not file.exists():
         return True
     try:
-        policies = json.loads(file.read_bytes())["policies"]
+        policies = read_json(file)["policies"]
         return not any("scenarios" in policy for policy in policies.values())
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return False

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sensorless.errors import UserError
+from sensorless.files import read_json
 from sensorless.table.gain_grid import FIELDS as GAIN_FIELDS
 
 FORMAT = "sensorless-ks-table/1"
@@ -26,8 +27,8 @@ def content(fields: Mapping[str, Any]) -> bytes:
 def is_table(path: Path) -> bool:
     """Whether a file says that it is a table; one that cannot be read is none."""
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        data = read_json(path)
+    except (OSError, ValueError):
         return False
     return isinstance(data, dict) and data.get("format") in (FORMAT, FORMAT_GAINS)
 
