@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import json
+import math
 import shlex
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -242,9 +243,12 @@ def _row(line: Sequence[str], where: str) -> dict[str, Any]:
     for name, text in row.items():
         try:
             value = int(text) if name == "steps" else float(text)
+            if not math.isfinite(value):
+                raise ValueError
         except ValueError:
             raise UserError(
-                f"{where}: {name}: {shown(text)} is no number; restore the file, or train anew"
+                f"{where}: {name}: {shown(text)} is no finite number; restore the file, or train "
+                "anew"
             ) from None
         row[name] = value if name == "steps" else text
     return row

@@ -22,6 +22,7 @@ from sensorless.agents.train.run_folder import LATEST, rows, save_schedule, writ
 from sensorless.agents.validation import validate_all
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.stress import DURATION
+from sensorless.errors import UserError, shown
 from sensorless.evaluation.objective import Cost
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
@@ -146,7 +147,22 @@ class Watch(BaseCallback):
 
 
 def _kept(folder: Path, motor: Motor) -> Cost | None:
-    """Validation of the best schedule so far."""
+    """Validation of the best schedule so far.
+
+    Raises
+    ------
+    UserError
+        Its file does not have it.
+    """
     if not any((folder / name).is_file() for name in (TABLE, MLP)):
         return None
-    return Cost(**provenance(load_run(folder, motor))["validation"])
+    found: Any = provenance(load_run(folder, motor)).get("validation")
+    try:
+        cost = Cost(**found)
+        if not all(math.isfinite(x) for x in dataclasses.astuple(cost)):
+            raise ValueError
+    except (TypeError, ValueError):
+        raise UserError(
+            f"{folder}: validation of the schedule: {shown(found)}; restore the file, or train anew"
+        ) from None
+    return cost

@@ -63,6 +63,9 @@ def _read(path: Path) -> Curve:
         with path.open(encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
         curve = {key: np.array([float(row[key]) for row in rows]) for key in (rows or [{}])[0]}
+        for key, values in curve.items():
+            for line in 2 + np.flatnonzero(~np.isfinite(values)):
+                raise ValueError(f"line {line}: {key}: no finite number")
     except (OSError, ValueError, TypeError, csv.Error) as error:
         raise UserError(f"{path}: {reason(error)}; restore the file, or train anew") from None
     return curve

@@ -17,6 +17,7 @@ from sensorless.errors import UserError
     [
         ("verdict.json", "[1", "verdict.json"),
         ("verdict.json", "{}", "verdict: None"),
+        ("progress.csv", "steps,objective\n0,0.1\n1,nan\n", "line 3: objective: no finite number"),
         ("config.json", "[]", "config.json: [] has no fields"),
         ("config.json", "{}", "config.json: train: missing"),
     ],

@@ -201,8 +201,9 @@ def test_files_that_are_not_of_a_run_are_kept(files: tuple[str, ...], tmp_path: 
         (lambda text: text.replace(",objective", ""), "line 1: 'steps,seconds,.*not the columns"),
         (lambda text: text.replace("objective", "objektive"), "line 1: .*not the columns"),
         (lambda text: text[: text.rindex(",")], "line [0-9]+: 6 values, not 7"),
-        (lambda text: text.replace("\n0,", "\n0.5,"), "line 2: steps: '0.5' is no number"),
-        (lambda text: text.replace("\n0,", "\n0,x"), "line 2: seconds: 'x.* is no number"),
+        (lambda text: text.replace("\n0,", "\n0.5,"), "line 2: steps: '0.5' is no finite number"),
+        (lambda text: text.replace("\n0,", "\n0,x"), "line 2: seconds: 'x.* is no finite number"),
+        (lambda text: text.replace("\n0,", "\n0,1e999"), "line 2: seconds: '1e999.* finite number"),
     ],
 )
 def test_a_damaged_curve_is_refused_in_one_line(
@@ -213,6 +214,19 @@ def test_a_damaged_curve_is_refused_in_one_line(
     with pytest.raises(UserError, match=rf"progress\.csv: {said}.*restore the file") as caught:
         resume(ON, run)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("validation", [None, {"lost_rate": "x"}, {"more": 1}])
+def test_a_schedule_without_its_validation_is_refused(
+    validation: dict[str, object] | None, tmp_path: Path, finished: Path
+) -> None:
+    """Nothing would tell whether what is learned next is better."""
+    run = shutil.copytree(finished, tmp_path / "run")
+    table = KsTable.load(run / TABLE)
+    found = {**table.provenance["validation"], **validation} if validation else "none"
+    table.save(run / TABLE, {**table.provenance, "validation": found})
+    with pytest.raises(UserError, match=r"run: validation of the schedule: .*; restore the file"):
+        resume(ON, run)
 
 
 def test_a_damaged_checkpoint_is_refused_in_one_line(finished: Path) -> None:
