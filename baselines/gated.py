@@ -20,7 +20,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.baselines.linear import EQ25_BAND
+from sensorless.baselines.linear import EQ25_BAND, eq25_band
 from sensorless.baselines.rule import Parameter, Rule, Values, speed
 from sensorless.core.api import SIGNAL_NAMES
 from sensorless.decision import decision_time
@@ -31,6 +31,8 @@ INJECTION, UP, OBSERVER, WAKE, DOWN = range(5)
 WAKE_K_S = np.float32(5e-4)
 WARM_HF = 0.3
 WARM_EMF = 0.5
+FORCE = 0.5
+"""Speed, over rated, from which the observer takes over in any case; no less than Eq. 25's end."""
 DEG_30 = 30.0
 """What the value 1 of the signal ``disagreement`` stands for [degrees]."""
 
@@ -144,8 +146,20 @@ RULE = Rule(
     _build,
     (
         speed("lo", EQ25_BAND[0], (0.03, 0.6), "way back to injection"),
-        speed("hi", EQ25_BAND[1], (0.05, 0.9), "way up, if both agree"),
-        speed("force", 0.5, (0.2, 1.5), "way up in any case"),
+        speed(
+            "hi",
+            EQ25_BAND[1],
+            (0.05, 0.9),
+            "way up, if both agree",
+            on=lambda motor: eq25_band(motor)[1],
+        ),
+        speed(
+            "force",
+            FORCE,
+            (0.2, 1.5),
+            "way up in any case",
+            on=lambda motor: max(FORCE, eq25_band(motor)[1]),
+        ),
         Parameter("gate", 15.0, "deg", 0, inf, "agreement to begin with", search=(3.0, 60.0)),
         Parameter(
             "release", 30.0, "deg", 0, inf, "disagreement that ends a way up", search=(5.0, 90.0)

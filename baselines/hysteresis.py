@@ -10,8 +10,8 @@ The drive's slew limit on k_s still applies.
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.baselines.linear import EQ25_BAND
-from sensorless.baselines.rule import Rule, Values, speed
+from sensorless.baselines.linear import EQ25_BAND, eq25_band
+from sensorless.baselines.rule import Parameter, Rule, Values, speed
 from sensorless.core.api import SIGNAL_NAMES
 from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Settings, Signals
@@ -57,9 +57,20 @@ class Hysteresis:
         return self._k_s.copy()
 
 
-_CENTRE = 0.5 * (EQ25_BAND[0] + EQ25_BAND[1])
-LOW, HIGH = (1.0 - GAP) * _CENTRE, (1.0 + GAP) * _CENTRE
-"""Default gap over rated speed: around the centre of the paper's band."""
+def _at(share: float, band: tuple[float, float]) -> float:
+    return share * 0.5 * (band[0] + band[1])
+
+
+def ends(down: str, up: str) -> tuple[Parameter, Parameter]:
+    """Parameters of a rule with a gap, by default around the centre of Eq. 25's band.
+
+    ``down``, ``up``: what happens there, for the help.
+    """
+    low, high = 1.0 - GAP, 1.0 + GAP
+    return (
+        speed("lo", _at(low, EQ25_BAND), (0.0, 0.9), down, on=lambda m: _at(low, eq25_band(m))),
+        speed("hi", _at(high, EQ25_BAND), (0.02, 1.2), up, on=lambda m: _at(high, eq25_band(m))),
+    )
 
 
 def _build(name: str, v: Values, motor: Motor) -> Hysteresis:
@@ -68,11 +79,8 @@ def _build(name: str, v: Values, motor: Motor) -> Hysteresis:
 
 RULE = Rule(
     "hysteresis",
-    "hard switch, up at HI, down at LO; by default at the centre of the paper's band, +-5 %",
+    "hard switch, up at HI, down at LO; by default at the centre of the band of eq25, +-5 %",
     _build,
-    (
-        speed("lo", LOW, (0.0, 0.9), "switches down to injection"),
-        speed("hi", HIGH, (0.02, 1.2), "switches up to the observer"),
-    ),
+    ends("switches down to injection", "switches up to the observer"),
     rising=(("lo", "hi"),),
 )

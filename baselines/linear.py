@@ -11,7 +11,7 @@ motor alone; on others it begins at the same share of rated speed, and ends at t
 
 import numpy as np
 
-from sensorless.baselines.rule import Rule, Values, speed
+from sensorless.baselines.rule import Parameter, Rule, Values, speed
 from sensorless.machine.motor import Motor
 from sensorless.observers.hand_over import unaided_speed
 from sensorless.policy import TablePolicy
@@ -19,11 +19,6 @@ from sensorless.table.ks_table import Axis, KsTable
 
 EQ25_BAND = (300.0 / 1500.0, 400.0 / 1500.0)
 """The paper's band, 300 to 400 r/min, as shares of its motor's rated speed."""
-BAND = (
-    speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
-    speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it the observer alone"),
-)
-"""Parameters of a rule that leaves injection over a band of the speed, by default the paper's."""
 
 
 def eq25_band(motor: Motor) -> tuple[float, float]:
@@ -38,6 +33,17 @@ def eq25_band(motor: Motor) -> tuple[float, float]:
     except (ArithmeticError, ValueError):  # no file may have such numbers: the drive says which
         return low, high
     return low, min(max(high, alone), 1.0)
+
+
+def band(above: str) -> tuple[Parameter, Parameter]:
+    """Parameters of a rule that leaves injection over a band of the speed, by default Eq. 25's.
+
+    ``above``: what holds above the band, for the help.
+    """
+    return (
+        speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
+        speed("hi", EQ25_BAND[1], (0.05, 1.5), above, on=lambda motor: eq25_band(motor)[1]),
+    )
 
 
 def linear_table(low: float, high: float) -> KsTable:
@@ -62,8 +68,8 @@ EQ25 = Rule(
 )
 RULE = Rule(
     "linear",
-    "linear ramp of the speed from LO to HI; the paper's band by default",
+    "linear ramp of the speed from LO to HI; the band of eq25 by default",
     _build,
-    BAND,
+    band("above it the observer alone"),
     rising=(("lo", "hi"),),
 )

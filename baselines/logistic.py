@@ -11,7 +11,7 @@ multilinear between its nodes, not logistic. Its numbers come from tuning; no dr
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.baselines.linear import EQ25_BAND
+from sensorless.baselines.linear import EQ25_BAND, eq25_band
 from sensorless.baselines.rule import Parameter, Rule, Values, speed
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
@@ -54,8 +54,21 @@ RULE = Rule(
     "logistic of speed, torque current and disagreement as a table; made for tuning",
     _build,
     (
-        speed("speed", 0.5 * sum(EQ25_BAND), (0.02, 0.9), "where k_s is one half, without load"),
-        speed("width", EQ25_BAND[1] - EQ25_BAND[0], (0.03, 1.5), "width of the band", low=0.001),
+        speed(
+            "speed",
+            0.5 * sum(EQ25_BAND),
+            (0.02, 0.9),
+            "where k_s is one half, without load",
+            on=lambda motor: 0.5 * sum(eq25_band(motor)),
+        ),
+        speed(
+            "width",
+            EQ25_BAND[1] - EQ25_BAND[0],
+            (0.03, 1.5),
+            "width of the band",
+            low=0.001,
+            on=lambda motor: eq25_band(motor)[1] - eq25_band(motor)[0],
+        ),
         _shift("motoring", "shift of the centre [rated speed] at rated current, motoring"),
         _shift("regenerating", "shift of the centre [rated speed] at rated current, regenerating"),
         _shift("lead", "shift at 30 degrees of disagreement, injection ahead"),

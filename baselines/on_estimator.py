@@ -1,22 +1,19 @@
 """Rules that bring their own estimator: the ramp of the speed, with another way to the angle."""
 
-from sensorless.baselines.linear import EQ25_BAND, linear_table
-from sensorless.baselines.rule import Rule, Values, speed
+from sensorless.baselines.linear import band, linear_table
+from sensorless.baselines.rule import Rule, Values
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 
 
 def ramp_on(name: str, estimator: str, doc: str) -> Rule:
-    """Rule ``name`` with the ends of its band as parameters, by default those of the paper."""
+    """Rule ``name`` with the ends of its band as parameters, by default those of Eq. 25."""
 
     def build(word: str, v: Values, motor: Motor) -> TablePolicy:
         return TablePolicy(word, linear_table(v["lo"], v["hi"]), {"estimator": estimator})
 
-    band = (
-        speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
-        speed("hi", EQ25_BAND[1], (0.05, 1.5), "above it no injection"),
-    )
-    return Rule(name, doc, build, band, rising=(("lo", "hi"),), estimator=estimator)
+    ends = band("above it no injection")
+    return Rule(name, doc, build, ends, rising=(("lo", "hi"),), estimator=estimator)
 
 
 SLIDING_MODE = ramp_on(

@@ -11,8 +11,8 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.baselines.hysteresis import HIGH, LOW, Hysteresis
-from sensorless.baselines.rule import Parameter, Rule, Values, speed
+from sensorless.baselines.hysteresis import Hysteresis, ends
+from sensorless.baselines.rule import Parameter, Rule, Values
 from sensorless.decision import decision_time
 from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Settings, Signals
@@ -66,8 +66,7 @@ RULE = Rule(
     "moves to its new end within RAMP ms after the speed crossed HI upwards or LO downwards",
     _build,
     (
-        speed("lo", LOW, (0.0, 0.9), "starts down to injection"),
-        speed("hi", HIGH, (0.02, 1.2), "starts up to the observer"),
+        *ends("starts down to injection", "starts up to the observer"),
         Parameter("ramp", 40.0, "ms", 0.1, inf, "from one end to the other", search=(20.0, 400.0)),
     ),
     rising=(("lo", "hi"),),

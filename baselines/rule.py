@@ -20,6 +20,8 @@ class Parameter(Setting):
     """Range that tuning searches."""
     is_speed: bool = field(default=False, kw_only=True)
     """Rules get it as a share of rated speed, users give it in r/min."""
+    on: Callable[[Motor], float] | None = field(default=None, kw_only=True)
+    """Default on a machine, if it follows from the machine."""
 
     def factor(self, motor: Motor) -> float:
         """Number on the command line over the number that the rule gets."""
@@ -33,10 +35,16 @@ class Parameter(Setting):
 
 
 def speed(
-    name: str, default: float, search: tuple[float, float], meaning: str, *, low: float = 0.0
+    name: str,
+    default: float,
+    search: tuple[float, float],
+    meaning: str,
+    *,
+    low: float = 0.0,
+    on: Callable[[Motor], float] | None = None,
 ) -> Parameter:
     """Speed, a share of rated speed from ``low`` to 10; r/min on the command line."""
-    return Parameter(name, default, "r/min", low, 10, meaning, search=search, is_speed=True)
+    return Parameter(name, default, "r/min", low, 10, meaning, search=search, is_speed=True, on=on)
 
 
 @dataclass(frozen=True)
@@ -65,9 +73,12 @@ class Rule:
         text = f":{','.join(names)}" if names else ""
         return self.name + (text if self.needs_numbers or not text else f"[{text}]")
 
-    def defaults(self) -> dict[str, float]:
-        """Every parameter at its default."""
-        return {p.name: p.default for p in self.parameters}
+    def defaults(self, motor: Motor | None = None) -> dict[str, float]:
+        """Every parameter at its default on a machine; None: on one like the paper's."""
+        return {
+            p.name: p.default if motor is None or p.on is None else p.on(motor)
+            for p in self.parameters
+        }
 
     def allows(self, values: Values) -> bool:
         """Every number is finite, in its range, and in order with the others."""
@@ -92,7 +103,7 @@ class Rule:
             Too few or too many numbers, an unknown name, or numbers out of their range.
         """
         if text is None and not self.needs_numbers:
-            return self.defaults()
+            return self.defaults(motor)
         where = f"policy {spec!r}: "
         if not self.parameters:
             raise UserError(f"{where}{self.name} takes no numbers: write {self.name}")
@@ -109,7 +120,7 @@ class Rule:
             n = len(names)
             some = f"all {n} numbers in order, or some as NAME=VALUE" if n > 1 else "one number"
             raise UserError(f"{where}give {some}: {self.usage}")
-        values = self.defaults()
+        values = self.defaults(motor)
         for p in self.parameters:
             if p.name in given:
                 values[p.name] = p.parsed_on(motor, given[p.name], where)

@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.baselines.linear import BAND, EQ25_BAND
+from sensorless.baselines.linear import EQ25_BAND, band, eq25_band
 from sensorless.baselines.rule import Rule, Values, speed
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
@@ -64,7 +64,7 @@ def _on_a_band(name: str, doc: str, table: Callable[[float, float], KsTable]) ->
     def build(word: str, v: Values, motor: Motor) -> TablePolicy:
         return TablePolicy(word, table(v["lo"], v["hi"]))
 
-    return Rule(name, doc, build, BAND, rising=(("lo", "hi"),))
+    return Rule(name, doc, build, band("above it the observer alone"), rising=(("lo", "hi"),))
 
 
 def _quadratic(word: str, v: Values, motor: Motor) -> TablePolicy:
@@ -79,5 +79,13 @@ QUADRATIC = Rule(
     "quadratic",
     "1 - (speed / CORNER)^2",
     _quadratic,
-    (speed("corner", EQ25_BAND[1], (0.05, 1.5), "above it the observer alone"),),
+    (
+        speed(
+            "corner",
+            EQ25_BAND[1],
+            (0.05, 1.5),
+            "above it the observer alone",
+            on=lambda motor: eq25_band(motor)[1],
+        ),
+    ),
 )

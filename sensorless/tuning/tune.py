@@ -89,14 +89,14 @@ def tune(
     ----------
     name : str
         Name of a rule with parameters; with numbers behind a colon the search starts from them
-        instead of the rule's own.
+        instead of the rule's own on this motor.
     budget : float
         Time that may be simulated [s].
     seed : int
         Seed of the scenarios, the search and the machines.
     machines : int
-        Number of random machines to tune on instead of the motor, which then only converts shares
-        of rated speed into r/min for display. 0: the motor.
+        Number of random machines to tune on instead of the motor, of which the search then only
+        takes its start, and the speeds in r/min that it tells. 0: the motor.
     command : str
         Command line, kept in the provenance.
     engine : Engine

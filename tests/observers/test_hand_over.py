@@ -17,7 +17,7 @@ from sensorless.evaluation.evaluate import score
 from sensorless.machine.motor import Motor
 from sensorless.observers.hand_over import UNAIDED, unaided_speed
 from sensorless.observers.tracking import unknown_drift
-from sensorless.policies.registry import make_policy
+from sensorless.policies.registry import RULES, make_policy
 from sensorless.policy import TablePolicy
 
 NAMES = (
@@ -52,6 +52,24 @@ def test_the_shipped_machines() -> None:
         "formula_wheel": pytest.approx(0.326, abs=5e-4),
     }
     assert all(band[0] == EQ25_BAND[0] for band in ends.values())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_rule_starts_from_the_band_of_its_machine(name: str) -> None:
+    """As ``eq25`` does: no rule is judged, or tuned from, another machine's."""
+    motor = Motor.load(name)
+    low, high = eq25_band(motor)
+    for rule in ("linear", "smoothstep", "sine", "sliding_mode", "flux_observer", "error_blend"):
+        assert RULES[rule].parse(rule, None, motor) == {"lo": low, "hi": high}, rule
+    logistic, gated, ramp = (RULES[x].parse(x, None, motor) for x in ("logistic", "gated", "ramp"))
+    assert logistic["speed"] == pytest.approx(0.5 * (low + high))
+    assert logistic["width"] == pytest.approx(high - low)
+    assert gated["lo"] == low and gated["hi"] == high <= gated["force"]
+    assert ramp["hi"] - ramp["lo"] == pytest.approx(0.05 * (low + high))
+    assert ramp["hi"] + ramp["lo"] == pytest.approx(low + high)
+    assert RULES["quadratic"].parse("quadratic", None, motor) == {"corner": high}
+    given = RULES["linear"].parse("linear:lo=10", "lo=10", motor)
+    assert given == {"lo": 10.0 / motor.n_rated_rpm, "hi": high}
 
 
 def test_it_ends_at_rated_speed_at_most() -> None:
