@@ -1,5 +1,6 @@
 """The command ``sensorless evaluate``."""
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -190,12 +191,27 @@ def evaluate_command(
         save(envelope_maps(results, made.motor), plot)
     if as_json:
         typer.echo(results.to_json(scenarios=False))
-    print_tables(results, machines=suite == MACHINES, details=details)
+    print_tables(
+        results,
+        machines=suite == MACHINES,
+        details=details,
+        given=given_again(motor, settings, override),
+    )
     say_wrote(plot, out)
 
 
-def print_tables(results: "Results", *, machines: bool, details: bool) -> None:
-    """Print what was found, over random machines or in detail if asked for."""
+def given_again(motor: str | None, settings: list[str] | None, override: bool) -> str:
+    """Options of a command that chose motor and drive, for another command."""
+    words = [] if motor is None else ["--motor", motor]
+    words += [word for pair in settings or [] for word in ("--set", pair)]
+    return shlex.join([*words, *(["--override"] if override else [])])
+
+
+def print_tables(results: "Results", *, machines: bool, details: bool, given: str) -> None:
+    """Print what was found, over random machines or in detail if asked for.
+
+    ``given``: as ``given_again`` says it.
+    """
     from sensorless.evaluation.evaluate import WORST
     from sensorless.evaluation.results import COLUMNS, HANDOVER_COLUMNS
     from sensorless.evaluation.results_tables import (
@@ -215,7 +231,7 @@ def print_tables(results: "Results", *, machines: bool, details: bool) -> None:
             console.print(paired_table(results, columns))
         for name, entry in results.policies.items():
             console.print(place_table(name, entry))
-    console.print(worst_table(results, WORST if details else 3))
+    console.print(worst_table(results, WORST if details else 3, given))
     noticed = lock_table(results)
     if noticed is not None:
         console.print(noticed)

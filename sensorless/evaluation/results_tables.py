@@ -15,14 +15,13 @@ PLACE_COLUMNS = (
 """Columns of a table by place: name, heading, factor, decimals."""
 
 
-def worst_table(results: Results, count: int) -> PlainTable:
+def worst_table(results: Results, count: int, given: str = "") -> PlainTable:
     """The ``count`` worst scenarios of each policy, named for ``simulate --scenario``.
 
-    Bounds, which know the truth, are left out.
+    Bounds, which know the truth, are left out. ``given``: options that chose motor and drive.
     """
-    table = PlainTable(
-        title="worst cases", caption="replay one with: sensorless simulate --scenario SCENARIO"
-    )
+    again = " ".join(filter(None, (given, "--policy POLICY --scenario SCENARIO")))
+    table = PlainTable(title="worst cases", caption=f"replay one with: sensorless simulate {again}")
     table.add_column("policy", overflow="fold")
     table.add_column("scenario", no_wrap=True)
     table.add_column("lost by")

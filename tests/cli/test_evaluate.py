@@ -40,6 +40,16 @@ def test_details_and_a_file_without_scenarios(tmp_path: Path) -> None:
     assert data["policies"]["eq25"]["worst"][0]["scenario"].startswith("stress-1:1:")
 
 
+def test_a_worst_case_is_replayed_on_the_same_drive() -> None:
+    """The words under the table, with a policy and a scenario of it."""
+    words = ["--motor", "ipmsm_2200w", "--set", "estimator=smo"]
+    done = RUN.invoke(app, ["evaluate", *words, "--policy", "eq25", "--size", "3"])
+    told = " ".join(done.stdout.split())
+    assert f"sensorless simulate {' '.join(words)} --policy POLICY --scenario SCENARIO" in told
+    plain = RUN.invoke(app, ["evaluate", "--policy", "eq25", "--size", "3"]).stdout
+    assert "sensorless simulate --policy POLICY" in " ".join(plain.split())
+
+
 def test_random_machines_have_a_table_of_their_own() -> None:
     words = ["evaluate", "--policy", "eq25", "--policy", "reference", "--suite", "machines"]
     done = RUN.invoke(app, [*words, "--size", "1"])
