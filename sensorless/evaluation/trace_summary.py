@@ -10,6 +10,8 @@ from sensorless.units import RAD_S_TO_RPM
 
 STEADY = 0.2
 """Length of the end of a plateau that counts as steady [s]."""
+SHORTEST = 0.05
+"""Least length of a plateau, and of what of it comes before its load changes [s]."""
 
 
 def summary_table(t: Trace, policy: str) -> PlainTable:
@@ -18,7 +20,8 @@ def summary_table(t: Trace, policy: str) -> PlainTable:
     seeking = t["t"][t["starting"] > 0.0]
     if len(seeking):
         title += f", rotor found after {1e3 * seeking[-1]:.0f} ms"
-    table = PlainTable(title=title)
+    caption = "settled, overshoot: 2 % and % of the step of the target, until the load changes"
+    table = PlainTable(title=title, caption=caption)
     for heading in (
         "from [s]",
         "target\n[r/min]",
@@ -47,13 +50,14 @@ def _number(x: float, decimals: int) -> str:
 
 
 def plateaus(t: Trace) -> list[dict[str, float]]:
-    """Stretches of constant speed reference at least 50 ms long, up to the verdict of a lost drive.
+    """Stretches of constant speed reference of ``SHORTEST``, up to the verdict of a lost drive.
 
     Returns
     -------
     list of dict
         ``from_s`` [s]; ``target_rpm`` [r/min]; ``settled_s``: time until the speed stays within 2 %
-        of the step [s]; ``overshoot_pct`` of the step; ``k_s``: mean of the last 0.2 s;
+        of the step [s]; ``overshoot_pct`` of the step; both until the load changes, NaN where that
+        is too soon; ``k_s``: mean of the last 0.2 s;
         ``angle_err_steady_deg``: largest magnitude of its 20 ms mean there; ``angle_err_max_deg``,
         the start sequence left out.
     """
@@ -65,11 +69,18 @@ def plateaus(t: Trace) -> list[dict[str, float]]:
     rows = []
     before, end = float(omega[0]), int(np.sum(~t["judged"]))
     for a, b in zip(starts, stops, strict=True):
-        if (b - a) * T_s < 0.05 or a >= end:
+        if (b - a) * T_s < SHORTEST or a >= end:
             continue
         rows.append(_plateau(t, omega, int(a), min(int(b), end), before, T_s))
         before = float(ref[b - 1])
     return rows
+
+
+def _until_load(tau_load: Array, a: int, b: int) -> int:
+    """First period of [a, b) in which the load begins to move, other than at a; or b."""
+    moves = np.abs(np.diff(tau_load[a:b])) > 1e-9
+    again = np.flatnonzero(moves & np.logical_or.accumulate(~moves))
+    return a + 1 + int(again[0]) if len(again) else b
 
 
 def _plateau(
@@ -82,9 +93,11 @@ def _plateau(
 ) -> dict[str, float]:
     target = RAD_S_TO_RPM * float(t["omega_m_ref"][b - 1])
     step = target - before
-    away = np.flatnonzero(np.abs(omega[a:b] - target) > SETTLED * max(abs(step), 1e-9))
+    c = _until_load(t["tau_load"], a, b)
+    away = np.flatnonzero(np.abs(omega[a:c] - target) > SETTLED * max(abs(step), 1e-9))
     settled = 0.0 if len(away) == 0 else (away[-1] + 1) * T_s
-    beyond = float(np.max(np.sign(step) * (omega[a:b] - target), initial=0.0))
+    beyond = float(np.max(np.sign(step) * (omega[a:c] - target), initial=0.0))
+    told = abs(step) > 1.0 and (c == b or (c - a) * T_s >= SHORTEST)
     err = np.where(t["starting"][a:b] > 0.0, 0.0, np.rad2deg(t["theta_e_err"][a:b]))
     tail = err[-round(STEADY / T_s) :]
     window = max(1, round(0.02 / T_s))
@@ -94,8 +107,8 @@ def _plateau(
     return {
         "from_s": a * T_s,
         "target_rpm": target,
-        "settled_s": settled if settled < (b - a) * T_s - 1e-9 and abs(step) > 1.0 else np.nan,
-        "overshoot_pct": 100.0 * beyond / abs(step) if abs(step) > 1.0 else np.nan,
+        "settled_s": settled if told and settled < (c - a) * T_s - 1e-9 else np.nan,
+        "overshoot_pct": 100.0 * beyond / abs(step) if told else np.nan,
         "k_s": float(np.mean(t["k_s"][a:b][-round(STEADY / T_s) :])),
         "angle_err_steady_deg": float(np.max(np.abs(smooth))),
         "angle_err_max_deg": float(np.max(np.abs(err))),

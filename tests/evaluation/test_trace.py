@@ -65,6 +65,20 @@ def test_a_summary_counts_up_to_the_verdict_alone(overloaded: Trace) -> None:
     assert row["overshoot_pct"] < 1e4
 
 
+def test_a_load_step_is_no_part_of_the_step_of_the_speed() -> None:
+    """It would count as a late settling, and its dip and rise as overshoot."""
+    motor = Motor.load("paper")
+    rows = []
+    for load in ("0:0", "0.6:14", "0.03:14"):
+        plan = plan_from("0:100", load, None, 1.0, motor, 0)
+        rows += plateaus(trace(make_policy("eq25", motor), plan, motor, DriveDesign()))
+    calm, loaded, early = rows
+    for name in ("settled_s", "overshoot_pct"):
+        assert loaded[name] == pytest.approx(calm[name]) and np.isfinite(calm[name])
+        assert np.isnan(early[name]), "no time to tell"
+    assert loaded["angle_err_max_deg"] > calm["angle_err_max_deg"]
+
+
 def test_errors_are_of_half_a_turn_at_most(overloaded: Trace) -> None:
     for name in ("theta_e_err", "theta_e_err_hfi", "theta_e_err_smo"):
         assert np.abs(overloaded[name]).max() <= np.pi + 1e-6
