@@ -92,7 +92,7 @@ def check(motor: Motor, design: DriveDesign, policy: Policy, under: str, size: i
         e = examine(motor, 1.0)
         if e.verdict.word != "no":
             raise
-    if dip > MUCH_DIP and not math.isclose(dip, MUCH_DIP):
+    if dip > MUCH_DIP or math.isclose(dip, MUCH_DIP):  # the slowest loop, or slower still
         e = replace(e, findings=(*e.findings, _light(motor, dip)))
     if e.verdict.word == "no" or size == 0:
         return Check(e, (), dip)
@@ -101,7 +101,7 @@ def check(motor: Motor, design: DriveDesign, policy: Policy, under: str, size: i
 
 
 def _light(motor: Motor, dip: float) -> Finding:
-    text = f"J = {motor.J:g} kg m2: a rated load at once dips the speed by {dip:.0%} of rated"
+    text = f"J = {motor.J:g} kg m2: a rated load at once dips the speed by some {dip:.0%} of rated"
     return Finding(NOTE, "J", text + MORE_INERTIA)
 
 

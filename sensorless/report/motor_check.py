@@ -38,7 +38,7 @@ def rows(c: Check) -> list[Row]:
     if e.seen is not None and e.suggested is not None:
         out += _seen(e.motor, e.seen, e.suggested)
     if math.isfinite(c.dip):
-        dips = f"a rated load at once dips the speed by {c.dip:.0%} of rated"
+        dips = f"a rated load at once dips the speed by some {c.dip:.0%} of rated"
         out.append(("load step", dips, ""))
     return [*out, *map(_quick, c.runs)]
 
