@@ -205,6 +205,8 @@ def checked_actions(actions: ArrayLike, n: int, m: int) -> NDArray[np.float32]:
     """
     wanted = (n, m) if n > 1 else (m,)
     try:
+        if np.iscomplexobj(actions):
+            raise TypeError
         action = np.asarray(actions, dtype=np.float32)
     except (TypeError, ValueError, OverflowError):
         raise UserError(f"action: {shown(actions)}; give numbers of shape {wanted}") from None

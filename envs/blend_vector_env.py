@@ -39,9 +39,10 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
 
     With seed s, drive i equals the single environment with seed s + i, to the bit.
 
-    The ``info`` of a step has the terms of the reward (``reward.TERMS``), ``lost`` and
+    The ``info`` of a step has the terms of the reward (``reward.TERMS``), ``lost``, ``alarm`` and
     ``privileged`` (n, N_PRIVILEGED), true quantities for a critic that no policy may see. Each key
-    has a mask ``_key`` of the drives it applies to, as in Gymnasium's own vector environments.
+    has a mask ``_key`` of the drives it applies to, as in Gymnasium's own vector environments; but
+    it is there in every step, with a mask of False where it applies to none.
 
     A drive whose episode ended begins its next scenario by itself, in one of two modes:
 

@@ -5,7 +5,7 @@ last lines print: plain PPO does not reach the rule with these settings. `sensor
 paired rollouts.
 """
 
-import sys
+import argparse
 
 import torch
 from stable_baselines3 import PPO
@@ -14,6 +14,10 @@ from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.envs.blend_v1 import GainVectorEnv
 from sensorless.envs.returns import acts, returns
 from sensorless.policies.registry import make_policy
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("steps", type=int, nargs="?", default=4_000_000, help="decisions to train for")
+steps = parser.parse_args().steps
 
 torch.set_num_threads(1)
 env = GainVectorEnv(256, autoreset_mode="SameStep", gains=())  # k_s alone
@@ -29,7 +33,7 @@ model = PPO(
     seed=1,
     device="cpu",
 )
-model.learn(int(sys.argv[1]) if len(sys.argv) > 1 else 4_000_000)
+model.learn(steps)
 model.save("ppo.zip")  # for examples/own_policy.py
 
 judge = GainVectorEnv(1024, gains=())

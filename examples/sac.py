@@ -1,6 +1,6 @@
 """Plain SAC of stable-baselines3 against Eq. 25: python examples/sac.py [STEPS]."""
 
-import sys
+import argparse
 
 import torch
 from stable_baselines3 import SAC
@@ -9,6 +9,10 @@ from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.envs.blend_v1 import GainVectorEnv
 from sensorless.envs.returns import acts, returns
 from sensorless.policies.registry import make_policy
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("steps", type=int, nargs="?", default=600_000, help="decisions to train for")
+steps = parser.parse_args().steps
 
 torch.set_num_threads(1)
 env = GainVectorEnv(64, autoreset_mode="SameStep", gains=())  # k_s alone
@@ -26,7 +30,7 @@ model = SAC(
     seed=1,
     device="cpu",
 )
-model.learn(int(sys.argv[1]) if len(sys.argv) > 1 else 600_000)
+model.learn(steps)
 
 judge = GainVectorEnv(1024, gains=())
 eq25 = make_policy("eq25", judge.batch.motor)

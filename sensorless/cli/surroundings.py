@@ -113,7 +113,7 @@ def open_streams() -> None:
 def ignore_no_width() -> None:
     """Forget a ``COLUMNS`` that no terminal has: at 0 every table would be empty."""
     text = os.environ.get("COLUMNS", "")
-    if text.isdigit() and not 0 < int(text[:9]) <= WIDEST:
+    if text.isdigit() and not (text.isdecimal() and 0 < int(text[:9]) <= WIDEST):
         del os.environ["COLUMNS"]
 
 

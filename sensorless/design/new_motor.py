@@ -11,6 +11,7 @@ from sensorless.machine.inverter import LOW_VOLTAGE
 from sensorless.machine.motor import Motor
 from sensorless.machine.motor_file import tables
 from sensorless.machine.saliency import require_saliency
+from sensorless.machine.sane import require_sane
 from sensorless.observers.injection_signal import suggested_injection
 from sensorless.units import RPM_TO_RAD_S
 
@@ -74,6 +75,7 @@ def new_motor(
     power = f"{tau * omega:.3g} W" if tau * omega < 1e3 else f"{tau * omega / 1e3:.3g} kW"
     what = f"{power} at {sheet.speed_rpm:g} r/min, from data-sheet numbers, linear"
     motor = Motor.from_tables(plain(tables(name, what, numbers)), name)
+    require_sane(motor)
     require_saliency(motor)
     if u_inj is None:
         for _ in range(ROUNDS):  # the loop's bandwidth follows from the voltage

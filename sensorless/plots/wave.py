@@ -68,6 +68,8 @@ def wave(title: str, t: Trace) -> Wave:
     worst = np.abs(np.rad2deg(t["theta_e_err"][t["starting"] == 0.0]))
     error = min(float(np.quantile(worst, 0.999)), 90.0) if len(worst) else 90.0
     edge = max(6.0, 1.6 * error)
+    beyond = np.abs(np.rad2deg(t["theta_e_err"])).max() > edge
+    label = "angle error [° el.], truth − estimate" + (", in part beyond" if beyond else "")
     c, s = np.cos(t["theta_e"]), np.sin(t["theta_e"])
     u_d, u_q = c * t["u_a"] + s * t["u_b"], c * t["u_b"] - s * t["u_a"]
     rpm = {key: RAD_S_TO_RPM * t[f"omega_m{key}"] for key in ("_ref", "", "_hat", "_twin")}
@@ -84,7 +86,7 @@ def wave(title: str, t: Trace) -> Wave:
             Curve("without injection", "own", mean_of_two(t["tau"])),
             Curve("load", "ref", t["tau_load"]),
         )),
-        Pane("angle", "angle error [° el.], truth − estimate", merged([
+        Pane("angle", label, merged([
             Curve("HFI", "blush", np.rad2deg(t["theta_e_err_hfi"]), 2.6),
             Curve("blend", "own", np.rad2deg(t["theta_e_err"]), 1.8),
             Curve("observer", "observer", np.rad2deg(t["theta_e_err_smo"]), 1.4, DASH),

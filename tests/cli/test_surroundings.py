@@ -92,7 +92,7 @@ def test_closed_streams(words: str, closed: str, status: int, said: str, tmp_pat
     assert not run.exists() or run.read_text(encoding="utf-8").startswith("t,omega_m_ref")
 
 
-@pytest.mark.parametrize("columns", ["0", "00", "99999999999999999999"])
+@pytest.mark.parametrize("columns", ["0", "00", "²", "99999999999999999999"])
 @pytest.mark.parametrize("words", ["motors", "motors --help"])
 def test_a_width_that_no_terminal_has(
     columns: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
