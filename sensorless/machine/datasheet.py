@@ -185,7 +185,7 @@ def _magnet(s: Datasheet, n_p: int) -> Number:
         if abs(off - 1.0) > TOLERANCE:
             raise UserError(
                 f"ke, kt: Ke = {s.ke:g} V/krpm ({s.ke_kind}) is a magnet flux of {from_ke:.4g} Vs, "
-                f"Kt = {s.kt:g} N m/A ({s.kt_kind}) one of {from_kt:.4g} Vs, {off:.2f} times as "
+                f"Kt = {s.kt:g} N m/A ({s.kt_kind}) one of {from_kt:.4g} Vs, {off:.3g} times as "
                 f"much{_likely(off)}; correct one (they may differ by {100 * TOLERANCE:.0f} %), or "
                 "give only one"
             )
