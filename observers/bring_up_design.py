@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sensorless.machine.magnetics import flux
+from sensorless.machine.magnetics import currents, flux
 from sensorless.machine.motor import Motor
 from sensorless.observers.injection_signal import NOISE_AT, SENSOR_NOISE
 
@@ -44,12 +44,6 @@ MOST_LOST, MOST_THRESHOLD = 1.5, 1.1
 largest thresholds [V]."""
 
 
-def chord(motor: Motor, i: float) -> float:
-    """Inductance between the d currents -i and i [H]: what a pulse meets on the mean of both."""
-    ends = flux(motor.saturation, np.array([[i, 0.0], [-i, 0.0]]))
-    return float(ends[0, 0] - ends[1, 0]) / (2.0 * i)
-
-
 @dataclass(frozen=True)
 class Push:
     """Pulses along d."""
@@ -78,6 +72,37 @@ class Plan:
     """most difference of the scale from 1"""
     limits: tuple[str, ...]
     """what is not judged, or less sharply, and why"""
+
+
+def inductance(motor: Motor, low: float, high: float) -> float:
+    """d inductance while the flux goes from ``low`` to ``high`` beyond that of the magnets [H].
+
+    Of the mean of the current's steps there and on the other side of the magnets' flux [Vs].
+    """
+    psi_0 = float(flux(motor.saturation, np.zeros((1, 2)))[0, 0])
+    ends = psi_0 + np.array([high, low, -low, -high])
+    i = currents(motor.saturation, np.stack([ends, np.zeros(4)], axis=-1))[:, 0]
+    return 2.0 * (high - low) / float(i[0] - i[1] + i[2] - i[3])
+
+
+def inductances(motor: Motor, push: Push) -> dict[str, float]:
+    """What the current meets in the periods that the check counts [H]: rise and both levels.
+
+    Every period of a rise adds the same flux, and the check leaves the first one out. Meanwhile and
+    at the levels lost voltage and resistance take flux away.
+    """
+    step = push.reach * motor.L_d / push.rise
+    lost = motor.T_s * LEGS * motor.dead_time_voltage
+    falls = [lost + share * motor.T_s * motor.R_s * push.reach for share in (0.5, 1.0, 0.5)]
+    top = push.rise * (step - falls[0])
+    high = top - push.hold * falls[1]
+    middle = high - 0.5 * push.rise * (step + falls[1])
+    low = middle - push.hold * falls[2]
+    return {
+        "L_d": inductance(motor, step, push.rise * step),
+        "L_high": inductance(motor, high, top),
+        "L_low": inductance(motor, low, middle),
+    }
 
 
 def _rise(motor: Motor, reach: float) -> int:
@@ -160,7 +185,7 @@ def design_bring_up(motor: Motor) -> dict[str, Any]:
         "T_s": motor.T_s,
         "u_probe": u_probe,
         "u_push": push.reach / (gain * push.rise),
-        "L_d": chord(motor, push.reach),
+        **inductances(motor, push),
         "R_s": motor.R_s,
         "anisotropy": (motor.L_q - motor.L_d) / (motor.L_q + motor.L_d),
         "u_lost": u_lost,

@@ -141,17 +141,20 @@ void bring_up_judge_probe(const bring_up_params_t *p, bring_up_state_t *x) {
     x->fault |= lopsided || leans ? BRING_UP_FAULT_SCALE : 0;
 }
 
-/* With k = T_s / L a step is k (u - lost - R i). */
+/* With k = T_s / L_d a step is k (u - lost - R i). Where iron saturates, the current falls faster at
+ * the upper level than there; counted as at L_d, both levels tell lost voltage from resistance. */
 void bring_up_judge_push(const bring_up_params_t *p, bring_up_state_t *x) {
     float rises = (float)(p->n_cycles * (p->n_push - 1));
     float holds = 1.0f / (float)(p->n_cycles * (p->n_hold - 1));
     float i_0 = holds * x->level[0];
     float i_1 = holds * x->level[1];
     float i_rise = x->level_rise / rises;
-    float k_R = holds * (x->fall[1] - x->fall[0]) / max_f(i_0 - i_1, 1.0e-9f);
+    float fall_0 = p->L_high / p->L_d * holds * x->fall[0];
+    float fall_1 = p->L_low / p->L_d * holds * x->fall[1];
+    float k_R = (fall_1 - fall_0) / max_f(i_0 - i_1, 1.0e-9f);
     float k_nominal = p->T_s / p->L_d;
     k_R = clamp_f(k_R, R_LEAST * k_nominal * p->R_s, R_MOST * k_nominal * p->R_s);
-    float k_lost = -0.5f * (holds * (x->fall[0] + x->fall[1]) + k_R * (i_0 + i_1));
+    float k_lost = -0.5f * (fall_0 + fall_1 + k_R * (i_0 + i_1));
     float k = max_f((x->rise / rises + k_lost + k_R * i_rise) / p->u_push, 1.0e-20f);
     ab_t axis = {x->d.c, x->d.s};
     ab_t full = dead_time_voltage(p->u_lost, 1.0e6f, axis);

@@ -48,7 +48,9 @@ typedef struct {
     float T_s;        /* PWM period [s] */
     float u_probe;    /* pulse of one period [V] */
     float u_push;     /* pulse along the d axis [V] */
-    float L_d;        /* [H] */
+    float L_d;        /* inductance of the counted periods of a rise [H] */
+    float L_high;     /* inductance at the level after it, mean of both ways [H] */
+    float L_low;      /* at the level of half the current [H] */
     float R_s;        /* [ohm] */
     float anisotropy; /* (L_q - L_d) / (L_q + L_d) */
     float u_lost;     /* voltage that a leg loses by dead time, 0: do not judge [V] */

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from sensorless.core.bring_up import FAULTS, WIRINGS
+from sensorless.envs.scenarios.machine_family import member
 from sensorless.errors import UserError
 from sensorless.identify.bring_up.check import (
     check,
@@ -39,6 +40,19 @@ def test_every_mistake_is_found_and_none_where_there_is_none(name: str) -> None:
         else:
             least = n.drives - 2 if what.startswith(HARD) else n.drives
             assert n.named >= least, what
+
+
+@pytest.mark.parametrize("index", [51, 55, 159, 169])
+def test_a_right_drive_whose_iron_saturates_is_not_flagged(index: int) -> None:
+    """The inductances are those of the currents that count: from zero they are 20 % larger."""
+    motor = member(424242, index)
+    params = params_of(motor)[0]
+    assert params["L_d"] < 0.86 * motor.L_d and params["L_high"] < params["L_low"]
+    drives = drives_at_rest(motor, np.arange(424242, 424262, dtype=np.uint64))
+    found = [check(motor, drives[j : j + 1])[0].faults for j in range(len(drives))]
+    assert sum(map(bool, found)) <= 2
+    half = [check(motor, drives[j : j + 1], MISTAKES["duty-half"])[0].faults for j in range(4)]
+    assert all(half)
 
 
 @pytest.mark.parametrize("L_d", [6e-4, 3e-4])

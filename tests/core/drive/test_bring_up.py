@@ -69,6 +69,25 @@ def test_it_measures_a_winding(params: Array, theta: float) -> None:
     assert coil.x.R_s == pytest.approx(float(record["R_s"]), rel=0.25)
 
 
+@pytest.mark.parametrize(("high", "low"), [(1.0, 1.0), (0.8, 0.9)])
+def test_levels_at_which_iron_saturates(params: Array, high: float, low: float) -> None:
+    """What the same falls tell where the d axis has other inductances at the levels; by hand."""
+    record = params[0]
+    record["L_high"], record["L_low"] = high * record["L_d"], low * record["L_d"]
+    coil = Coil(params, 0.0, float(record["R_s"]), float(record["u_lost"]) * 4.0 / 3.0)
+    coil.run()
+    x, cycles = coil.x, int(record["n_cycles"])
+    held, risen = cycles * (int(record["n_hold"]) - 1), cycles * (int(record["n_push"]) - 1)
+    i = np.array(list(x.level)) / held
+    k_volts = -np.array(list(x.fall)) / held * [high, low]  # k (lost + R i) at both levels
+    k_R = (k_volts[0] - k_volts[1]) / (i[0] - i[1])
+    k_lost = k_volts[0] - k_R * i[0]
+    k = (x.rise / risen + k_lost + k_R * x.level_rise / risen) / float(record["u_push"])
+    assert x.R_s == pytest.approx(k_R / k, rel=1e-3)
+    assert x.scale == pytest.approx(k * record["L_d"] / record["T_s"], rel=1e-4)
+    assert x.lost == pytest.approx(k_lost / k / (4.0 / 3.0 * record["u_lost"]), rel=1e-3)
+
+
 @pytest.mark.parametrize("delay", [0, 2, 3])
 def test_another_delay(params: Array, delay: int) -> None:
     coil = Coil(params, 0.7)
