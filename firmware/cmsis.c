@@ -49,7 +49,8 @@ uint32_t cmsis_differences(const ks_table_t *t, const float *values) {
     const ks_axis_t *column = &t->axis[1];
     float y[SIGNAL_N] = {0.0f};
     uint32_t bad = 0;
-    if (t->n_axes != 2 || row->n + 1 != s.numRows || column->n + 1 != s.numCols) {
+    if (ks_table_check(t, values, 0) != KS_OK || t->n_axes != 2 || row->n + 1 != s.numRows ||
+        column->n + 1 != s.numCols) {
         return 1;
     }
     for (int32_t j = 0; j < places(row); j++) {

@@ -99,6 +99,9 @@ uint32_t faults_signals(const ks_schedule_params_t *p, const signal_params_t *si
     uint32_t bad = 0;
     ks_schedule_state_t x;
     signal_state_t state;
+    if (ks_table_check(p->table, p->values, p->motor_hash) != KS_OK) {
+        return 1; /* nobody may look up in it */
+    }
     signals_clear(&state);
     for (uint32_t j = 0; j < BAD_N; j++) {
         for (uint32_t a = 0; a < p->table->n_axes; a++) {
