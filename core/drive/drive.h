@@ -1,8 +1,9 @@
 /* One PWM period of the sensorless drive: guard, observe, actuate.
  *
  * Call drive_step once per period with the sample of instant k, and apply the voltage that it
- * returns over [k+1, k+2]. Control and injection stay within u_dc / sqrt(3); dead-time compensation
- * comes on top, so the voltage may be beyond the link's hexagon: limit the duties to 0 ... 1.
+ * returns over [k+1, k+2]. Control and injection stay within u_dc / sqrt(3) of a link that sets no
+ * fault; dead-time compensation comes on top, so the voltage may be beyond the link's hexagon: limit
+ * the duties to 0 ... 1.
  */
 #ifndef SENSORLESS_DRIVE_H
 #define SENSORLESS_DRIVE_H

@@ -31,7 +31,7 @@ DO = {
     "BRING_UP_FAULT_SIGN": "invert both current channels, or the duties; with "
     "`BRING_UP_FAULT_PHASES`: look for one duty alone that is inverted",
     "BRING_UP_FAULT_PHASES": "exchange phases in the currents or in the duties, not in both",
-    "BRING_UP_FAULT_CHANNEL": "invert that channel",
+    "BRING_UP_FAULT_CHANNEL": "invert that channel, or the duty of its phase",
     "BRING_UP_FAULT_SCALE": "check the duty formula of each leg, scale of each current and of the "
     "link, and L_d; a shaft that turns slowly shows like this, too",
     "BRING_UP_FAULT_DEAD_TIME": "switch the driver's compensation off, or export with "
@@ -40,6 +40,11 @@ DO = {
     "overwrites memory",
 }
 """What the application should do. A bit that is not here tells only what it means."""
+GUESSED = (
+    "stop: the drive starts anew, but on a guessed pole, and may turn the wrong way; start from a "
+    "known angle, as after a trip; if it repeats, look for what overwrites memory"
+)
+"""The same for ``FAULT_STATE`` on a machine that shows no pole at rest."""
 
 
 @dataclass(frozen=True)
@@ -67,16 +72,17 @@ def _rows(found: list[Bit], do: Mapping[str, str]) -> str:
     )
 
 
-def fault_tables(gains: bool = True, dead_time: bool = True) -> dict[str, str]:
+def fault_tables(gains: bool = True, dead_time: bool = True, finds: bool = True) -> dict[str, str]:
     """Rows for the README by the word that holds the bits: ``drive``, ``schedule``, ``check``.
 
-    ``dead_time``: whether the check judges it.
+    ``dead_time``: whether the check judges it; ``finds``: whether the drive finds its pole.
     """
     found = sorted(bits(gains), key=lambda bit: bit.value)
     if not dead_time:
         found = [b for b in found if b.name != "BRING_UP_FAULT_DEAD_TIME"]
     heads = {"drive": "FAULT_", "schedule": "KS_FAULT_", "check": "BRING_UP_FAULT_"}
+    do = DO if finds else {**DO, "FAULT_STATE": GUESSED}
     return {
-        word: _rows([b for b in found if b.name.startswith(head)], DO)
+        word: _rows([b for b in found if b.name.startswith(head)], do)
         for word, head in heads.items()
     }

@@ -14,6 +14,7 @@ from sensorless.export.hook import hook_text
 from sensorless.export.start import lost_text, start_call, start_text
 from sensorless.machine.motor import Motor
 from sensorless.observers.bring_up_design import plan_bring_up
+from sensorless.observers.start_design import knows_poles
 from sensorless.table.ks_table import KsTable
 
 TWO = """\
@@ -68,7 +69,7 @@ def readme(
     u_dt = float(drive["control"]["u_dt"])
     judged = plan.u_lost > 0.0 and u_dt > 0.0
     limits = plan.limits if u_dt > 0.0 else (*plan.limits, NOT_OURS)
-    tables = fault_tables(bool(table.gains), judged)
+    tables = fault_tables(bool(table.gains), judged, knows_poles(motor))
     if limits:
         tables["check"] += f"\n\nWith this motor, {'; '.join(limits)}."
     axes = "\n".join(
