@@ -59,8 +59,8 @@ def main() -> None:
     """Run and write the record."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seed", type=a_seed, default=1000, help="the first (default %(default)s)")
-    parser.add_argument("--size", type=a_count, default=100, help="drives (default %(default)s)")
-    parser.add_argument("--machines", type=a_count, default=24, help="random (default %(default)s)")
+    parser.add_argument("--size", type=a_count, default=40, help="drives (default %(default)s)")
+    parser.add_argument("--machines", type=a_count, default=96, help="random (default %(default)s)")
     parser.add_argument("--out", type=Path, default=Path("results/studies/bring_up.json"))
     args = parser.parse_args()
     check_writable(args.out)

@@ -20,11 +20,12 @@ CURE = {
     "deaf": "hardly any current: is the PWM on, the motor connected, the scale right, and this the "
     "motor of --motor?",
     "delay": "the voltage has to act from one period after its sample to two: move the sample, the "
-    "interrupt, or the event that loads the duty registers",
+    "interrupt, or the event that loads the duty registers; a log has to begin with the first "
+    "period",
     "sign": "invert both currents, or the duties (an active-low gate driver); with phases: is one "
     "duty alone inverted?",
     "phases": "exchange the phases in the current channels or in the duties, not in both",
-    "channel": "invert that current channel",
+    "channel": "invert that current channel, or the duty of its phase",
     "scale": "check the duty formula 0.5 + u / u_dc of each leg, the scale of currents and DC "
     "link, and L_d; a shaft that turns slowly shows like this, too",
     "dead_time": "somebody else compensates dead time: switch that off, or export with "
