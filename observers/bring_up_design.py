@@ -89,7 +89,7 @@ def inductances(motor: Motor, push: Push) -> dict[str, float]:
     """What the current meets in the periods that the check counts [H]: rise and both levels.
 
     Every period of a rise adds the same flux, and the check leaves the first one out. Meanwhile and
-    at the levels lost voltage and resistance take flux away.
+    at the levels lost voltage and resistance take flux away, at most all of it.
     """
     step = push.reach * motor.L_d / push.rise
     lost = motor.T_s * LEGS * motor.dead_time_voltage
@@ -98,10 +98,13 @@ def inductances(motor: Motor, push: Push) -> dict[str, float]:
     high = top - push.hold * falls[1]
     middle = high - 0.5 * push.rise * (step + falls[1])
     low = middle - push.hold * falls[2]
+    least = 0.1 * step  # less would be the rounding of two currents
+    ends = ((max(x, 0.0), max(y, x + least, least)) for x, y in ((high, top), (low, middle)))
+    L_high, L_low = (inductance(motor, x, y) for x, y in ends)
     return {
         "L_d": inductance(motor, step, push.rise * step),
-        "L_high": inductance(motor, high, top),
-        "L_low": inductance(motor, low, middle),
+        "L_high": L_high,
+        "L_low": L_low,
     }
 
 
