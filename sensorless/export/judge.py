@@ -107,8 +107,10 @@ def require_fit(judged: Judged, name: str) -> None:
         )
         raise UserError(f"export: {name}: {judged.objection}: {mend}")
     if judged.objection:
+        worse = judged.objection == f"it is {judged.eq25.sentence}"
+        better = "export eq25, or train" if worse else "train"
         raise UserError(
-            f"export: {name}: {judged.objection}: train or tune one for this machine, or add "
+            f"export: {name}: {judged.objection}: {better} or tune one for this machine, or add "
             "--force; sensorless motor check says whether the machine suits"
         )
 

@@ -106,6 +106,11 @@ def test_a_machine_that_the_simulation_of_its_check_refuses(
     assert re.search(r"check with it: no, lost stress \d\d %, unload \d+ %, brak", told)
 
 
+def test_what_is_worse_than_eq25_is_told_to_be_replaced_by_it() -> None:
+    with pytest.raises(UserError, match=r"worse than Eq\. 25.*: export eq25, or train"):
+        module.require_fit(Judged(0, 200, 200, WORSE), "linear.json")
+
+
 def test_a_suite_that_no_drive_can_run_is_told() -> None:
     runs = (QuickRun("unload", 9, 0.25, 0.0, 0.1, 0.1), QuickRun("stress", 9, nan, nan, 1.0, nan))
     judged = Judged(0, 200, 200, LEVEL, replace(suits(LIMIT), runs=runs))
