@@ -20,7 +20,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.baselines.linear import EQ25_BAND, eq25_band
+from sensorless.baselines.linear import EQ25_BAND, eq25_end
 from sensorless.baselines.rule import Parameter, Rule, Values, speed
 from sensorless.core.api import SIGNAL_NAMES
 from sensorless.decision import decision_time
@@ -146,19 +146,13 @@ RULE = Rule(
     _build,
     (
         speed("lo", EQ25_BAND[0], (0.03, 0.6), "way back to injection"),
-        speed(
-            "hi",
-            EQ25_BAND[1],
-            (0.05, 0.9),
-            "way up, if both agree",
-            on=lambda motor: eq25_band(motor)[1],
-        ),
+        speed("hi", EQ25_BAND[1], (0.05, 0.9), "way up, if both agree", on=eq25_end),
         speed(
             "force",
             FORCE,
             (0.2, 1.5),
             "way up in any case",
-            on=lambda motor: max(FORCE, eq25_band(motor)[1]),
+            on=lambda motor: max(FORCE, eq25_end(motor)),
         ),
         Parameter("gate", 15.0, "deg", 0, inf, "agreement to begin with", search=(3.0, 60.0)),
         Parameter(

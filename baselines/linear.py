@@ -35,6 +35,11 @@ def eq25_band(motor: Motor) -> tuple[float, float]:
     return low, min(max(high, alone), 1.0)
 
 
+def eq25_end(motor: Motor) -> float:
+    """Speed, over rated, from which Eq. 25 leaves a machine to the observer [-]."""
+    return eq25_band(motor)[1]
+
+
 def band(above: str) -> tuple[Parameter, Parameter]:
     """Parameters of a rule that leaves injection over a band of the speed, by default Eq. 25's.
 
@@ -42,7 +47,7 @@ def band(above: str) -> tuple[Parameter, Parameter]:
     """
     return (
         speed("lo", EQ25_BAND[0], (0.0, 0.6), "below it injection alone"),
-        speed("hi", EQ25_BAND[1], (0.05, 1.5), above, on=lambda motor: eq25_band(motor)[1]),
+        speed("hi", EQ25_BAND[1], (0.05, 1.5), above, on=eq25_end),
     )
 
 

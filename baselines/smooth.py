@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.baselines.linear import EQ25_BAND, band, eq25_band
+from sensorless.baselines.linear import EQ25_BAND, band, eq25_end
 from sensorless.baselines.rule import Rule, Values, speed
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
@@ -79,13 +79,5 @@ QUADRATIC = Rule(
     "quadratic",
     "1 - (speed / CORNER)^2",
     _quadratic,
-    (
-        speed(
-            "corner",
-            EQ25_BAND[1],
-            (0.05, 1.5),
-            "above it the observer alone",
-            on=lambda motor: eq25_band(motor)[1],
-        ),
-    ),
+    (speed("corner", EQ25_BAND[1], (0.05, 1.5), "above it the observer alone", on=eq25_end),),
 )

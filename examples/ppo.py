@@ -11,12 +11,15 @@ import torch
 from stable_baselines3 import PPO
 
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
+from sensorless.cli.study_numbers import a_count
 from sensorless.envs.blend_v1 import GainVectorEnv
 from sensorless.envs.returns import acts, returns
 from sensorless.policies.registry import make_policy
 
 parser = argparse.ArgumentParser(description=__doc__)
-parser.add_argument("steps", type=int, nargs="?", default=4_000_000, help="decisions to train for")
+parser.add_argument(
+    "steps", type=a_count, nargs="?", default=4_000_000, help="decisions to train for"
+)
 steps = parser.parse_args().steps
 
 torch.set_num_threads(1)

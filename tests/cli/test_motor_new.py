@@ -86,6 +86,13 @@ def test_the_page_tells_every_sheet_and_its_verdict() -> None:
         assert told[name].startswith("refused" if word == "saliency" else word), name
 
 
+def test_an_impossible_magnet_is_named(tmp_path: Path) -> None:
+    """Not a saturation that no sheet gives."""
+    done = run("motor", "new", *words(ke="1e9", torque="14", size="0"), cwd=tmp_path)
+    assert done.returncode == 2 and "cancel the magnet" in done.stderr
+    assert "saturation" not in done.stderr and not list(tmp_path.iterdir())
+
+
 def test_what_is_missing_is_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     given = words(poles=None, ke=None, torque=None, size="0")

@@ -194,6 +194,7 @@ def test_a_limit_of_steps_may_be_large() -> None:
         ([0.0, 0.0], r"action: shape \(2,\); give shape \(1,\)"),
         ("a", r"action: array\('a', .*; give numbers of shape \(1,\)"),
         ({}, r"action: array\(\{\}, .*; give numbers of shape \(1,\)"),
+        ([1j], r"action: array\(\[0.*1.j\]\); give numbers of shape \(1,\)"),
         ([10**400], r"action: array\(\[10.*; give numbers of shape \(1,\)"),
     ],
 )

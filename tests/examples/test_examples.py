@@ -1,5 +1,7 @@
 """Every example runs, at a small size, and says what it promises."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +82,17 @@ def test_the_example_knows_what_eq25_earns() -> None:
     earned = returns(judge, acts(make_policy("eq25", judge.batch.motor), judge), 10**6).mean()
     text = (EXAMPLES / "ppo.py").read_text(encoding="utf-8")
     assert f"where Eq. 25 has {earned:.1f}," in text
+
+
+@pytest.mark.parametrize("words", ["--help", "many", "0"])
+@pytest.mark.parametrize("name", ["ppo", "sac"])
+def test_what_an_example_takes_is_told(name: str, words: str, tmp_path: Path) -> None:
+    """Before it makes an environment."""
+    command = [sys.executable, str(EXAMPLES / f"{name}.py"), words]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    told = done.stdout if words == "--help" else done.stderr
+    assert done.returncode == (0 if words == "--help" else 2) and told.startswith("usage:")
+    assert "Traceback" not in told and not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)

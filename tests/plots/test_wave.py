@@ -43,6 +43,20 @@ def test_every_band_and_mark_is_named(lost: Trace) -> None:
     assert {"start", "recovery", "lost", "alarm"} <= set(texts)
 
 
+def test_an_angle_beyond_its_axis_is_said() -> None:
+    """A start from the wrong pole: the axis is for what comes after."""
+    found = []
+    for off in (180.0, 0.0):
+        plan = plan_from("0:0", "0:0", None, 0.3, MOTOR, 0, start=True, theta_err=off)
+        t = trace(make_policy("eq25", MOTOR), plan, MOTOR, DriveDesign())
+        (pane,) = (pane for pane in wave("run", t).panes if pane.key == "angle")
+        assert pane.span is not None
+        beyond = np.abs(np.rad2deg(t["theta_e_err"])).max() > pane.span[1]
+        assert pane.label.endswith("in part beyond") == beyond
+        found.append(beyond)
+    assert found[0] and not found[1]
+
+
 def test_panes_are_drawn_as_asked(lost: Trace) -> None:
     found = wave("run", lost)
     assert len(waveforms([found]).axes) == len(found.panes) - len(FOLDED)
