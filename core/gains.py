@@ -22,7 +22,8 @@ Values = NDArray[np.float32]
 
 RANGE = (
     "sensorless.core.gains.Gain(low, high, settle): factors on the static gain, low above 0 and at "
-    "most 1, high at least 1, and settle above 0 [s], all finite"
+    "most 1, high at least 1, so that a parabola through 1 only rises between them, and settle "
+    "above 0 [s], all finite"
 )
 """A usable ``Gain``, for messages."""
 
@@ -44,7 +45,17 @@ class Gain:
         """Whether the range holds the static gain, and a value ever arrives."""
         if not all(isinstance(x, Real) for x in (self.low, self.high, self.settle)):
             return False
-        return 0.0 < self.low <= 1.0 <= self.high < math.inf and 0.0 < self.settle < math.inf
+        ends = 0.0 < self.low <= 1.0 <= self.high < math.inf
+        return ends and 0.0 < self.settle < math.inf and self.rises
+
+    @property
+    def rises(self) -> bool:
+        """Whether every value has a factor of its own: high is at most 4 - 3 low, and the reverse.
+
+        Unless one of them is 1: then the factor is a line.
+        """
+        x = self.limits(1e-3)
+        return 2.0 * abs(x["bend"]) <= x["rise"]
 
     def limits(self, decision: float) -> dict[str, float]:
         """Fields of ``gain_limits_t`` with ``decision`` seconds from one decision to the next.

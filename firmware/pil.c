@@ -63,10 +63,12 @@ static uint32_t tests(void) {
     y->lookups_q15 =
         ks_table_selftest(&ks_table_q15, ks_values_q15, ks_vectors_q15, KS_VECTORS_Q15, &first);
 #if KS_TABLE_GAINS
-    y->lookups_f32 += gain_table_selftest(&gain_table_f32, &ks_table_f32, gain_values_f32,
-                                          gain_vectors_f32, KS_GAIN_VECTORS_F32, &first);
-    y->lookups_q15 += gain_table_selftest(&gain_table_q15, &ks_table_q15, gain_values_q15,
-                                          gain_vectors_q15, KS_GAIN_VECTORS_Q15, &first);
+    y->lookups_f32 +=
+        gain_table_selftest(&gain_table_f32, &ks_table_f32, ks_values_f32, gain_values_f32,
+                            gain_vectors_f32, KS_GAIN_VECTORS_F32, &first);
+    y->lookups_q15 +=
+        gain_table_selftest(&gain_table_q15, &ks_table_q15, ks_values_q15, gain_values_q15,
+                            gain_vectors_q15, KS_GAIN_VECTORS_Q15, &first);
     y->periods = gain_drive_selftest(&drive_params, &live[0], &gain_schedule_params, &drive_start,
                                      drive_vectors, DRIVE_VECTORS, &first);
 #else

@@ -58,7 +58,8 @@ static void test_faults(const char *name, const char *what, uint32_t bad) {
 static drive_params_t live;
 
 static void test_gains(const char *name, const gain_table_t *t, const ks_table_t *axes,
-                       const void *values, const gain_vector_t *vectors, uint32_t n) {
+                       const void *k_s, const void *values, const gain_vector_t *vectors,
+                       uint32_t n) {
     uint32_t first;
     int check = gain_table_check(t, axes, values);
     if (check != KS_OK) {
@@ -66,7 +67,7 @@ static void test_gains(const char *name, const gain_table_t *t, const ks_table_t
         failures++;
         return;
     }
-    uint32_t bad = gain_table_selftest(t, axes, values, vectors, n, &first);
+    uint32_t bad = gain_table_selftest(t, axes, k_s, values, vectors, n, &first);
     if (bad != 0) {
         fail(name, "lookups that differ from the golden vectors", bad, first);
     }
@@ -94,10 +95,10 @@ int main(void) {
     test_table("float table", &ks_table_f32, ks_values_f32, ks_vectors_f32, KS_VECTORS_F32);
     test_table("Q15 table", &ks_table_q15, ks_values_q15, ks_vectors_q15, KS_VECTORS_Q15);
 #if KS_TABLE_GAINS
-    test_gains("float gains", &gain_table_f32, &ks_table_f32, gain_values_f32, gain_vectors_f32,
-               KS_GAIN_VECTORS_F32);
-    test_gains("Q15 gains", &gain_table_q15, &ks_table_q15, gain_values_q15, gain_vectors_q15,
-               KS_GAIN_VECTORS_Q15);
+    test_gains("float gains", &gain_table_f32, &ks_table_f32, ks_values_f32, gain_values_f32,
+               gain_vectors_f32, KS_GAIN_VECTORS_F32);
+    test_gains("Q15 gains", &gain_table_q15, &ks_table_q15, ks_values_q15, gain_values_q15,
+               gain_vectors_q15, KS_GAIN_VECTORS_Q15);
 #endif
     uint32_t bad = periods(&first);
     if (bad != 0) {

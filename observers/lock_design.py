@@ -51,7 +51,7 @@ that reads 1.5 times as much makes 1.4 to 2.1."""
 E_LEAST = 0.75
 """Least EMF that has a direction, over the residual that lock may have on the q axis."""
 ACTS = 0.1
-"""Least share of an injected voltage that acts, with any dead time."""
+"""Least share of the machine's injected voltage that acts, with any dead time."""
 CURRENT_SHARE = 0.1
 """Distance of the torque current from its reference, over rated current, beyond what the slope of
 the reference makes."""
@@ -67,17 +67,41 @@ SETTLED = 4.0
 """Time constants of the current loop, and of the tests' low-pass, in ``settled``."""
 
 
-def least_answer(motor: Motor) -> float:
-    """Least current that an injected voltage moves in lock, over that voltage [A/V].
+def answer_shares(motor: Motor) -> dict[str, float]:
+    """What the answer to an injected voltage is bounded with, by fields of ``lock_params_t``.
 
     A voltage u that alternates moves the current by u T_s / 2 (cos^2 / L_small + sin^2 / L_large)
-    at an angle beside the d axis: that at ``ANGLE``, or what ``LARGER`` and the dead time's voltage
-    leave on the axis if that is less; the least along the operating line.
+    at an angle beside the d axis. ``beside`` is that at ``ANGLE`` [A/V], ``along`` that on the axis
+    with an inductance ``LARGER`` times the file's [A/V], each the least along the operating line.
+    ``u_unsure`` is the voltage that dead time takes, or a compensation of it adds [V]. ``above`` is
+    the most on the axis over the voltage with that, with an inductance as much smaller, and what an
+    iron loss p draws of the machine's injected voltage, as the conductance p / (1.5 (w psi_f)^2) at
+    rated speed [A/V].
     """
     small, large = principal(motor, np.stack(mtpa(motor), axis=-1)).T
+    half = 0.5 * motor.T_s
     beside = np.cos(ANGLE) ** 2 / small + np.sin(ANGLE) ** 2 / large
-    left = max(1.0 - LEFT_DEAD_TIME * motor.dead_time_voltage / motor.u_inj, ACTS)
-    return 0.5 * motor.T_s * float(np.min(np.minimum(beside, left / (LARGER * small))))
+    p_iron = max(motor.p_iron, IRON * motor.tau_rated * motor.omega_rated / motor.n_p)
+    iron = p_iron / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
+    unsure = min(LEFT_DEAD_TIME * motor.dead_time_voltage, (1.0 - ACTS) * motor.u_inj)
+    iron *= motor.u_inj / (motor.u_inj + unsure)
+    return {
+        "beside": half * float(np.min(beside)),
+        "along": half / (LARGER * float(np.max(small))),
+        "above": half * LARGER / float(np.min(small)) + iron,
+        "u_unsure": unsure,
+    }
+
+
+def answer_bounds(motor: Motor) -> tuple[float, float]:
+    """Least and largest current that the machine's injected voltage moves in lock [A].
+
+    With the roundings of ``lock_bounds``, so that a schedule of that voltage begins with these.
+    """
+    beside, along, above, unsure = np.array(list(answer_shares(motor).values()), np.float32)
+    u = np.float32(motor.u_inj)
+    least = min(beside * u, along * max(u - unsure, np.float32(0.0)))
+    return float(least), float(above * (u + unsure))
 
 
 def d_share(motor: Motor) -> float:
@@ -92,28 +116,14 @@ def d_share(motor: Motor) -> float:
     return SPEED_LAG * motor.omega_rated * rated[0] / rated[1]
 
 
-def most_answer(motor: Motor) -> float:
-    """Largest current that an injected voltage moves in lock, over that voltage [A/V].
-
-    On the d axis u T_s / (2 L_small), the most along the operating line, with an inductance
-    ``LARGER`` times too large in the file and the voltage that a compensation of dead time adds;
-    and what an iron loss p draws as the conductance p / (1.5 (w psi_f)^2) at rated speed.
-    """
-    small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
-    acts = 1.0 + LEFT_DEAD_TIME * motor.dead_time_voltage / motor.u_inj
-    p_iron = max(motor.p_iron, IRON * motor.tau_rated * motor.omega_rated / motor.n_p)
-    iron = p_iron / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
-    return 0.5 * motor.T_s * acts * LARGER / float(np.min(small)) + iron
-
-
 def least_bounded(motor: Motor) -> float:
     """Torque current from which the answer has a bound above [A].
 
     One that no channel reads, if the bound is out of reach.
     """
     small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
-    reach = GAINED * 0.5 * motor.T_s / float(np.min(small))
-    return LOADED * motor.i_rated if most_answer(motor) < reach else motor.adc_range
+    reach = GAINED * motor.u_inj * 0.5 * motor.T_s / float(np.min(small))
+    return LOADED * motor.i_rated if answer_bounds(motor)[1] < reach else motor.adc_range
 
 
 def settled(motor: Motor, current: float, weakening: float) -> float:
@@ -168,6 +178,7 @@ def design_lock(
     unknown = LEFT_DEAD_TIME * (motor.dead_time_voltage + threshold_voltage(motor))
     unknown += UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
     floor, lag = SPEED_LAG * emf + unknown, 2.0 * speed_hz / current_hz
+    least, most = answer_bounds(motor)
     return {
         "alpha": -math.expm1(-step / TAU),
         "inv_t": 1.0 / step,
@@ -179,10 +190,11 @@ def design_lock(
         "e_least": E_LEAST * floor,
         "jump": SPEED_SHARE * rated_acceleration(motor) * TAU + SLIP,
         "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
-        "answer": least_answer(motor),
-        "most": most_answer(motor),
+        "answer": least,
+        "most": most,
         "i_most": least_bounded(motor),
         "leads": 0.0 if one_axis else LEADS,
+        **answer_shares(motor),
         "n": n,
         "n_alarm": max(1, round(ALARM / step)),
         "n_act": max(2, round(ACT / step)),

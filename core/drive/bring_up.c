@@ -102,7 +102,7 @@ static ab_t push(const bring_up_params_t *p, bring_up_state_t *x, ab_t step, ab_
 
 /* Enters the next phase when the present one has had its periods. */
 static void next(const bring_up_params_t *p, bring_up_state_t *x, ab_t i_ab) {
-    x->n += 1;
+    x->n = count_i(x->n, 1);
     if (x->phase == BRING_UP_REST && x->n >= p->n_rest) {
         x->fault |= norm_ab(i_ab) > p->i_rest ? BRING_UP_FAULT_MOVES : 0;
         enter(x, x->fault != 0 ? BRING_UP_DONE : BRING_UP_PROBE);

@@ -52,7 +52,7 @@ CORE_INLINE ab_t drive_step_inline(const drive_params_t *p, drive_state_t *x,
     float s = hfi_inject(&p->hfi, &x->hfi, x->k_s > 0.0f);
     ab_t u = drive_actuate(p, x, &in, i_ab, x->est, r, s);
     drive_signals(&p->signal, x, in.omega_ref);
-    x->lock.wait -= 1;
+    x->lock.wait = count_i(x->lock.wait, -1);
     if (SCALAR_ONLY(x->lock.wait <= 1 || x->lock.wait > p->lock.n + LOCK_FIRST)) {
         u = drive_lock(p, x, u);
     }

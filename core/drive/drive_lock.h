@@ -29,7 +29,7 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     in.psi_a = min_f(psi_0 + (in.L_d - in.L_q) * in.i.d, 2.0f * psi_0);
     lock_emf(&p->lock, &x->lock, &in);
     lock_current(&p->lock, &x->lock, y->u_abs > y->u_max ? 0.0f : in.i.q - y->i_ref.q);
-    lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, p->hfi.u_inj, x->k_s);
+    lock_answer(&p->lock, &x->lock, x->hfi.answer, x->hfi.valid, x->k_s);
     control_sum_anew(y);
 }
 

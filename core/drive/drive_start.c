@@ -99,7 +99,7 @@ CORE_COLD static ab_t fly(const drive_params_t *p, drive_state_t *x, const drive
     x->hfi.pll.omega = own.omega;
     see_emf(p, x, i_ab, x->est.omega);
     ab_t u = drive_hold(p, x, in, i_ab, x->est);
-    x->start.n += 1;
+    x->start.n = count_i(x->start.n, 1);
     if (x->start.n >= (x->start.again != 0 ? p->start.n_again : p->start.n_fly)) {
         estimate_t next = {x->emf.pll.theta, x->emf.pll.omega};
         release(p, x, next, i_ab);
@@ -163,7 +163,7 @@ CORE_COLD static void enter_pole(const drive_params_t *p, drive_state_t *x) {
 CORE_COLD static void judge_pole(const drive_params_t *p, drive_state_t *x) {
     start_state_t *s = &x->start;
     int sure = abs_f(s->i_pole) >= p->start.i_pole_sure;
-    s->tries += 1;
+    s->tries = count_i(s->tries, 1);
     if (sure || s->tries >= p->start.n_tries) {
         int south = s->i_pole * p->start.i_pole < 0.0f;
         x->hfi.pll.theta = wrap_pi(x->hfi.pll.theta + (south ? PI_F : 0.0f));
@@ -254,7 +254,7 @@ CORE_COLD static void leave_lock(const drive_params_t *p, drive_state_t *x, ab_t
 CORE_COLD static void seek_next(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     const start_params_t *q = &p->start;
     start_state_t *s = &x->start;
-    s->n += 1;
+    s->n = count_i(s->n, 1);
     if (s->phase == START_QUIET) {
         if (norm_ab(i_ab) < q->i_quiet || s->n >= q->n_quiet) {
             start_enter(s, START_CATCH);

@@ -40,6 +40,9 @@ CORE_INLINE float max_f(float x, float y) { return x > y ? x : y; }
 CORE_INLINE float abs_f(float x) { return CORE_FABSF(x); }
 CORE_INLINE float sign_f(float x) { return x < 0.0f ? -1.0f : 1.0f; }
 
+/* x + n modulo 2^32: a damaged count may be the largest number, and is found after it counts. */
+CORE_INLINE int32_t count_i(int32_t x, int32_t n) { return (int32_t)((uint32_t)x + (uint32_t)n); }
+
 /* sign_f(y) x, without the product. */
 CORE_INLINE float times_sign_f(float x, float y) { return y < 0.0f ? -x : x; }
 

@@ -8,9 +8,14 @@ static int differs(float x, uint32_t expected) {
     return bits_of(x) != expected && (x == x || float_of(expected) == float_of(expected));
 }
 
-uint32_t gain_table_selftest(const gain_table_t *t, const ks_table_t *axes, const void *values,
-                             const gain_vector_t *v, uint32_t n, uint32_t *first) {
+uint32_t gain_table_selftest(const gain_table_t *t, const ks_table_t *axes, const void *k_s,
+                             const void *values, const gain_vector_t *v, uint32_t n,
+                             uint32_t *first) {
     uint32_t bad = 0;
+    if (ks_table_check(axes, k_s, 0) != KS_OK || gain_table_check(t, axes, values) != KS_OK) {
+        *first = 0; /* a look-up would read beyond them */
+        return n;
+    }
     *first = n;
     for (uint32_t j = 0; j < n; j++) {
         float y[SIGNAL_N];

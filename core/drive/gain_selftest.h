@@ -15,9 +15,11 @@ typedef struct {
 extern "C" {
 #endif
 
-/* The lookup of the gains alone. */
-uint32_t gain_table_selftest(const gain_table_t *t, const ks_table_t *axes, const void *values,
-                             const gain_vector_t *v, uint32_t n, uint32_t *first);
+/* The lookup of the gains alone. Tables that ks_table_check, with the weights k_s, or gain_table_check
+ * refuses count as wrong in all of them. */
+uint32_t gain_table_selftest(const gain_table_t *t, const ks_table_t *axes, const void *k_s,
+                             const void *values, const gain_vector_t *v, uint32_t n,
+                             uint32_t *first);
 
 /* The whole control core over consecutive periods: schedule with gains, and drive_step. live:
  * memory for a copy of the drive's parameters. */

@@ -45,11 +45,12 @@ static int sizes_ok(const gain_table_t *t, const ks_table_t *axes) {
     return rising;
 }
 
-/* Monotone and above 0 from -1 to 1, so that every value has a factor of its own. */
+/* Monotone, so that every value has a factor of its own, and above 0 where values may be. */
 static int limit_ok(const gain_limits_t *p) {
     return p->rise >= 0.0f && finite_f(p->rise) && 2.0f * abs_f(p->bend) <= p->rise &&
-           1.0f - p->rise + p->bend > 0.0f && p->least >= -1.0f && p->least <= 0.0f &&
-           p->most >= 0.0f && p->most <= 1.0f && p->pace > 0.0f && p->pace <= 1.0f;
+           1.0f + p->least * (p->rise + p->bend * p->least) > 0.0f && p->least >= -1.0f &&
+           p->least <= 0.0f && p->most >= 0.0f && p->most <= 1.0f && p->pace > 0.0f &&
+           p->pace <= 1.0f;
 }
 
 static int ranges_ok(const gain_table_t *t, const ks_table_t *axes, const void *values) {

@@ -47,10 +47,14 @@ typedef struct {
     float e_least;   /* least EMF that has a direction [V] */
     float jump;      /* SPEED: distance from the low-pass beyond which it fails [rad/s] */
     float i_off;     /* CURRENT: mean distance from the reference beyond which it fails [A] */
-    float answer;    /* ANSWER: least current over the injected voltage [A/V] */
-    float most;      /* largest current over it, with injection alone [A/V], */
+    float answer;    /* ANSWER: least current that the injected voltage moves [A] */
+    float most;      /* largest, with injection alone [A]; lock_bounds has both */
     float i_most;    /* from this torque current on: near zero dead time is compensated badly [A] */
     float leads;     /* weight of injection from which it counts: its axis is the estimate's */
+    float beside;    /* least current 60 degrees beside the axis, over the injected voltage [A/V] */
+    float along;     /* least along the axis, over the voltage that acts [A/V] */
+    float above;     /* largest over that voltage [A/V] */
+    float u_unsure;  /* by which that may differ from the injected one: dead time [V] */
     int32_t n;       /* periods from one evaluation to the next, at least 2 */
     int32_t n_alarm; /* evaluations from the first failed one to an alarm, if the last failed too */
     int32_t n_act;   /* the same to a restart or stop */
@@ -145,14 +149,19 @@ CORE_INLINE int lock_emf_agrees(const lock_params_t *p, const lock_state_t *x) {
     return x->emf > LOCK_TELLS * p->e_floor && off < LOCK_AGREES * x->emf;
 }
 
-/* Also in the first part: the answer to an injected voltage of amplitude u_inj [V]. seen: how far it
- * moved the current along its axis [A], if valid > 0; k_s: its weight. */
+/* Bounds on the answer to an injected voltage of amplitude u [V]. */
+CORE_INLINE void lock_bounds(lock_params_t *p, float u) {
+    p->answer = min_f(p->beside * u, p->along * max_f(u - p->u_unsure, 0.0f));
+    p->most = p->above * (u + p->u_unsure);
+}
+
+/* Also in the first part: the answer to the injected voltage. seen: how far it moved the current
+ * along its axis [A], if valid > 0; k_s: its weight. */
 CORE_INLINE void lock_answer(const lock_params_t *p, lock_state_t *x, float seen, float valid,
-                             float u_inj, float k_s) {
-    float least = p->answer * u_inj;
-    float above = seen - least;
-    float below = k_s >= 1.0f && abs_f(x->i.q) > p->i_most ? p->most * u_inj - seen : above;
-    float more = valid > 0.0f && k_s >= p->leads ? min_f(above, below) : least;
+                             float k_s) {
+    float above = seen - p->answer;
+    float below = k_s >= 1.0f && abs_f(x->i.q) > p->i_most ? p->most - seen : above;
+    float more = valid > 0.0f && k_s >= p->leads ? min_f(above, below) : p->answer;
     x->answer += p->alpha * (more - x->answer);
 }
 
@@ -173,12 +182,12 @@ CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega
     int32_t failed = grace ? 0 : found;
     int32_t calm = x->calm < p->n_calm ? x->calm + 1 : x->calm;
     x->calm = failed != 0 ? 0 : calm;
-    int32_t more = failed != 0 || (x->bad > 0 && x->calm < p->n_clear) ? x->bad + 1 : 0;
+    int32_t more = failed != 0 || (x->bad > 0 && x->calm < p->n_clear) ? count_i(x->bad, 1) : 0;
     int32_t last = x->bad <= LOCK_GRACE + 1 || x->bad > LOCK_GRACE + p->n_grace;
     int32_t less = last ? 0 : x->bad - 1;
     x->bad = grace ? less : more;
     int32_t on = failed != 0 && x->bad >= p->n_alarm;
-    x->alarms += on && x->alarm == 0 ? 1 : 0;
+    x->alarms = count_i(x->alarms, on && x->alarm == 0 ? 1 : 0);
     x->alarm = x->bad > 0 && (on || x->alarm != 0) ? 1 : 0;
     x->reason |= x->alarm != 0 ? failed : 0;
     x->restarts = x->calm >= p->n_calm ? 0 : x->restarts;

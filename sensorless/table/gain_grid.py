@@ -49,7 +49,7 @@ class GainGrid:
             value = float32_in(f"{self.gain}: {name}", x if given is None else given, least, most)
             object.__setattr__(self, name, value)
         limits = self.range.limits(1e-3)
-        if not 2.0 * abs(limits["bend"]) <= limits["rise"]:
+        if not self.range.rises:
             raise UserError(
                 f"table: {self.gain}: low, high: {self.low:g}, {self.high:g}; give factors between "
                 "which a parabola through 1 only rises"

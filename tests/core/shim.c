@@ -281,12 +281,12 @@ void t_lock(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
     }
 }
 
-/* n evaluations at rest; rows of in: answer to the injection, its valid, u_inj, k_s, i_q. */
+/* n evaluations at rest; rows of in: answer to the injection, its valid, k_s, i_q. */
 void t_lock_answer(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
     for (int j = 0; j < n; j++) {
-        const float *v = &in[5 * j];
-        x->i.q = v[4];
-        lock_answer(p, x, v[0], v[1], v[2], v[3]);
+        const float *v = &in[4 * j];
+        x->i.q = v[3];
+        lock_answer(p, x, v[0], v[1], v[2]);
         lock_judge(p, x, 0.0f, 1e30f);
     }
 }

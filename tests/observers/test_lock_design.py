@@ -15,11 +15,11 @@ from sensorless.evaluation.metrics.held import BAND_PCT
 from sensorless.machine.magnetics import mtpa
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.machine.saliency import principal
+from sensorless.observers.hfi_design import hf_current
 from sensorless.observers.lock_design import (
     ACTIONS,
     EVERY,
-    least_answer,
-    most_answer,
+    answer_bounds,
     settled,
 )
 from sensorless.observers.tracking import rated_acceleration
@@ -28,7 +28,8 @@ from sensorless.observers.tracking import rated_acceleration
 def test_a_large_dead_time_leaves_little_of_the_answer() -> None:
     """As little as the file's own dead time leaves, and something in any case."""
     motor = Motor.load("formula_wheel")
-    left = [least_answer(replace(motor, dead_time=x * motor.dead_time)) for x in (0.1, 1.0, 9.0)]
+    times = [x * motor.dead_time for x in (0.1, 1.0, 9.0)]
+    left = [answer_bounds(replace(motor, dead_time=x))[0] for x in times]
     assert left[0] > left[1] > left[2] > 0.0
 
 
@@ -36,8 +37,9 @@ def test_the_bound_above_knows_the_iron_loss_of_the_file() -> None:
     """A conductance across the EMF at rated speed: p = 3/2 g (w psi_f)^2."""
     motor = Motor.load("ipmsm_2200w")
     loss = 0.1 * motor.tau_rated * motor.omega_rated / motor.n_p
-    more = most_answer(replace(motor, p_iron=2.0 * loss)) - most_answer(replace(motor, p_iron=loss))
-    assert more == pytest.approx(loss / (1.5 * (motor.omega_rated * motor.psi_f) ** 2), rel=1e-9)
+    most = [answer_bounds(replace(motor, p_iron=x * loss))[1] for x in (1.0, 2.0)]
+    drawn = motor.u_inj * loss / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
+    assert most[1] - most[0] == pytest.approx(drawn, rel=1e-5)
 
 
 def test_transistors_and_diodes_take_their_voltage_from_the_emf() -> None:
@@ -81,10 +83,10 @@ def test_limits_lie_between_noise_and_what_can_be_measured(name: str) -> None:
     half_a_turn = math.pi / 0.02  # within 20 ms
     assert 30.0 < lock["jump"] < half_a_turn + 0.02 * rated_acceleration(motor)
     assert 0.1 * motor.i_rated < lock["i_off"] < 0.3 * motor.i_rated
-    in_lock = 0.5 * motor.T_s / motor.L_d
+    in_lock = hf_current(motor)
     assert in_lock * motor.L_d / motor.L_q < lock["answer"] < 0.9 * in_lock
     small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
-    assert lock["most"] > 1.1 * 0.5 * motor.T_s / np.min(small)
+    assert lock["most"] > 1.1 * motor.u_inj * 0.5 * motor.T_s / np.min(small)
     out_of_reach = name in ("brusa_hsm1", "pmsyrm_5600w")  # much iron loss for their inductance
     assert 0.0 < lock["i_most"] <= motor.adc_range
     assert (lock["i_most"] > motor.i_rated) == out_of_reach

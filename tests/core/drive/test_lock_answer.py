@@ -28,7 +28,7 @@ def answered(
     params = control_record(MOTOR, DriveDesign(estimator=estimator))["lock"].reshape(1)
     state, every = np.zeros(1, dtype=struct_dtype("lock_state_t")), float(1.0 / params["inv_t"][0])
     for seconds, share, valid in parts:
-        row = [share * hf_current(MOTOR), valid, MOTOR.u_inj, k_s, i_q]
+        row = [share * hf_current(MOTOR), valid, k_s, i_q]
         rows = np.array([row] * round(seconds / every), dtype=np.float32)
         c("lock_answer", params.copy(), state, rows, len(rows))
     (row,) = state
