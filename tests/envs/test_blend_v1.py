@@ -113,6 +113,7 @@ def test_a_return_does_not_depend_on_the_decision_period() -> None:
         ({"gain_ranges": {"l_q": (0.9, 1.1)}}, r"gain_ranges: l_q: \(0.9, 1.1\); give .*Gain\(low"),
         ({"gain_ranges": {"l_q": Gain(1.1, 0.9)}}, r"l_q: Gain\(low=1.1, high=0.9.*at most 1"),
         ({"gain_ranges": {"l_q": Gain(float("nan"), 2.0)}}, "l_q: Gain.low=nan"),
+        ({"gain_ranges": {"l_q": Gain(0.5, 8.0)}}, "so that a parabola through 1 only rises"),
     ],
 )
 def test_unknown_gains_are_refused(settings: dict[str, object], words: str) -> None:

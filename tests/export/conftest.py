@@ -8,9 +8,13 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from sensorless.export.export import Exported
+from sensorless.design.drive import DriveDesign
+from sensorless.export.export import Exported, export
+from sensorless.machine.motor import Motor
+from sensorless.table.ks_table import Axis, GainGrid, KsTable
 from tests.helpers.objects import Failed, compiled, flags, keep, place_of
 
 SANITIZERS = ("-O1", "-fsanitize=fuzzer-no-link,address,undefined", "-fno-sanitize-recover=all")
@@ -69,3 +73,17 @@ def watched(exported: Exported) -> list[Path]:
     if os.environ.get("CI") == "true":
         pytest.fail("CI needs the Debian packages clang, libclang-rt-dev")
     pytest.skip("needs the Debian packages clang, libclang-rt-dev")
+
+
+@pytest.fixture(scope="session")
+def with_gains(motor: Motor, tmp_path_factory: pytest.TempPathFactory) -> Exported:
+    """Export that has passed its self test, where there is a compiler."""
+    k_s = np.array([[1.0, 1.0], [0.6, 0.4], [0.0, 0.0]])
+    grids = (
+        GainGrid("observer", np.array([[0.0, 0.5], [1.0, -0.2], [0.3, 0.3]])),
+        GainGrid("amplitude", np.array([[0.0, -0.5], [-1.0, -0.2], [0.0, 0.0]])),
+    )
+    axes = (Axis("speed", 0.1, 0.5, 3), Axis("disagreement", -1.0, 1.0, 2))
+    table = KsTable(axes, k_s, gains=grids)
+    folder = tmp_path_factory.mktemp("gains") / "export"
+    return export(table, motor, DriveDesign(k_s_slew=table.slew_per_s), folder)

@@ -4,29 +4,10 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from sensorless.design.drive import DriveDesign
 from sensorless.export.core_files import core_files
-from sensorless.export.export import Exported, export
-from sensorless.machine.motor import Motor
-from sensorless.table.ks_table import Axis, GainGrid, KsTable
-
-AXES = (Axis("speed", 0.1, 0.5, 3), Axis("disagreement", -1.0, 1.0, 2))
-
-
-@pytest.fixture(scope="module")
-def with_gains(motor: Motor, tmp_path_factory: pytest.TempPathFactory) -> Exported:
-    """Export that has passed its self test, where there is a compiler."""
-    k_s = np.array([[1.0, 1.0], [0.6, 0.4], [0.0, 0.0]])
-    grids = (
-        GainGrid("observer", np.array([[0.0, 0.5], [1.0, -0.2], [0.3, 0.3]])),
-        GainGrid("amplitude", np.array([[0.0, -0.5], [-1.0, -0.2], [0.0, 0.0]])),
-    )
-    table = KsTable(AXES, k_s, gains=grids)
-    folder = tmp_path_factory.mktemp("gains") / "export"
-    return export(table, motor, DriveDesign(k_s_slew=table.slew_per_s), folder)
+from sensorless.export.export import Exported
 
 
 def test_the_self_test_covers_gains(with_gains: Exported) -> None:

@@ -162,6 +162,7 @@ def test_parts_of_the_wrong_kind(parts: dict[str, object], said: str) -> None:
         ({"l_q": Gain(-1.0, np.inf)}, "high=inf"),
         ({"l_q": Gain(2.0, 3.0)}, "low above 0 and at most 1"),
         ({"l_q": Gain(3.0, 0.3)}, "high at least 1"),
+        ({"l_q": Gain(0.5, 2.6)}, "so that a parabola through 1 only rises"),
         ({"l_q": Gain(0.8, 1.25, 0.0)}, "settle above 0"),
         ({"l_q": Gain("low", 1.25)}, "Gain(low='low'"),  # type: ignore[arg-type]
     ],

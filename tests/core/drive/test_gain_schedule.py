@@ -1,5 +1,6 @@
 """A schedule that sets gains: what the drive gets, when, and what stays static."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.rollout import rollout
 from sensorless.machine.motor import Motor
+from sensorless.observers.lock_design import answer_bounds
 from sensorless.policy import TablePolicy
 from sensorless.table import gain_image
 from sensorless.table.ks_table import Axis, GainGrid, KsTable
@@ -155,6 +157,30 @@ def test_bandwidths_set_both_gains_of_a_loop(firmware: Firmware, motor: Motor) -
         assert live[loop]["pll"]["k_i"] == pytest.approx(design[loop]["pll"]["k_i"] * factor**2)
     assert live["hfi"]["u_inj"] < design["hfi"]["u_inj"]
     assert len(set((live["L_q"]["y"] / design["L_q"]["y"]).round(5))) == 1
+
+
+@pytest.mark.parametrize("name", ["formula_wheel", "pmsrm_15kw"])
+def test_bounds_on_the_answer_follow_the_injected_voltage(name: str) -> None:
+    """Dead time may take a larger share of less voltage; the value 0 is the static drive."""
+    motor = Motor.load(name)
+    sims = SimFactory(motor, DriveDesign()).build(suite("stress-1", motor, 3, 1))
+    for value in (0.0, -1.0):
+        grid = GainGrid("amplitude", np.full((4, 3), value, np.float32))
+        t = KsTable(AXES, np.ones((4, 3), np.float32), gains=(grid,))
+        firmware = Firmware(t, sims["control"], 5, 1e-3)
+        for _ in range(500):
+            firmware.step(signals_at(0.3, motor))
+        live, design = firmware.live[0], firmware.design[0]
+        assert live["hfi"]["u_inj"] == pytest.approx((1.0 + 0.5 * value) * motor.u_inj, rel=1e-4)
+        if value == 0.0:
+            assert live.tobytes() == design.tobytes()
+        else:
+            half = replace(motor, u_inj=0.5 * motor.u_inj)
+            bounds = [live["lock"]["answer"], live["lock"]["most"]]
+            least, most = answer_bounds(half)
+            assert bounds[0] == pytest.approx(least, rel=1e-3)
+            assert bounds[1] == pytest.approx(most, rel=0.04), "iron's part is of the full voltage"
+            assert bounds[0] < 0.4 * design["lock"]["answer"]
 
 
 def test_one_gain_a_period_after_the_decision(firmware: Firmware, motor: Motor) -> None:
