@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from sensorless.baselines.rule import Parameter, Rule, Values
 from sensorless.core.api import SIGNAL_NAMES
 from sensorless.machine.motor import Motor
+from sensorless.observers.hfi_design import error_slope
 from sensorless.policy import NO_SETTINGS, Settings, Signals
 
 CUT = 0.02
@@ -68,7 +69,7 @@ class InnovationFusion:
 
 
 def _build(name: str, v: Values, motor: Motor) -> InnovationFusion:
-    slope = 1.0 - motor.L_d / motor.L_q
+    slope = error_slope(motor.L_d, motor.L_q)
     return InnovationFusion(name, np.deg2rad(v["floor"]), 0.01 * v["bias"], slope)
 
 

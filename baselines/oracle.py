@@ -29,7 +29,7 @@ WAKE_K_S = 0.01
 
 
 class Oracle:
-    """The rule above; ``privileged`` says that it sees the truth.
+    """The rule above; ``act_knowing`` sees the truth.
 
     Parameters
     ----------

@@ -29,19 +29,22 @@ from numpy.typing import NDArray
 
 from sensorless.core.api import Array
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.reward import INF, RewardWeights, Term, angle_cost
+from sensorless.envs.reward import (
+    INF,
+    SCALE_SPEED,
+    SCALE_TORQUE,
+    RewardWeights,
+    Term,
+    angle_cost,
+)
 from sensorless.machine.motor import Motor
 from sensorless.settings import number
 
 WINDOW = 0.02
 """Time over which every running cost is taken [s]: the window of the published ripple."""
 
-SCALE_TORQUE = 0.20
-"""Torque deviation at which the cost is one half [rated torque]."""
 SCALE_RIPPLE = 0.05
 """Torque ripple at which the cost is one half [rated torque]."""
-SCALE_SPEED = 0.05
-"""Speed deviation at which the cost is one half [rated speed]."""
 
 KEPT = ("n", "dev_sq", "tau", "tau_twin", "omega_m", "omega_m_twin", "err_sq", "k_s_moved",
         "injecting")  # fmt: skip

@@ -14,7 +14,9 @@ from sensorless.observers.pll_design import pll_gains
 from sensorless.observers.smo_design import SWITCHING
 
 PLL_HZ = (35.0, 50.0)
-"""Natural frequencies of the injection and EMF loops while the rotor is sought [Hz]."""
+"""Natural frequencies of the injection and EMF loops while the rotor is sought [Hz]. They
+have to settle within ``lock`` and ``catch``, and no torque moves the shaft meanwhile: that does not
+depend on the machine."""
 HOLD_SHARE = 0.3
 """Gain of the loop that holds zero current, over the deadbeat gain: damped for any inductance
 between L_d and L_q, with one period of computation and the mean of two samples."""
@@ -25,8 +27,8 @@ EMF_NOISE = 0.05
 """Noise of the EMF that is followed, over that of a shaft that counts as spinning. What takes
 longer because of it:"""
 EMF_TAU = 1.25e-3
-"""Longest time in which the EMF is followed [s]: a fifth of CATCH, so that what is left of the
-first error is 2 %."""
+"""Longest time in which the EMF is followed [s]: a sixth to a fifth of ``catch``, so that what is
+left of the first error is 2.4 %."""
 FLY_SHARE = 0.25
 """EMF, over its rated value, above which the shaft counts as spinning. Above it, the EMF turns by
 several times its noise while it is watched; below it, the injection estimator still locks in."""

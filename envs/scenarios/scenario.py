@@ -30,8 +30,8 @@ OF_THE_SCENARIO = ("ripple", "ripple_hz", "ripple_phase", "winding_K", "magnet_K
 U_DC_TIME = 0.01
 """Time in which the DC link would move by its nominal voltage between its targets [s]."""
 RUNAWAY = 2.5
-"""Speed over rated beyond which the twin has run away: no profile asks for more than rated speed,
-and by default the estimators are bounded there too."""
+"""Speed over rated beyond which the twin has run away: no suite asks for more than rated speed, and
+by default the estimators are bounded there too."""
 
 
 @dataclass

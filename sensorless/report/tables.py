@@ -63,7 +63,7 @@ def pair_rows(results: Results, shown: Sequence[str]) -> list[Row]:
         {
             **_head(results, name, shown),
             "both": results.paired[name]["survived_both"],
-            "cells": [_difference(results.paired[name], *column) for column in COLUMNS],
+            "cells": [_difference(results.paired[name], key, x, n) for key, _, x, n in COLUMNS],
         }
         for name in names
     ]
@@ -92,9 +92,7 @@ def _cell(value: float, interval: Sequence[float], factor: float, decimals: int)
     }
 
 
-def _difference(
-    pair: Mapping[str, Any], key: str, heading: str, factor: float, decimals: int
-) -> Row:
+def _difference(pair: Mapping[str, Any], key: str, factor: float, decimals: int) -> Row:
     low, high = (-x for x in reversed(pair[f"{key}_ci"]))
     cell = _cell(-pair[key], (low, high), factor, decimals)
     percent = share(-pair[key], pair["there"][key] + pair[key])

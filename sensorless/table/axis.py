@@ -60,10 +60,12 @@ class Axis:
         if self.signal not in SIGNAL_NAMES:
             known = ", ".join(SIGNAL_NAMES)
             raise UserError(f"table: axis: {self.signal!r} is not a signal; choose from {known}")
-        if isinstance(self.n, bool) or not isinstance(self.n, int) or not 2 <= self.n <= MAX_NODES:
+        whole = isinstance(self.n, (int, np.integer)) and not isinstance(self.n, bool)
+        if not whole or not 2 <= self.n <= MAX_NODES:
             raise UserError(
                 f"table: axis {self.signal}: n: {self.n!r}; give 2 to {MAX_NODES} nodes"
             )
+        object.__setattr__(self, "n", int(self.n))
         for name in ("lo", "hi"):
             value = float32_in(f"axis {self.signal}: {name}", getattr(self, name), -1e6, 1e6)
             object.__setattr__(self, name, value)

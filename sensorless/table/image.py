@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import SIGNAL_N, Array, lib, pointer
+from sensorless.errors import UserError
 
 PROBLEMS: dict[int, str] = {
     lib.KS_BAD_MAGIC: "not a table",
@@ -22,7 +23,15 @@ PROBLEMS: dict[int, str] = {
 
 
 def flat_values(values: NDArray[np.float32], form: str) -> Array:
-    """Return node values as the firmware stores them: flat, float32 or int16 (Q15)."""
+    """Return node values as the firmware stores them: flat, float32 or int16 (Q15).
+
+    Raises
+    ------
+    UserError
+        ``form`` is neither.
+    """
+    if form not in ("f32", "q15"):
+        raise UserError(f"table: form: {form!r}; give 'f32' or 'q15'")
     flat = values.reshape(-1)
     if form == "f32":
         return flat

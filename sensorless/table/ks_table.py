@@ -9,14 +9,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, TABLE, Array, lib
 from sensorless.core.gains import Gain, Values
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.files import reason, write_atomic
 from sensorless.table import gain_image
 from sensorless.table.axis import MAX_NODES, Axis, decimal, float32_in
@@ -27,6 +27,7 @@ from sensorless.table.json_form import check_crc, content, from_text, to_text
 __all__ = ["Axis", "GainGrid", "KsTable", "ValueFormat"]
 
 ValueFormat = Literal["f32", "q15"]
+T = TypeVar("T")
 
 MAX_AXES: int = lib.KS_TABLE_AXES
 
@@ -60,12 +61,14 @@ class KsTable:
         UserError
             A field or a node is out of its range.
         """
-        axes = tuple(self.axes)
+        axes = _all_of(Axis, "axes", self.axes)
         names = [axis.signal for axis in axes]
         if not 1 <= len(names) <= MAX_AXES or len(set(names)) < len(names):
             raise UserError(f"table: axes: {', '.join(names)}; give 1 to {MAX_AXES} different ones")
         if not isinstance(self.rule, (tuple, list)) or len(self.rule) != 2:
             raise UserError(f"table: rule: {self.rule!r}; give two speeds, low < high")
+        if not isinstance(self.provenance, Mapping):
+            raise UserError(f"table: provenance: {self.provenance!r}; give facts by name")
         low, high = (float32_in("rule", x, 0.0, 1e6) for x in self.rule)
         if not low < high:
             raise UserError(f"table: rule: {low:g}, {high:g}; give low < high")
@@ -75,7 +78,9 @@ class KsTable:
             "slew_per_s": float32_in("slew_per_s", self.slew_per_s, 1e-3, 1e6),
             "fallback": float32_in("fallback", self.fallback, 0.0, 1.0),
             "rule": (low, high),
-            "gains": checked_grids(self.gains, tuple(axis.n for axis in axes)),
+            "gains": checked_grids(
+                _all_of(GainGrid, "gains", self.gains), tuple(axis.n for axis in axes)
+            ),
         }.items():
             object.__setattr__(self, name, value)
 
@@ -84,7 +89,15 @@ class KsTable:
         return self._lookup(_rows(obs))
 
     def evaluate_gains(self, obs: NDArray[np.float32]) -> Values:
-        """Return values of the gains (n, GAIN_N) at signals (n, SIGNAL_N); the table has some."""
+        """Return values of the gains (n, GAIN_N) at signals (n, SIGNAL_N).
+
+        Raises
+        ------
+        UserError
+            The table sets no gains.
+        """
+        if not self.gains:
+            raise UserError("table: gains: none; evaluate_gains asks a table that sets some")
         header, values = self._gain_image
         return gain_image.lookup(header, self._image[0], values, _rows(obs))
 
@@ -133,7 +146,13 @@ class KsTable:
             Kind of the values, see ``stored``.
         motor_hash : int
             32 bits that name the machine; 0 for none.
+
+        Raises
+        ------
+        UserError
+            ``form`` is neither.
         """
+        stored = self.stored(form)
         header = np.zeros(1, dtype=TABLE)
         header["magic"], header["format"] = lib.KS_TABLE_MAGIC, lib.KS_TABLE_FORMAT
         header["value_format"] = lib.KS_VALUES_F32 if form == "f32" else lib.KS_VALUES_Q15
@@ -145,7 +164,7 @@ class KsTable:
         header["slew_per_s"], header["fallback"] = self.slew_per_s, self.fallback
         header["policy_hash"] = int(self.digest[:8], 16)
         header["motor_hash"] = motor_hash
-        seal(header, self.stored(form))
+        seal(header, stored)
         return header.reshape(())
 
     def fields(self) -> dict[str, Any]:
@@ -219,6 +238,13 @@ class KsTable:
             raise UserError(f"{where}: {error}") from None
         check_crc(table.fields(), crc, where)
         return table
+
+
+def _all_of(kind: type[T], name: str, given: Any) -> tuple[T, ...]:
+    """The objects of one field, each of the kind it takes."""
+    if not isinstance(given, (tuple, list)) or not all(isinstance(x, kind) for x in given):
+        raise UserError(f"table: {name}: {shown(given)}; give a tuple of {kind.__name__}")
+    return tuple(given)
 
 
 def _rows(obs: NDArray[np.float32]) -> NDArray[np.float32]:
