@@ -45,6 +45,8 @@ IRON = 0.03
 one: that of the suite ``stress``."""
 LOADED = 0.1
 """Torque current over rated from which dead time is compensated well enough to bound the answer."""
+MOST_DEAD_TIME = 1.5
+"""Dead time that a drive may have, over the file's: that of ``LEFT_DEAD_TIME``."""
 GAINED = 2.0
 """Bound on the answer over that of the d axis beyond which no channel with a wrong gain comes: one
 that reads 1.5 times as much makes 1.4 to 2.1."""
@@ -67,41 +69,70 @@ SETTLED = 4.0
 """Time constants of the current loop, and of the tests' low-pass, in ``settled``."""
 
 
+def unsure_voltage(motor: Motor) -> float:
+    """Voltage that dead time takes under load, or a compensation of it adds [V]."""
+    return min(LEFT_DEAD_TIME * motor.dead_time_voltage, (1.0 - ACTS) * motor.u_inj)
+
+
+def taken_voltage(motor: Motor) -> float:
+    """Voltage that dead time and switches take near zero current [V].
+
+    There the injected voltage itself turns the current round, and a compensation of its mean does
+    nothing: the dead time's may be ``MOST_DEAD_TIME`` times the file's, and the thresholds' is as
+    much as without compensation.
+    """
+    taken = MOST_DEAD_TIME * motor.dead_time_voltage + threshold_voltage(motor)
+    return min(taken, (1.0 - ACTS) * motor.u_inj)
+
+
+def most_answer(motor: Motor) -> float:
+    """Largest current that the injected voltage moves in lock [A].
+
+    On the d axis u T_s / (2 L_small), the most along the operating line, with an inductance
+    ``LARGER`` times too large in the file and the voltage that a compensation of dead time adds;
+    and what an iron loss p draws as the conductance p / (1.5 (w psi_f)^2) at rated speed.
+    """
+    small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
+    acts = motor.u_inj + unsure_voltage(motor)
+    p_iron = max(motor.p_iron, IRON * motor.tau_rated * motor.omega_rated / motor.n_p)
+    iron = p_iron / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
+    return 0.5 * motor.T_s * acts * LARGER / float(np.min(small)) + iron * motor.u_inj
+
+
 def answer_shares(motor: Motor) -> dict[str, float]:
     """What the answer to an injected voltage is bounded with, by fields of ``lock_params_t``.
 
     A voltage u that alternates moves the current by u T_s / 2 (cos^2 / L_small + sin^2 / L_large)
     at an angle beside the d axis. ``beside`` is that at ``ANGLE`` [A/V], ``along`` that on the axis
     with an inductance ``LARGER`` times the file's [A/V], each the least along the operating line.
-    ``u_unsure`` is the voltage that dead time takes, or a compensation of it adds [V]. ``above`` is
-    the most on the axis over the voltage with that, with an inductance as much smaller, and what an
-    iron loss p draws of the machine's injected voltage, as the conductance p / (1.5 (w psi_f)^2) at
-    rated speed [A/V].
+    ``above`` is ``most_answer`` over the voltage that acts at most [A/V]; where that is out of
+    ``GAINED``'s reach, it is more than any channel reads.
     """
     small, large = principal(motor, np.stack(mtpa(motor), axis=-1)).T
-    half = 0.5 * motor.T_s
+    half, unsure = 0.5 * motor.T_s, unsure_voltage(motor)
     beside = np.cos(ANGLE) ** 2 / small + np.sin(ANGLE) ** 2 / large
-    p_iron = max(motor.p_iron, IRON * motor.tau_rated * motor.omega_rated / motor.n_p)
-    iron = p_iron / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
-    unsure = min(LEFT_DEAD_TIME * motor.dead_time_voltage, (1.0 - ACTS) * motor.u_inj)
-    iron *= motor.u_inj / (motor.u_inj + unsure)
+    most, reach = most_answer(motor), GAINED * motor.u_inj * half / float(np.min(small))
     return {
         "beside": half * float(np.min(beside)),
         "along": half / (LARGER * float(np.max(small))),
-        "above": half * LARGER / float(np.min(small)) + iron,
+        "above": (most if most < reach else 4.0 * motor.adc_range) / (motor.u_inj + unsure),
         "u_unsure": unsure,
+        "u_taken": taken_voltage(motor),
     }
 
 
-def answer_bounds(motor: Motor) -> tuple[float, float]:
-    """Least and largest current that the machine's injected voltage moves in lock [A].
+def answer_bounds(motor: Motor) -> dict[str, float]:
+    """Bounds on the answer to the machine's injected voltage, fields of ``lock_params_t`` [A].
 
     With the roundings of ``lock_bounds``, so that a schedule of that voltage begins with these.
     """
-    beside, along, above, unsure = np.array(list(answer_shares(motor).values()), np.float32)
-    u = np.float32(motor.u_inj)
-    least = min(beside * u, along * max(u - unsure, np.float32(0.0)))
-    return float(least), float(above * (u + unsure))
+    values = np.array(list(answer_shares(motor).values()), np.float32)
+    beside, along, above, unsure, taken = values
+    u, none = np.float32(motor.u_inj), np.float32(0.0)
+    answer = min(beside * u, along * max(u - unsure, none))
+    rest = min(answer, along * max(u - taken, none))
+    found = {"answer": answer, "rest": rest, "most": above * (u + unsure)}
+    return {name: float(x) for name, x in found.items()}
 
 
 def d_share(motor: Motor) -> float:
@@ -114,16 +145,6 @@ def d_share(motor: Motor) -> float:
     size, psi_q = np.hypot(i[:, 0], i[:, 1]), flux(motor.saturation, i)[:, 1]
     rated = [float(np.interp(motor.i_rated, size, x)) for x in (psi_q, i[:, 1])]
     return SPEED_LAG * motor.omega_rated * rated[0] / rated[1]
-
-
-def least_bounded(motor: Motor) -> float:
-    """Torque current from which the answer has a bound above [A].
-
-    One that no channel reads, if the bound is out of reach.
-    """
-    small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
-    reach = GAINED * motor.u_inj * 0.5 * motor.T_s / float(np.min(small))
-    return LOADED * motor.i_rated if answer_bounds(motor)[1] < reach else motor.adc_range
 
 
 def settled(motor: Motor, current: float, weakening: float) -> float:
@@ -178,7 +199,6 @@ def design_lock(
     unknown = LEFT_DEAD_TIME * (motor.dead_time_voltage + threshold_voltage(motor))
     unknown += UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
     floor, lag = SPEED_LAG * emf + unknown, 2.0 * speed_hz / current_hz
-    least, most = answer_bounds(motor)
     return {
         "alpha": -math.expm1(-step / TAU),
         "inv_t": 1.0 / step,
@@ -190,9 +210,8 @@ def design_lock(
         "e_least": E_LEAST * floor,
         "jump": SPEED_SHARE * rated_acceleration(motor) * TAU + SLIP,
         "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
-        "answer": least,
-        "most": most,
-        "i_most": least_bounded(motor),
+        **answer_bounds(motor),
+        "i_loaded": LOADED * motor.i_rated,
         "leads": 0.0 if one_axis else LEADS,
         **answer_shares(motor),
         "n": n,

@@ -48,13 +48,15 @@ typedef struct {
     float jump;      /* SPEED: distance from the low-pass beyond which it fails [rad/s] */
     float i_off;     /* CURRENT: mean distance from the reference beyond which it fails [A] */
     float answer;    /* ANSWER: least current that the injected voltage moves [A] */
-    float most;      /* largest, with injection alone [A]; lock_bounds has both */
-    float i_most;    /* from this torque current on: near zero dead time is compensated badly [A] */
+    float rest;      /* the same near zero current [A] */
+    float most;      /* largest, with injection alone [A]; lock_bounds has all three */
+    float i_loaded;  /* torque current from which dead time is compensated well [A] */
     float leads;     /* weight of injection from which it counts: its axis is the estimate's */
     float beside;    /* least current 60 degrees beside the axis, over the injected voltage [A/V] */
     float along;     /* least along the axis, over the voltage that acts [A/V] */
     float above;     /* largest over that voltage [A/V] */
     float u_unsure;  /* by which that may differ from the injected one: dead time [V] */
+    float u_taken;   /* what dead time and switches may take of it near zero current [V] */
     int32_t n;       /* periods from one evaluation to the next, at least 2 */
     int32_t n_alarm; /* evaluations from the first failed one to an alarm, if the last failed too */
     int32_t n_act;   /* the same to a restart or stop */
@@ -152,6 +154,7 @@ CORE_INLINE int lock_emf_agrees(const lock_params_t *p, const lock_state_t *x) {
 /* Bounds on the answer to an injected voltage of amplitude u [V]. */
 CORE_INLINE void lock_bounds(lock_params_t *p, float u) {
     p->answer = min_f(p->beside * u, p->along * max_f(u - p->u_unsure, 0.0f));
+    p->rest = min_f(p->answer, p->along * max_f(u - p->u_taken, 0.0f));
     p->most = p->above * (u + p->u_unsure);
 }
 
@@ -159,9 +162,11 @@ CORE_INLINE void lock_bounds(lock_params_t *p, float u) {
  * along its axis [A], if valid > 0; k_s: its weight. */
 CORE_INLINE void lock_answer(const lock_params_t *p, lock_state_t *x, float seen, float valid,
                              float k_s) {
-    float above = seen - p->answer;
-    float below = k_s >= 1.0f && abs_f(x->i.q) > p->i_most ? p->most - seen : above;
-    float more = valid > 0.0f && k_s >= p->leads ? min_f(above, below) : p->answer;
+    int loaded = abs_f(x->i.q) > p->i_loaded;
+    float least = loaded ? p->answer : p->rest;
+    float above = seen - least;
+    float below = k_s >= 1.0f && loaded ? p->most - seen : above;
+    float more = valid > 0.0f && k_s >= p->leads ? min_f(above, below) : least;
     x->answer += p->alpha * (more - x->answer);
 }
 

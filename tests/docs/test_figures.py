@@ -17,7 +17,7 @@ from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import LEAST
 from sensorless.observers.coupled_design import Bandwidths, bandwidths, layer
 from sensorless.observers.hfi_design import hf_current
-from sensorless.observers.lock_design import answer_bounds
+from sensorless.observers.lock_design import most_answer
 from sensorless.observers.start_design import peaks, polarity_pulse
 from sensorless.observers.tracking import dead_time_noise, flux_noise
 from sensorless.policies.registry import make_policy
@@ -72,7 +72,7 @@ def test_bounds_on_the_answer_of_the_injection() -> None:
     )
     value, name, other_value, other = out[0]
     for told, motor in ((value, Motor.load(name)), (other_value, Motor.load(other))):
-        assert near(told, answer_bounds(motor)[1] / hf_current(motor)), motor.name
+        assert near(told, most_answer(motor) / hf_current(motor)), motor.name
 
 
 @pytest.mark.parametrize("name", ["README.md", "docs/index.md"])

@@ -104,11 +104,14 @@ static void injected(void) {
         double acts = fmax((double)u - (double)p.u_unsure, 0.0);
         double least = fmin((double)p.beside * (double)u, (double)p.along * acts);
         double most = (double)p.above * ((double)u + (double)p.u_unsure);
+        double rest = fmin(least, (double)p.along * fmax((double)u - (double)p.u_taken, 0.0));
+        check("answer: at rest", near((double)p.rest, rest, 1e-6));
         check("answer: least", near((double)p.answer, least, 1e-6));
         check("answer: most", near((double)p.most, most, 1e-6));
         float was = draw_f(-1, 1), seen = draw_f(-1, 2) * p.most;
-        x.answer = was, x.i.q = draw_f(-2, 2) * p.i_most;
-        int upper = k_s >= 1.0f && fabs((double)x.i.q) > (double)p.i_most;
+        x.answer = was, x.i.q = draw_f(-2, 2) * p.i_loaded;
+        int loaded = fabs((double)x.i.q) > (double)p.i_loaded, upper = k_s >= 1.0f && loaded;
+        least = loaded ? least : rest;
         lock_answer(&p, &x, seen, j % 2 ? 1.0f : 0.0f, k_s);
         double more = (double)seen - least;
         more = upper ? fmin(more, most - (double)seen) : more;

@@ -20,6 +20,7 @@ from sensorless.observers.lock_design import (
     ACTIONS,
     EVERY,
     answer_bounds,
+    most_answer,
     settled,
 )
 from sensorless.observers.tracking import rated_acceleration
@@ -29,15 +30,17 @@ def test_a_large_dead_time_leaves_little_of_the_answer() -> None:
     """As little as the file's own dead time leaves, and something in any case."""
     motor = Motor.load("formula_wheel")
     times = [x * motor.dead_time for x in (0.1, 1.0, 9.0)]
-    left = [answer_bounds(replace(motor, dead_time=x))[0] for x in times]
-    assert left[0] > left[1] > left[2] > 0.0
+    bounds = [answer_bounds(replace(motor, dead_time=x)) for x in times]
+    for part in ("answer", "rest"):
+        assert bounds[0][part] > bounds[1][part] > bounds[2][part] > 0.0
+    assert bounds[1]["rest"] < 0.5 * bounds[1]["answer"]
 
 
 def test_the_bound_above_knows_the_iron_loss_of_the_file() -> None:
     """A conductance across the EMF at rated speed: p = 3/2 g (w psi_f)^2."""
     motor = Motor.load("ipmsm_2200w")
     loss = 0.1 * motor.tau_rated * motor.omega_rated / motor.n_p
-    most = [answer_bounds(replace(motor, p_iron=x * loss))[1] for x in (1.0, 2.0)]
+    most = [most_answer(replace(motor, p_iron=x * loss)) for x in (1.0, 2.0)]
     drawn = motor.u_inj * loss / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
     assert most[1] - most[0] == pytest.approx(drawn, rel=1e-5)
 
@@ -88,8 +91,9 @@ def test_limits_lie_between_noise_and_what_can_be_measured(name: str) -> None:
     small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
     assert lock["most"] > 1.1 * motor.u_inj * 0.5 * motor.T_s / np.min(small)
     out_of_reach = name in ("brusa_hsm1", "pmsyrm_5600w")  # much iron loss for their inductance
-    assert 0.0 < lock["i_most"] <= motor.adc_range
-    assert (lock["i_most"] > motor.i_rated) == out_of_reach
+    assert (lock["most"] > motor.adc_range) == out_of_reach
+    assert 0.0 < lock["rest"] <= lock["answer"]
+    assert 0.0 < lock["i_loaded"] < motor.i_rated
     assert 0.5 * lock["e_floor"] < lock["e_least"] < lock["e_floor"]
     assert 0.05 * motor.L_d < lock["d_share"] / motor.omega_rated < 0.2 * motor.L_q
     assert 1 <= lock["n_alarm"] < lock["n_act"] < lock["n_calm"]

@@ -176,11 +176,11 @@ def test_bounds_on_the_answer_follow_the_injected_voltage(name: str) -> None:
             assert live.tobytes() == design.tobytes()
         else:
             half = replace(motor, u_inj=0.5 * motor.u_inj)
-            bounds = [live["lock"]["answer"], live["lock"]["most"]]
-            least, most = answer_bounds(half)
-            assert bounds[0] == pytest.approx(least, rel=1e-3)
-            assert bounds[1] == pytest.approx(most, rel=0.04), "iron's part is of the full voltage"
-            assert bounds[0] < 0.4 * design["lock"]["answer"]
+            bounds = answer_bounds(half)
+            assert live["lock"]["answer"] == pytest.approx(bounds["answer"], rel=1e-3)
+            assert live["lock"]["rest"] <= live["lock"]["answer"] < 0.4 * design["lock"]["answer"]
+            most = design["lock"]["above"] * (live["hfi"]["u_inj"] + design["lock"]["u_unsure"])
+            assert live["lock"]["most"] == pytest.approx(most, rel=1e-5)
 
 
 def test_one_gain_a_period_after_the_decision(firmware: Firmware, motor: Motor) -> None:
