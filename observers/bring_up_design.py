@@ -154,8 +154,9 @@ def plan_bring_up(motor: Motor) -> Plan:
         why = f"its {u_lost:.2g} V a leg are hidden in the noise of the current sensors"
     else:
         why = (
-            f"its {u_lost:.2g} V a leg are less than {LEAST_VOLTAGE:g} V, hidden by the thresholds "
-            "of transistors and diodes"
+            f"its {u_lost:.2g} V a leg are less than {LEAST_VOLTAGE:g} V, which the thresholds of "
+            f"bipolar transistors and diodes would hide (only below {SURELY_MOSFETS:g} V of link "
+            "does the check count on MOSFETs, which have none)"
         )
     limits = [f"dead time is not judged, because {why}"]
     push = _push(motor, u_lost, (HOLD[2],) * 3)  # the scale alone

@@ -63,14 +63,17 @@ enum { OPEN_AT = FAULT_OVER_CURRENT | FAULT_STOPPED };
 static drive_state_t drive;
 #if KS_TABLE_GAINS
 static gain_schedule_state_t schedule;
+#define SCHEDULE_FAULT schedule.ks.fault
 static drive_params_t live; /* drive_params with the gains in force */
 #else
 static ks_schedule_state_t schedule;
+#define SCHEDULE_FAULT schedule.fault
 #endif
 static bring_up_state_t check;
 static volatile int mode;        /* MODE_* */
 static volatile float speed_rpm; /* reference, set by the application */
 static volatile int reported;    /* drive.fault, for the application */
+static volatile int scheduled;   /* fault of the schedule, for the application */
 static float offset_a, offset_b; /* of the current channels [steps] */
 static int32_t offset_samples;
 
@@ -153,6 +156,7 @@ void adc_interrupt(void) {
             drive_trip(&drive);
         }
         reported |= drive.fault;
+        scheduled |= SCHEDULE_FAULT;
         mode = (drive.fault & OPEN_AT) != 0 ? MODE_TRIPPED : MODE_RUN;
     }
     if (mode == MODE_TRIPPED) {

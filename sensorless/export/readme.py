@@ -103,7 +103,7 @@ def readme(
         start_call=start_call(motor),
         start_text=start_text(motor),
         spin_text=texts[2],
-        lost_text=lost_text(int(drive["lock"]["action"]), motor),
+        lost_text=lost_text(int(drive["lock"]["action"]), motor, observer),
         cmsis=cmsis_readme(table),
         cmsis_sources=" cmsis/*.c" if cmsis_files(table) else "",
         two_threshold=texts[1],

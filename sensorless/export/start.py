@@ -25,14 +25,18 @@ KNOWN = """\
 FINDS_TEXT = """\
 After `drive_find_rotor` the drive takes some 20 to 50 ms to find its rotor, at rest or spinning. It
 makes no torque meanwhile: keep the load torque below half of rated until `drive.start.phase` is 0.
-Leave the call out if you know angle (within 60 degrees) and speed and pass them to `drive_init`.
+Leave the call out if the shaft rests and you know its angle within 60 degrees: pass it to
+`drive_init`. A shaft that spins needs its exact speed and angle there: near rated speed a wrong
+angle turns the EMF, which then drives a current that trips.
 `FAULT_POLE` in `drive.fault` means that saturation was too weak to be sure of the north pole."""
 KNOWN_TEXT = """\
 **The drive cannot find the rotor of this machine from an unknown angle.** In the motor file, its
 iron does not saturate along d, so north and south respond alike to a pulse, and `DRIVE_FINDS_ROTOR`
 in `params.h` is 0. Do not call `drive_find_rotor`: it would keep the pole nearer to its first angle
-and set `FAULT_POLE`. Pass `drive_init` the angle within 60 degrees, from an alignment by direct
-current or from a sensor. `sensorless simulate --start` refuses this machine for the same reason.
+and set `FAULT_POLE`. Pass `drive_init` the angle of a shaft at rest within 60 degrees, from an
+alignment by direct current or from a sensor. A shaft that spins needs its exact speed and angle:
+near rated speed a wrong one drives a current that trips. `sensorless simulate --start` refuses this
+machine for the same reason.
 With a measured [saturation] in the motor file, the drive may be able to find the pole."""
 
 FLYING = 0.9
@@ -44,12 +48,14 @@ WRONG = 0.1
 voltage."""
 LOST = {
     "report": "goes on: stop it or start it again, as the application allows",
-    "restart": "goes on\nwith the coupled observer. If that does not help, it takes its torque "
-    "away for some\n20 to 40 ms, seeks the rotor and goes on; after "
-    f"{RESTARTS} restarts without a second of\nhealth it stops",
+    "restart": "takes its\ntorque away for some 20 to 40 ms, seeks the rotor and goes on; after "
+    f"{RESTARTS} restarts without\na second of health it stops",
     "stop": "applies no\nvoltage any more and says `FAULT_STOPPED`, until `drive_init`",
 }
 """What a drive does that has lost its rotor, by the setting ``lost_lock``."""
+CHANGES = """
+Its first answer to a loss is to go on with the coupled observer: that needs no pause."""
+"""What a drive on another observer does before it restarts."""
 GUESSES = """
 Pulses do not show the pole of this machine: a restart of a shaft too slow for its EMF to show it
 guesses, and sets `FAULT_POLE`. Stop such a drive, and start it from a known angle."""
@@ -106,14 +112,15 @@ The shaft may spin meanwhile, at up to
 while it seeks, and a faster shaft drives one that trips."""
 
 
-def lost_text(action: int, motor: Motor) -> str:
+def lost_text(action: int, motor: Motor, estimator: str) -> str:
     """What the README says about a lost rotor; ``action`` is one of ``ACTIONS``."""
     name = next(name for name, number in ACTIONS.items() if number == action)
-    guesses = GUESSES if name == "restart" and not knows_poles(motor) else ""
+    more = CHANGES if name == "restart" and estimator != "coupled" else ""
+    more += GUESSES if name == "restart" and not knows_poles(motor) else ""
     return f"""\
 When it loses its rotor, the drive sets `FAULT_LOCK` and {LOST[name]}.
 That is `lost_lock={name}`, `.lock.action` in `params.c`; `--set lost_lock=` of `sensorless export`
-takes {", ".join(LOST)}.{guesses}"""
+takes {", ".join(LOST)}.{more}"""
 
 
 def start_define(motor: Motor) -> str:

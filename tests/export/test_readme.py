@@ -16,7 +16,7 @@ from sensorless.export.export import Exported
 from sensorless.export.faults import DO, bits, fault_tables
 from sensorless.export.hook import hook_text
 from sensorless.export.readme import readme
-from sensorless.export.start import GUESSES, LOST, lost_text
+from sensorless.export.start import CHANGES, GUESSES, LOST, lost_text
 from sensorless.machine.motor import Motor
 from sensorless.observers.lock_design import ACTIONS
 from sensorless.table.ks_table import KsTable
@@ -67,10 +67,14 @@ def test_an_export_that_leaves_dead_time_to_the_driver_does_not_judge_it(
 @pytest.mark.parametrize("name", ACTIONS)
 def test_what_a_drive_does_that_lost_its_rotor(name: str) -> None:
     """A machine without saturation cannot seek its pole at rest: only a restart has to guess."""
-    for motor, guesses in (("pmsyrm_5600w", False), ("ebike_hub", name == "restart")):
-        said = lost_text(ACTIONS[name], Motor.load(motor))
+    restarts = name == "restart"
+    for motor, observer, guesses, changes in (
+        ("pmsyrm_5600w", "coupled", False, False),
+        ("ebike_hub", "smo", restarts, restarts),
+    ):
+        said = lost_text(ACTIONS[name], Motor.load(motor), observer)
         assert f"lost_lock={name}" in said and LOST[name] in said
-        assert (GUESSES in said) is guesses
+        assert ((GUESSES in said), (CHANGES in said)) == (guesses, changes)
 
 
 def test_a_bit_is_read_from_its_header(monkeypatch: pytest.MonkeyPatch) -> None:

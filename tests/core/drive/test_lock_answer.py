@@ -22,13 +22,15 @@ def answered(
     parts: list[tuple[float, float, float]],
     estimator: str = "coupled",
     k_s: float = 1.0,
-    i_q: float = 0.5 * MOTOR.i_rated,
+    i_q: float | None = None,
+    motor: Motor = MOTOR,
 ) -> Array:
     """State after parts of a time [s], a share of the current at no load, and whether it counts."""
-    params = control_record(MOTOR, DriveDesign(estimator=estimator))["lock"].reshape(1)
+    i_q = 0.5 * motor.i_rated if i_q is None else i_q
+    params = control_record(motor, DriveDesign(estimator=estimator))["lock"].reshape(1)
     state, every = np.zeros(1, dtype=struct_dtype("lock_state_t")), float(1.0 / params["inv_t"][0])
     for seconds, share, valid in parts:
-        row = [share * hf_current(MOTOR), valid, k_s, i_q]
+        row = [share * hf_current(motor), valid, k_s, i_q]
         rows = np.array([row] * round(seconds / every), dtype=np.float32)
         c("lock_answer", params.copy(), state, rows, len(rows))
     (row,) = state
@@ -72,4 +74,16 @@ def test_more_than_any_axis_answers_is_a_channel_that_reads_too_much(
 ) -> None:
     """With injection alone, and not near zero current, where dead time adds to the voltage."""
     x = answered(c, [(0.2, share, 1.0)], k_s=k_s, i_q=load * MOTOR.i_rated)
+    assert x["reason"] == (lib.LOCK_ANSWER if told else 0)
+
+
+@pytest.mark.parametrize(
+    ("load", "share", "told"), [(0.0, 0.4, False), (0.5, 0.4, True), (0.0, -0.1, True)]
+)
+def test_near_zero_current_dead_time_and_switches_take_their_whole_voltage(
+    c: Call, load: float, share: float, told: bool
+) -> None:
+    """The injected voltage itself turns the current round; 0.9 V of a switch and 5.9 of 12 V."""
+    motor = Motor.load("formula_wheel")
+    x = answered(c, [(0.2, share, 1.0)], i_q=load * motor.i_rated, motor=motor)
     assert x["reason"] == (lib.LOCK_ANSWER if told else 0)
