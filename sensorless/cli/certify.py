@@ -123,7 +123,8 @@ def certify_command(
         low, high = found[f"{count}_ci"]
         some = ", ".join(found[f"first_{count}"][:3])
         console.print(
-            f"{word}: {found[count]} of {feasible}, {low:.2g} to {high:.2g}"
+            f"{word}: {found[count]} of {feasible}, "
+            f"{100.0 * low:.2g} to {100.0 * high:.2g} % (95 %, Clopper-Pearson)"
             + (f"; {some}" if some else ""),
             highlight=False,
             soft_wrap=True,

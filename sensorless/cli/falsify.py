@@ -77,7 +77,7 @@ def falsify_command(
 
     def report(found: Search) -> None:
         errors.print(
-            f"{found.scenarios} of {size} scenarios, {found.searches} searches: {found.lost} lost",
+            f"{found.scenarios} of {size} scenarios, {found.lost} lost; searches: {found.searches}",
             highlight=False,
         )
 
@@ -101,7 +101,7 @@ def falsify_command(
     }  # fmt: skip
     write_atomic(out, text_of([*lost, *kept], facts))
     console.print(
-        f"{rule.name} on {suite}: {len(lost)} of {found.searches} searches end in a loss; "
+        f"{rule.name} on {suite}: searches that end in a loss: {len(lost)} of {found.searches}; "
         f"{found.lost} of {found.scenarios} scenarios lost, "
         f"{found.sampled_lost} of {found.sampled} at random",
         highlight=False,

@@ -10,10 +10,15 @@ ADRIFT = 0.01
 """Share of the samples without a signal that is worth a word."""
 ASTRAY = 45.0
 """RMS error from which an estimator does not follow: at random, on both poles, it is 104 [deg]."""
+NONE = (
+    "no estimator had a signal in a fifth of the log: record with injection, or from a higher "
+    "speed on with --speed and --angle of the first row"
+)
 CONSTANT = {
     "hfi": "cross-coupling that the drive does not compensate: sensorless identify cross-coupling",
     "smo": "a wrong resistance, inductance or dead time in the motor's file",
-    "blend": "a wrong resistance, inductance or dead time in the motor's file",
+    "blend": "a wrong resistance, inductance or dead time in the motor's file, or a voltage "
+    "measured at the terminals, of which no inverter takes any more: --set dead_time_share=0",
     "ekf": "the voltage that the inverter loses, which it takes no account of",
 }
 """What turns an estimate by a constant angle, by estimator."""
@@ -39,7 +44,7 @@ def judgement(found: Replay, after: float = 0.0) -> list[str]:
         if row["share"] >= ENOUGH and math.isfinite(row["rms_deg"])
     }
     if not rows:
-        return []
+        return [] if found.log.theta_e is None else [NONE]
     if found.log.doubtful:
         return [
             "the log contradicts itself: mend it as the note says before judging the estimators"

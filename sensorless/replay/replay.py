@@ -27,6 +27,8 @@ SAMPLE = Path(__file__).parent / "sample_log.csv"
 """A log of the paper's motor that comes with the package."""
 
 
+FLUX_ALONE = "flux alone"
+"""What the coupled observer's flux model would give without injection."""
 LITTLE = 0.05
 """Weight of an estimator in the blend from which it counts as its signal."""
 MOST_SPEED = 10.0
@@ -55,7 +57,7 @@ class Replay:
     k_s: Floats
     """(n,) weight of the blend"""
     observer: str
-    """name of the observer beside the injection, see ``observer_name``"""
+    """name of the observer beside the injection, see ``observer_name``, or ``FLUX_ALONE``"""
     estimates: dict[str, Estimate] = field(default_factory=dict)
     """by the ending of their columns: hfi, smo (the observer), blend and ekf"""
     notes: tuple[str, ...] = ()
@@ -218,18 +220,17 @@ def replay(
         out.append(part)
     column = dict(zip(REPLAY_NAMES, np.concatenate(out).T.astype(np.float64), strict=True))
     hfi, smo, weight = column["valid_hfi"] > 0.0, column["valid_smo"] > 0.0, column["k_s"]
-    signal = {
-        "hfi": hfi,
-        "smo": smo,
-        "blend": (hfi & (weight > LITTLE)) | (smo & (weight < 1.0 - LITTLE)),
-    }
+    led = hfi | smo  # the coupled observer takes both
+    if own.estimator != "coupled":
+        led = (hfi & (weight > LITTLE)) | (smo & (weight < 1.0 - LITTLE))
+    signal = {"hfi": hfi, "smo": smo, "blend": led}
     estimates = {
         name: Estimate(column[f"theta_{name}"], column[f"omega_{name}"], valid)
         for name, valid in signal.items()
     }
     phases = np.stack([log.i[:, 0], log.i[:, 1], -log.i.sum(axis=1)], axis=-1)
     theta, omega = run_ekf(motor, log.u, clarke(phases), theta_0, omega_0)
-    estimates["ekf"] = Estimate(theta, omega, np.isfinite(theta) & (hfi | smo))
+    estimates["ekf"] = Estimate(theta, omega, np.isfinite(theta))
     notes = list(log.notes)
     if not np.isfinite(theta).all():
         notes.append(
@@ -241,5 +242,5 @@ def replay(
             against = list(of_injection(log.u, log.inj, log.theta_e, theta))
         notes += against or of_encoder(log.theta_e, blend.theta_e, blend.valid, motor)
         log = replace(log, doubtful=log.doubtful or bool(against))
-    observer = observer_name(own.estimator)
+    observer = FLUX_ALONE if own.estimator == "coupled" else observer_name(own.estimator)
     return Replay(motor, policy.name, log, weight, observer, estimates, tuple(notes))

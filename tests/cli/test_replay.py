@@ -34,7 +34,7 @@ def test_a_simulated_log_is_replayed(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("without_ekf")
 def test_the_observer_is_called_what_it_is(tmp_path: Path) -> None:
-    for words, name in (((), "coupled observer"), (("--set", "estimator=flux"), "flux observer")):
+    for words, name in (((), "flux alone"), (("--set", "estimator=flux"), "flux observer")):
         said = run("replay", SAMPLE, *words)
         assert name in said and "SMO" not in said
 

@@ -11,10 +11,10 @@ from sensorless.core.api import SIM
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_v1 import GainEnv, GainVectorEnv
 from sensorless.envs.returns import acts, returns
-from sensorless.envs.reward import TERMS
+from sensorless.envs.reward import SCALE_TORQUE, TERMS
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
-from sensorless.envs.window_reward import SCALE_TORQUE, Window, WindowWeights, window_terms
+from sensorless.envs.window_reward import Window, WindowWeights, window_terms
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.metrics.step import overshoot_excess_pct

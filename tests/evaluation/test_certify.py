@@ -127,7 +127,7 @@ def test_the_command_says_what_it_found(tmp_path: Path) -> None:
     out = tmp_path / "c.json"
     done = CliRunner().invoke(app, ["certify", "eq25", "--size", "8", "--out", str(out)])
     assert done.exit_code == 0, done.output
-    assert "lost: 0 of 8, 0 to 0.37" in done.stdout
+    assert "lost: 0 of 8, 0 to 37 % (95 %" in done.stdout
     assert json.loads(out.read_text(encoding="utf-8"))["lost_ci"][1] == pytest.approx(
         0.369, abs=1e-3
     )

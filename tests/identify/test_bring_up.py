@@ -12,6 +12,7 @@ from sensorless.core.bring_up import FAULTS, WIRINGS
 from sensorless.envs.scenarios.machine_family import member
 from sensorless.errors import UserError
 from sensorless.identify.bring_up.check import (
+    Found,
     check,
     check_log,
     drives_at_rest,
@@ -200,3 +201,13 @@ def test_the_command(tmp_path: Path) -> None:
     assert done.returncode == 0 and "dead time is not judged, because its 0.54 V" in done.stdout
     done = run("identify", "bring-up", "--mistake", "no", cwd=tmp_path)
     assert done.returncode != 0 and "choose right, delay-0" in done.stderr
+
+
+def test_nothing_is_said_of_what_was_not_measured() -> None:
+    """A check that ends before its pulses knows no delay; one duty alone is two faults at once."""
+    deaf = verdict(Found(("deaf",), "right", 0.0, 0.0, 1.0, 0.0))
+    assert not any("wiring" in line or "delay" in line for line in deaf)
+    sign = verdict(Found(("sign",), "right", 1.0, 0.0, 1.0, 0.0))
+    assert "the order is right" in sign[0] and not any("one duty alone" in line for line in sign)
+    both = verdict(Found(("sign", "phases"), "unknown", 1.0, 0.0, 1.0, 0.0))
+    assert any("one duty alone" in line for line in both)

@@ -111,3 +111,22 @@ def test_readings_that_fit_no_machine_are_a_user_error(monkeypatch: pytest.Monke
     plate = Nameplate.of(Motor.load("paper"))
     with pytest.raises(UserError, match=r"SVD did not converge.*outliers"):
         procedure.identify_machine(Recorded([]), plate)
+
+
+@pytest.mark.parametrize(
+    ("unit", "share"), [(1.0, None), (60.0 / (2 * np.pi), "9.55"), (0.25, "0.25")]
+)
+def test_a_speed_in_another_unit_than_the_angle_is_refused(unit: float, share: str | None) -> None:
+    """In r/min, or mechanical: the angle of the same rows tells."""
+    motor = Motor.load("paper")
+    omega = np.linspace(0.0, 300.0, 2000)
+    rows = np.zeros((2000, 8))
+    rows[:, COLUMNS.index("u_dc") - 2] = motor.u_dc
+    rows[:, COLUMNS.index("theta") - 2] = np.mod(np.cumsum(omega) * motor.T_s, 2 * np.pi)
+    rows[:, COLUMNS.index("omega") - 2] = unit * omega
+    part = [Part("spin", rows)]
+    if share is None:
+        assert plausible(part, motor, Path("log.csv")) == part
+    else:
+        with pytest.raises(UserError, match=f"omega is {share} times what theta turns by"):
+            plausible(part, motor, Path("log.csv"))

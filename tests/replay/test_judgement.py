@@ -26,7 +26,7 @@ def off(found: Replay, name: str, degrees: float, scatter: float, own: float = 1
 
 def test_constant_errors_and_scatter_have_their_causes(found: Replay) -> None:
     lines = judgement(off(off(found, "hfi", 8.0, 1.0), "ekf", 1.0, 9.0))
-    assert lines[0].startswith("best here: coupled observer, 0.8")
+    assert lines[0].startswith("best here: flux alone, 0.8")
     hfi, ekf = (next(line for line in lines if line.startswith(name)) for name in ("HFI", "EKF"))
     assert "8.00° constant and 1.00° scatter" in hfi and "identify cross-coupling" in hfi
     assert "1.00° constant and 9.00° scatter" in ekf and "transients" in ekf

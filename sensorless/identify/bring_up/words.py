@@ -22,8 +22,7 @@ CURE = {
     "delay": "the voltage has to act from one period after its sample to two: move the sample, the "
     "interrupt, or the event that loads the duty registers; a log has to begin with the first "
     "period",
-    "sign": "invert both currents, or the duties (an active-low gate driver); with phases: is one "
-    "duty alone inverted?",
+    "sign": "invert both currents, or the duties (an active-low gate driver)",
     "phases": "exchange the phases in the current channels or in the duties, not in both",
     "channel": "invert that current channel, or the duty of its phase",
     "scale": "check the duty formula 0.5 + u / u_dc of each leg, the scale of currents and DC "
@@ -34,6 +33,9 @@ CURE = {
     "there, then look for what overwrites memory",
 }
 """By the names of BRING_UP_FAULT_*."""
+
+UNSEEN = frozenset(("current", "moves", "deaf"))
+"""Faults that end the check before delay and wiring are measured."""
 
 OTHERS = (
     "not a log of this check: it has pulses, but not when the check of this motor makes them; give "
@@ -51,7 +53,15 @@ def verdict(found: Found) -> list[str]:
     """
     if found.other_pulses:
         return [OTHERS]
-    lines = [f"delay {found.delay:.2f} periods (right: 1.00); wiring: {WIRING[found.wiring]}"]
+    lines, cure = [], dict(CURE)
+    if "sign" in found.faults and found.wiring == "right":
+        wiring = "the order is right"
+    else:
+        wiring = WIRING[found.wiring]
+    if not UNSEEN.intersection(found.faults):
+        lines = [f"delay {found.delay:.2f} periods (right: 1.00); wiring: {wiring}"]
+    if "phases" in found.faults:
+        cure["sign"] += "; or is one duty alone inverted?"
     if found.scale and not abs(found.lost) <= FAR:
         lines.append(
             f"voltage {100.0 * found.scale:.0f} % of the commanded one; neither dead time nor "
@@ -63,5 +73,5 @@ def verdict(found: Found) -> list[str]:
             f"voltage {100.0 * found.scale:.0f} % of the commanded one; lost by dead time, over "
             f"the motor file's: {lost}; resistance {found.R_s:.3g} ohm"
         )
-    lines += [f"{name}: {CURE[name]}" for name in found.faults]
+    lines += [f"{name}: {cure[name]}" for name in found.faults]
     return lines if found.faults else [*lines, "integrated correctly, as far as the check can see"]

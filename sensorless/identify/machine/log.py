@@ -17,6 +17,9 @@ from sensorless.machine.motor import Motor
 
 NUMBERS = ("segment", "u_a", "u_b", "u_dc", "i_a", "i_b", "theta", "omega")
 """Columns of a part, in the order of COMMISSION_* in ``core/sim/commission.h``."""
+TURN, SAME = 6.3, 1.5
+"""Angle by which a shaft has to turn to be compared with its speed [rad], and the largest quotient
+of both that is no other unit: noise makes some percent."""
 COLUMNS = ("part", "stage", *NUMBERS)
 BEYOND = 3.0
 """Largest plausible reading, over the converter's range or the trip, and over the DC link."""
@@ -78,8 +81,8 @@ def plausible(parts: list[Part], motor: Motor, path: Path) -> list[Part]:
     Raises
     ------
     UserError
-        They hold a current or a DC link that this drive cannot have measured, or commands that do
-        not follow each other.
+        They hold a current or a DC link that this drive cannot have measured, an angle and a speed
+        that contradict each other, or commands that do not follow each other.
     """
     current, link = BEYOND * max(motor.i_trip, motor.adc_range), BEYOND * motor.u_dc
     bounds = {"i_a": (-current, current), "i_b": (-current, current)}
@@ -94,6 +97,7 @@ def plausible(parts: list[Part], motor: Motor, path: Path) -> list[Part]:
                     f"{len(wrong)} of {len(part.rows)} rows beyond {low:.4g} to {high:.4g}; check "
                     "its unit, or measure again"
                 )
+        _require_turn(part, motor.T_s, where)
         segment, n = part["segment"], len(part.rows)
         ordered = np.diff(segment, prepend=0.0) >= 0.0  # a command that is over at once has no row
         wrong = np.flatnonzero(~(ordered & (segment < n) & (segment == np.floor(segment))))
@@ -103,6 +107,19 @@ def plausible(parts: list[Part], motor: Motor, path: Path) -> list[Part]:
                 "counts the commands of a part, from 0 on: mend it, or measure again"
             )
     return parts
+
+
+def _require_turn(part: Part, T_s: float, where: str) -> None:
+    """Refuse a part whose angle turns, and not as its speed says."""
+    turned, told = np.diff(np.unwrap(part["theta"])), T_s * part["omega"][1:]
+    if np.abs(turned).sum() < TURN:
+        return
+    share = float(turned @ told) / float(turned @ turned)
+    if not 1.0 / SAME < share < SAME:
+        raise UserError(
+            f"{where}: omega is {share:.3g} times what theta turns by from row to row (every "
+            f"{T_s:g} s); give theta in rad and omega in rad/s, both electrical"
+        )
 
 
 def _parts(lines: Sequence[str], order: Sequence[int], where: str) -> Iterator[Part]:
