@@ -15,8 +15,8 @@ typedef struct {
 extern "C" {
 #endif
 
-/* The lookup of the gains alone. Tables that ks_table_check, with the weights k_s, or gain_table_check
- * refuses count as wrong in all of them. */
+/* The lookup of the gains alone. Tables that ks_table_check, with the weights k_s, or
+ * gain_table_check refuses count as wrong in all of them. */
 uint32_t gain_table_selftest(const gain_table_t *t, const ks_table_t *axes, const void *k_s,
                              const void *values, const gain_vector_t *v, uint32_t n,
                              uint32_t *first);

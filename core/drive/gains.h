@@ -10,8 +10,8 @@
  * scheduled bandwidth w: k_p = 2 d w and k_i = w^2 of a PLL become factor k_p and factor^2 k_i; so do
  * the bounds on the answer to the injection from its voltage. What only bounds or corrects such a
  * loop (coupled.eps_rise and rise, match, drift.alpha, hfi.i_floor), and the unit of the signal
- * SIGNAL_HF_AMPLITUDE, stay those of the static gain. The drive runs on a copy of its parameters in which these
- * gains are replaced; drive_step does not know of it.
+ * SIGNAL_HF_AMPLITUDE, stay those of the static gain. The drive runs on a copy of its parameters in
+ * which these gains are replaced; drive_step does not know of it.
  */
 #ifndef SENSORLESS_GAINS_H
 #define SENSORLESS_GAINS_H

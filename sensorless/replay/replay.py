@@ -230,7 +230,8 @@ def replay(
     }
     phases = np.stack([log.i[:, 0], log.i[:, 1], -log.i.sum(axis=1)], axis=-1)
     theta, omega = run_ekf(motor, log.u, clarke(phases), theta_0, omega_0)
-    estimates["ekf"] = Estimate(theta, omega, np.isfinite(theta))
+    own_emf = motor.psi_f * np.abs(omega) > float(control_record(motor, own)["smo"]["e_floor"])
+    estimates["ekf"] = Estimate(theta, omega, np.isfinite(theta) & (hfi | own_emf))
     notes = list(log.notes)
     if not np.isfinite(theta).all():
         notes.append(

@@ -111,9 +111,10 @@ def plausible(parts: list[Part], motor: Motor, path: Path) -> list[Part]:
 
 def _require_turn(part: Part, T_s: float, where: str) -> None:
     """Refuse a part whose angle turns, and not as its speed says."""
-    turned, told = np.diff(np.unwrap(part["theta"])), T_s * part["omega"][1:]
-    if np.abs(turned).sum() < TURN:
+    theta = np.unwrap(part["theta"])
+    if np.ptp(theta) < TURN:
         return
+    turned, told = theta[1:] - theta[0], T_s * np.cumsum(part["omega"][1:])  # sums, for noise
     share = float(turned @ told) / float(turned @ turned)
     if not 1.0 / SAME < share < SAME:
         raise UserError(
