@@ -14,6 +14,7 @@ from sensorless.export.hook import hook_text
 from sensorless.export.start import lost_text, start_call, start_text
 from sensorless.machine.motor import Motor
 from sensorless.observers.bring_up_design import plan_bring_up
+from sensorless.observers.injection_signal import NOISE_AT, SENSOR_NOISE
 from sensorless.observers.start_design import knows_poles
 from sensorless.table.ks_table import KsTable
 
@@ -109,6 +110,7 @@ def readme(
         two_threshold=texts[1],
         hook=hook_text(table),
         omega_most=f"{float(drive['guard']['omega']):.4g}",
+        noise=f"{SENSOR_NOISE[1] * motor.i_rated / NOISE_AT:.2g}",
         i_most=f"{float(drive['guard']['i_sample']):.4g}",
         **{f"{word}_bits": rows for word, rows in tables.items()},
         **gain_readme(table),

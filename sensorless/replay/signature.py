@@ -23,6 +23,9 @@ CURES = {
         (1.0, 0.0), (-1.0, -1.0),
     ),
     "phases a and c of one of them are swapped; swap them with --map": ((-1.0, -1.0), (0.0, 1.0)),
+    "u_alpha and u_beta are swapped: --map u_alpha=u_beta --map u_beta=u_alpha": (
+        (3.0**-0.5, 2.0 * 3.0**-0.5), (3.0**-0.5, -(3.0**-0.5)),
+    ),
 }  # fmt: skip
 """What mends currents that turn against the voltage, and the matrix that does so to i_a, i_b."""
 ASIDE = 30.0

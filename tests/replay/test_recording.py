@@ -196,6 +196,7 @@ def test_a_wrong_sign_and_swapped_phases_are_seen(read: Read) -> None:
         ({"i_b": (-1.0, -1.0)}, "phases b and c"),
         ({"i_a": (-1.0, -1.0)}, "phases a and c"),
         ({"i_a": (-1.0, 0.0), "i_b": (1.0, 1.0)}, "u_alpha has the wrong sign"),
+        ({"i_a": (0.5774, 1.1547), "i_b": (0.5774, -0.5774)}, "u_alpha and u_beta are swapped"),
     ],
 )
 def test_what_turns_the_current_round_is_named(
