@@ -8,7 +8,7 @@ from sensorless.machine.rated_point import RatedPoint, rated_point
 from sensorless.machine.sane import insane
 from sensorless.suitability.finding import LIMIT, NO, Finding, Verdict, verdict
 from sensorless.suitability.plausible import plausible
-from sensorless.suitability.seen import Seen, look, low_trip, objections, suggestions
+from sensorless.suitability.seen import Seen, look, low_trip, objections, suggestions, unmeasured
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def examine(motor: Motor, pll_hz: float) -> Examination:
     if objection is not None:
         found.append(Finding(LIMIT if point.torque_at_speed > 0.0 else NO, "rating", objection))
     salient = motor.L_q > motor.L_d
-    found += objections(motor, seen) if salient else ()
+    found += (*objections(motor, seen), *unmeasured(motor, seen)) if salient else ()
     suggested = suggestions(motor, seen, pll_hz) if salient else None
     found += low_trip(motor, suggested) if suggested else ()
     return Examination(motor, tuple(found), point, seen, suggested)

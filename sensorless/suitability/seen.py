@@ -19,6 +19,8 @@ from sensorless.suitability.plausible import ROUNDING, TURN
 RATIO = (1.3, 1.05)
 """Inductance ratio under load below which errors of the machine's parameters may lose the rotor, or
 injection gets no useful signal."""
+IRON_TAKES = 0.2
+"""Share of L_q that iron commonly takes at rated current; a larger margin is not worth a word."""
 NOISE = (3.0, 10.0)
 """RMS angle noise above which the drive is limited, or unable [deg]."""
 CROSS = (25.0, 40.0)
@@ -71,6 +73,19 @@ def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
     if s.amplitude > 2.5 * RIPPLE_SHARE * motor.i_rated:
         text = f"injected current {s.amplitude:.3g} A is {s.amplitude / motor.i_rated:.0%} of rated"
         yield Finding(LIMIT, "u_inj", text)
+
+
+def unmeasured(motor: Motor, seen: Seen) -> Iterator[Finding]:
+    """A note if the ratio is little above its limit and the same at any current: not measured."""
+    ratio = seen.signal.ratio
+    least = float(ratio.min())
+    left = 1.0 - RATIO[0] / least
+    if np.ptp(ratio) < 1e-6 * least and 0.0 < left < IRON_TAKES:
+        text = (
+            f"L_q/L_d is {least:.3g} at any current, since the file has no saturation: where iron "
+        )
+        text += f"takes {left:.0%} of L_q, it is below {RATIO[0]:g}; measure it under load "
+        yield Finding(NOTE, "L_q", text + "(sensorless identify machine)")
 
 
 def suggestions(motor: Motor, seen: Seen, pll_hz: float) -> dict[str, float]:

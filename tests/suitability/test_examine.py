@@ -86,7 +86,8 @@ def test_slips_are_found(changes: dict[str, Any], word: str, said: str) -> None:
 )
 def test_what_all_voltages_share_is_named_once(changes: dict[str, Any], said: str) -> None:
     e = changed(LINEAR, **changes)
-    (found,) = (f for f in e.findings if f.field in ("u_dc", "psi_f", "L_d", "L_q"))
+    heavy = [f for f in e.findings if f.weight != NOTE]
+    (found,) = (f for f in heavy if f.field in ("u_dc", "psi_f", "L_d", "L_q"))
     assert found.field == "u_dc" and found.weight == NO
     assert f"all {said}: wrong DC link, rated speed or pole pairs?" in found.text
 
@@ -132,6 +133,18 @@ def test_weak_saliency_weighs(ratio: float, weight: str | None) -> None:
     assert [f.weight for f in found] == ([weight] if weight else [])
     assert all("within rated current; needed: at least 1.3" in f.text for f in found)
     assert all(("unnoticed" in f.text) == (f.weight == LIMIT) for f in found)
+
+
+@pytest.mark.parametrize(("ratio", "told"), [(1.35, "4%"), (1.5, "13%"), (1.7, None)])
+def test_a_small_ratio_that_no_load_was_measured_for_is_noted(
+    ratio: float, told: str | None
+) -> None:
+    """With a flux map it is known, and with a large margin it does not matter."""
+    notes = [f.text for f in changed(LINEAR, L_q=ratio * LINEAR.L_d).findings if f.field == "L_q"]
+    assert [f"takes {told} of L_q" in text for text in notes if "no saturation" in text] == (
+        [] if told is None else [True]
+    )
+    assert not any("no saturation" in f.text for f in changed(PAPER).findings)
 
 
 def test_suggestions_of_the_papers_machine_lie_near_its_choices() -> None:
