@@ -21,8 +21,8 @@ install: ## Build a fresh .venv with everything in it
 demo: $(READY) ## Train, evaluate and export on the paper's motor
 	$(VENV)/bin/sensorless demo
 
-test: $(READY) ## Run the tests
-	$(VENV)/bin/pytest
+test: $(READY) ## Run the tests, two at a time
+	$(VENV)/bin/pytest -n 2
 
 check: $(READY) c-warnings c-lint ## Lint, format, types, and C warnings as errors
 	$(VENV)/bin/ruff check
