@@ -209,7 +209,8 @@ def replay(
             "schedule of k_s alone"
         )
     own = design_for(policy, design)
-    run = ObserverRun(control_record(motor, own), theta_0, omega_0, k_s_0)
+    control = control_record(motor, own)
+    run = ObserverRun(control, theta_0, omega_0, k_s_0)
     rows, every = log.rows(), decision_periods(motor)
     policy.reset(1)
     out = []
@@ -230,7 +231,7 @@ def replay(
     }
     phases = np.stack([log.i[:, 0], log.i[:, 1], -log.i.sum(axis=1)], axis=-1)
     theta, omega = run_ekf(motor, log.u, clarke(phases), theta_0, omega_0)
-    own_emf = motor.psi_f * np.abs(omega) > float(control_record(motor, own)["smo"]["e_floor"])
+    own_emf = motor.psi_f * np.abs(omega) > float(control["smo"]["e_floor"])
     estimates["ekf"] = Estimate(theta, omega, np.isfinite(theta) & (hfi | own_emf))
     notes = list(log.notes)
     if not np.isfinite(theta).all():

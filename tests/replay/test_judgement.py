@@ -55,3 +55,11 @@ def test_dead_reckoning_counts_apart(found: Replay) -> None:
 
 def test_without_an_encoder_nothing_is_said(found: Replay) -> None:
     assert judgement(replace(found, log=replace(found.log, theta_e=None))) == []
+
+
+def test_a_log_in_which_none_has_a_signal_says_so(found: Replay) -> None:
+    for name in found.estimates:
+        found = off(found, name, 0.0, 0.0, own=0.1)
+    (said,) = judgement(found)
+    assert "no estimator had a signal" in said and "--speed and --angle" in said
+    assert judgement(replace(found, log=replace(found.log, theta_e=None))) == []

@@ -18,6 +18,7 @@ from sensorless.policy import TablePolicy
 from sensorless.replay.log import write_log
 from sensorless.replay.replay import SAMPLE, Replay, load, replay
 from sensorless.table.ks_table import Axis, GainGrid, KsTable
+from tests.helpers.sample import replayed_sample
 
 MOTOR = Motor.load("paper")
 DESIGN = DriveDesign(estimator="smo", carrier=True)
@@ -159,6 +160,15 @@ def test_duties_instead_of_voltages(
     by_voltage = found.summary(0.1)
     for name in by_voltage:
         assert by_duty[name]["rms_deg"] == pytest.approx(by_voltage[name]["rms_deg"], abs=0.7)
+
+
+def test_the_coupled_observer_has_what_either_of_its_sources_has() -> None:
+    """Whatever the weight; the Kalman filter has an EMF of its own, or the injection."""
+    found = replayed_sample()
+    valid = {name: estimate.valid for name, estimate in found.estimates.items()}
+    assert found.observer == "flux alone"
+    assert np.array_equal(valid["blend"], valid["hfi"] | valid["smo"])
+    assert np.all(valid["ekf"][valid["hfi"]]) and not np.array_equal(valid["ekf"], valid["blend"])
 
 
 def test_sample_log() -> None:

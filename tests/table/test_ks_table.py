@@ -180,6 +180,16 @@ def test_any_motor_is_accepted_without_a_hash() -> None:
     assert table().check() == lib.KS_OK
 
 
+def wrong(**changes: Any) -> Any:
+    """A table with fields of any kind."""
+    return replace(table(), **changes)
+
+
+def test_nodes_may_be_counted_by_numpy() -> None:
+    axis = Axis("speed", 0.0, 1.0, np.int64(5))  # type: ignore[arg-type]
+    assert axis == Axis("speed", 0.0, 1.0, 5) and type(axis.n) is int
+
+
 @pytest.mark.parametrize(
     ("build", "message"),
     [
@@ -202,6 +212,12 @@ def test_any_motor_is_accepted_without_a_hash() -> None:
         (lambda: replace(table(), slew_per_s=0.0), "slew_per_s: 0.0; give"),
         (lambda: replace(table(), fallback=np.nan), "fallback: nan; give"),
         (lambda: replace(table(), rule=(0.3, 0.3)), "rule: 0.3, 0.3; give low < high"),
+        (lambda: wrong(provenance=[1]), r"provenance: \[1\]; give facts by name"),
+        (lambda: wrong(axes=(("speed", 0, 1, 5),)), "axes: .*give a tuple of Axis"),
+        (lambda: wrong(axes=AXES[0]), "axes: Axis.*; give a tuple of Axis"),
+        (lambda: wrong(gains=("observer",)), "gains: .*give a tuple of GainGrid"),
+        (lambda: table().evaluate_gains(np.zeros((1, SIGNAL_N), np.float32)), "gains: none"),
+        (lambda: wrong().record("q31"), "form: 'q31'; give 'f32' or 'q15'"),
     ],
 )
 def test_what_is_out_of_range_is_named(build: Any, message: str) -> None:
