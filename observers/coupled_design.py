@@ -11,7 +11,7 @@ from typing import Any
 from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.motor import Motor
 from sensorless.observers.drift_design import CALM, design_drift, zero_current
-from sensorless.observers.flux_design import standstill_rate
+from sensorless.observers.flux_design import LEAST_FLUX, standstill_rate
 from sensorless.observers.hfi_design import error_slope
 from sensorless.observers.match_design import design_match
 from sensorless.observers.smo_design import low_pass
@@ -49,6 +49,9 @@ BRAKED = 0.3
 for an error of the whole resistance: for one of a third a third of ``LEAN``."""
 BRAKED_LEAST = 0.4
 """Least share of the flux correction in a generator: errors of sensors and magnets must decay."""
+MOST_LOAD = 4.0
+"""Bound on the estimated load, over the acceleration by rated torque: twice that torque on half the
+inertia."""
 LEFT_IDLE = 0.5
 """Most that a dead time that is not known may change the flux's length by without torque current,
 over psi_f: with more, nothing is left of the flux that an angle could be read from."""
@@ -175,7 +178,7 @@ def design_coupled(
         "R_s": motor.R_s,
         "L_d": motor.L_d,
         "psi_d": {"y": flux_at_no_d_current(motor, line)},
-        "psi_sq_min": (0.25 * motor.psi_f) ** 2,
+        "psi_sq_min": (LEAST_FLUX * motor.psi_f) ** 2,
         "gain_0": standstill_rate(motor) * motor.T_s,
         "gain_w": damping(motor) * motor.T_s,
         "brake": brake(motor),
@@ -188,7 +191,7 @@ def design_coupled(
         "k_i": at.flux**2 + 2.0 * at.flux * at.load,
         "k_l": motor.T_s * at.flux**2 * at.load,
         "k_tau": INERTIA_SHARE * 1.5 * motor.n_p**2 / motor.J,
-        "load_max": 4.0 * acceleration,
+        "load_max": MOST_LOAD * acceleration,
         "alpha_rise": low_pass(rise / (2.0 * math.pi), motor.T_s),
         "eps_rise": low,
         "rise": RISE_MAX / (high - low),

@@ -10,7 +10,7 @@ import numpy as np
 
 from sensorless.core.api import lib
 from sensorless.machine.inverter import threshold_voltage
-from sensorless.machine.magnetics import flux, mtpa
+from sensorless.machine.magnetics import flux, iron_conductance, mtpa
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import USABLE
 from sensorless.machine.saliency import principal
@@ -90,13 +90,13 @@ def most_answer(motor: Motor) -> float:
 
     On the d axis u T_s / (2 L_small), the most along the operating line, with an inductance
     ``LARGER`` times too large in the file and the voltage that a compensation of dead time adds;
-    and what an iron loss p draws as the conductance p / (1.5 (w psi_f)^2) at rated speed.
+    and what an iron loss draws.
     """
     small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
     acts = motor.u_inj + unsure_voltage(motor)
     p_iron = max(motor.p_iron, IRON * motor.tau_rated * motor.omega_rated / motor.n_p)
-    iron = p_iron / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
-    return 0.5 * motor.T_s * acts * LARGER / float(np.min(small)) + iron * motor.u_inj
+    beside = iron_conductance(motor, p_iron) * motor.u_inj
+    return 0.5 * motor.T_s * acts * LARGER / float(np.min(small)) + beside
 
 
 def answer_shares(motor: Motor) -> dict[str, float]:

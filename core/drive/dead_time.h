@@ -15,19 +15,13 @@ CORE_INLINE float dead_time_difference(float u, float u_i, float v, float v_i, f
     return times_sign_f(size, i);
 }
 
-/* Leg voltages u a, u b, u c in the stator frame; the part common to all legs drops out. */
-CORE_INLINE ab_t dead_time_to_ab(float u, float a, float b, float c) {
-    ab_t y = {u * 0.333333333f * (2.0f * a - b - c), u * INV_SQRT3_F * (b - c)};
-    return y;
-}
-
 /* Dead-time voltage of three legs at the current i_ab, to be added to the command [V]; u_dt: that
  * of one leg [V]. */
 CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
     float i_b = phase_b(i_ab);
     float i_c = phase_c(i_ab);
-    return dead_time_to_ab(u_dt, dead_time_share(i_ab.a, inv_i), dead_time_share(i_b, inv_i),
-                           dead_time_share(i_c, inv_i));
+    return legs_to_stator(u_dt, dead_time_share(i_ab.a, inv_i), dead_time_share(i_b, inv_i),
+                          dead_time_share(i_c, inv_i));
 }
 
 /* Voltage that a compensation u adds beyond a loss v [V], both of a leg, with slopes u_i and v_i
@@ -35,9 +29,9 @@ CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
 CORE_INLINE ab_t dead_time_excess(float u, float u_i, float v, float v_i, ab_t i_ab) {
     float i_b = phase_b(i_ab);
     float i_c = phase_c(i_ab);
-    return dead_time_to_ab(1.0f, dead_time_difference(u, u_i, v, v_i, i_ab.a),
-                           dead_time_difference(u, u_i, v, v_i, i_b),
-                           dead_time_difference(u, u_i, v, v_i, i_c));
+    return legs_to_stator(1.0f, dead_time_difference(u, u_i, v, v_i, i_ab.a),
+                          dead_time_difference(u, u_i, v, v_i, i_b),
+                          dead_time_difference(u, u_i, v, v_i, i_c));
 }
 
 #endif

@@ -116,4 +116,10 @@ CORE_INLINE float phase_c(ab_t x) { return -0.5f * x.a - HALF_SQRT3_F * x.b; }
 
 CORE_INLINE float norm_ab(ab_t x) { return sqrt_f(x.a * x.a + x.b * x.b); }
 
+/* Stator voltage of three legs at u a, u b, u c; the part common to all legs drops out. */
+CORE_INLINE ab_t legs_to_stator(float u, float a, float b, float c) {
+    ab_t y = {u * 0.333333333f * (2.0f * a - b - c), u * INV_SQRT3_F * (b - c)};
+    return y;
+}
+
 #endif

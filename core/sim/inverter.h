@@ -45,10 +45,7 @@ CORE_INLINE float link_ripple(const sensor_params_t *p, int32_t half) {
 }
 
 /* Stator voltage of three legs [V]. */
-CORE_INLINE ab_t legs_voltage(legs_t leg) {
-    ab_t y = {0.333333333f * (2.0f * leg.a - leg.b - leg.c), INV_SQRT3_F * (leg.b - leg.c)};
-    return y;
-}
+CORE_INLINE ab_t legs_voltage(legs_t leg) { return legs_to_stator(1.0f, leg.a, leg.b, leg.c); }
 
 /* Mean stator voltage of a period [V]: dead time against the direction of each phase current i_ab
  * [A], legs limited to the link. */

@@ -12,6 +12,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.design.records import GOOD_NOISE, control_record, fill, plant_record, sensor_record
 from sensorless.envs.counter_random import Floats, Seeds
 from sensorless.errors import UserError
+from sensorless.machine.magnetics import iron_conductance
 from sensorless.machine.motor import Motor
 from sensorless.observers.start_design import knows_poles
 from sensorless.policy import NO_SETTINGS, Settings
@@ -249,7 +250,7 @@ def fill_details(plant: Array, sensor: Array, s: Scenarios, motor: Motor) -> Non
     fifth, seventh = (motor.psi_f * magnet * x for x in (s.emf_5 / 5.0, s.emf_7 / 7.0))
     harmonics["m_d"], harmonics["m_q"] = fifth + seventh, seventh - fifth
     harmonics["gamma"] = 0.5 * s.saliency_6 * (1.0 / motor.L_d - 1.0 / motor.L_q)
-    plant["g_iron"] = s.p_iron / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
+    plant["g_iron"] = iron_conductance(motor, s.p_iron)
     plant["k_iron"] = 1.0 / (1.0 + plant["R_s"] * plant["g_iron"])
     sensor["u_on"] = 0.5 * (s.u_transistor + s.u_diode)
     sensor["u_skew"] = s.u_transistor - s.u_diode

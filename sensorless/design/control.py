@@ -91,6 +91,11 @@ def reference_share(motor: Motor) -> float:
     return min(max((turn - BY_REFERENCE) / RAMP, 0.0), 1.0)
 
 
+DEMAGNETISING = 0.9
+"""Largest d current of field weakening, over ``i_max``: what it leaves makes torque."""
+COMPENSATED = 0.05
+"""Phase current from which all of a dead time is compensated, over rated: beyond the range in which
+it turns round within a period."""
 WORTH = 0.1
 """Least share of ``i_max`` with which a generator brakes rather than lower its torque."""
 
@@ -155,7 +160,7 @@ def design_control(
     alpha = 2.0 * math.pi * current_hz
     L_q = half_load_inductance(motor)
     k_p = 2.0 * w * motor.J / k_t
-    i_d_min = -0.9 * motor.i_max
+    i_d_min = -DEMAGNETISING * motor.i_max
     return {
         "k_p_speed": k_p,
         "k_i_speed": w * w * motor.J / k_t,
@@ -178,6 +183,6 @@ def design_control(
         "i_q_brake": braking_current(motor, i_d_min),
         "i_int_max": motor.i_max + k_p * (1.01 - speed_weight) * omega_max,
         "u_dt": u_dt,
-        "inv_i_dt": 1.0 / (0.05 * motor.i_rated),
+        "inv_i_dt": 1.0 / (COMPENSATED * motor.i_rated),
         "curve_inv_step": (CURVE_N - 1) / motor.i_max,
     }

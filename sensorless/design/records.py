@@ -34,6 +34,9 @@ from sensorless.observers.start_design import design_start
 
 SUB_STEPS = 1
 """Runge-Kutta steps of the machine a PWM period."""
+TURNS_ROUND = 0.01
+"""Phase current, over rated, from which a leg loses all of its dead time: below, the current turns
+round within a period."""
 GOOD_NOISE = 0.005
 """Noise of good current sensors, RMS [A]: of every machine, whatever its rated current."""
 
@@ -121,7 +124,7 @@ def sensor_record(motor: Motor) -> Array:
         record,
         {
             "dead_time_share": motor.dead_time / motor.T_s,
-            "inv_i_zero": 1.0 / (0.01 * motor.i_rated),
+            "inv_i_zero": 1.0 / (TURNS_ROUND * motor.i_rated),
             "gain_a": 1.0,
             "gain_b": 1.0,
             "noise_rms": GOOD_NOISE,

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from sensorless.machine.flux_correction import correction_key
 from sensorless.machine.motor import Motor, Saturation
 
 Floats = NDArray[np.float64]
+Watts = TypeVar("Watts", float, Floats)
 
 
 @lru_cache(maxsize=256)
@@ -158,6 +160,19 @@ def _mtpa(s: Saturation, n_p: int, i_max: float, n: int) -> tuple[Floats, Floats
     shift = np.where(np.abs(bend) > 1e-12, 0.5 * (left - right) / np.where(bend == 0, 1, bend), 0)
     at = np.clip((best + np.clip(shift, -1.0, 1.0)) * (angle[1] - angle[0]), 0.0, None)
     return -amplitude * np.sin(at), amplitude * np.cos(at)
+
+
+def at_zero_current(s: Saturation, i_rated: float) -> tuple[float, float, float]:
+    """Incremental L_d and L_q [H], and psi_f [Vs], at zero current, for a rated current [A]."""
+    step = 1e-3 * i_rated
+    psi = flux(s, np.array([[0.0, 0.0], [-step, 0.0], [step, 0.0], [0.0, -step], [0.0, step]]))
+    d, q = psi[2, 0] - psi[1, 0], psi[4, 1] - psi[3, 1]
+    return float(d) / (2.0 * step), float(q) / (2.0 * step), float(psi[0, 0])
+
+
+def iron_conductance(motor: Motor, p_iron: Watts) -> Watts:
+    """Conductance beside the windings [1/ohm] that loses p [W] at rated speed without load."""
+    return p_iron / (1.5 * (motor.omega_rated * motor.psi_f) ** 2)
 
 
 def apparent_q_inductance(motor: Motor, i: Floats) -> Floats:

@@ -7,7 +7,7 @@ import numpy as np
 
 from sensorless.errors import UserError
 from sensorless.machine.flux_correction import correction_table
-from sensorless.machine.magnetics import flux
+from sensorless.machine.magnetics import at_zero_current
 from sensorless.machine.map_fit import MapFit
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.machine.motor_file import TABLES
@@ -23,18 +23,13 @@ def mapped(motor: Motor, fit: MapFit) -> Motor:
         The map's d axis is not the magnet's, or the map belongs to another machine.
     """
     s = Saturation(**{name: _six(x) for name, x in dataclasses.asdict(fit.saturation).items()})
-    zero = np.zeros((1, 2))
-    step = 1e-3 * motor.i_rated
-    psi_f = float(flux(s, zero)[0, 0])
-    d = flux(s, np.array([[-step, 0.0], [step, 0.0]]))[:, 0]
-    q = flux(s, np.array([[0.0, -step], [0.0, step]]))[:, 1]
-    L_d, L_q = (float(x[1] - x[0]) / (2.0 * step) for x in (d, q))
+    L_d, L_q, psi_f = at_zero_current(s, motor.i_rated)
     if psi_f <= 0.0 or L_d >= L_q:
         raise UserError(
             f"map: L_d = {L_d:.4g} H, L_q = {L_q:.4g} H, psi_d = {psi_f:.4g} Vs at zero current; "
             "the magnet must lie along d, and L_q exceed L_d: add --turn, or leave it out if given"
         )
-    low, high = principal(motor, zero)[0] * (0.2, 5.0)
+    low, high = principal(motor, np.zeros((1, 2)))[0] * (0.2, 5.0)
     if not (low < L_d < high and low < L_q < high):
         raise UserError(
             f"map: L_d = {L_d:.4g} H, L_q = {L_q:.4g} H at zero current, but the motor file says "

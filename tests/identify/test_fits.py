@@ -16,11 +16,10 @@ from sensorless.identify.machine.mechanics import NO_MECHANICS, fit_mechanics
 from sensorless.identify.machine.model import fit_model
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.pulses import Samples
-from sensorless.identify.machine.result import at_rest
 from sensorless.identify.machine.source import CURRENT, Recorded
 from sensorless.identify.machine.spin import Point, Spin, magnet
 from sensorless.identify.machine.turning import first_spin, second_spin
-from sensorless.machine.magnetics import currents, flux
+from sensorless.machine.magnetics import at_zero_current, currents, flux
 from sensorless.machine.motor import Motor
 
 PAPER = Motor.load("paper")
@@ -94,9 +93,11 @@ def test_the_model_comes_back(name: str) -> None:
     s, psi_f = measured(motor)
     found = fit_model(s, psi_f, motor.i_rated)
     assert max(found.rms_percent(motor.i_rated)) < 0.01
-    L_d, L_q, magnet_flux = at_rest(found.saturation, motor.i_rated)
+    L_d, L_q, magnet_flux = at_zero_current(found.saturation, motor.i_rated)
     assert magnet_flux == pytest.approx(psi_f)
-    assert (L_d, L_q) == pytest.approx(at_rest(motor.saturation, motor.i_rated)[:2], rel=1e-3)
+    assert (L_d, L_q) == pytest.approx(
+        at_zero_current(motor.saturation, motor.i_rated)[:2], rel=1e-3
+    )
 
 
 def test_noise_on_a_linear_machine_is_no_saturation() -> None:

@@ -4,12 +4,10 @@ import dataclasses
 import math
 from typing import Any
 
-import numpy as np
-
 from sensorless.errors import UserError
 from sensorless.identify.machine.procedure import Identified
 from sensorless.machine.datasheet import Number
-from sensorless.machine.magnetics import flux
+from sensorless.machine.magnetics import at_zero_current
 from sensorless.machine.mapped import saturation_table
 from sensorless.machine.motor import Saturation
 from sensorless.machine.motor_file import tables
@@ -31,7 +29,7 @@ def motor_tables(found: Identified) -> dict[str, Any]:
         The machine has no saliency to speak of.
     """
     model = _rounded(found.map_fit.saturation)
-    L_d, L_q, psi_f = at_rest(model, found.plate.i_rated)
+    L_d, L_q, psi_f = at_zero_current(model, found.plate.i_rated)
     if L_q < LEAST_SALIENCY * L_d:
         raise UserError(
             f"inductance: L_d = {L_d:.4g} H, L_q = {L_q:.4g} H; a machine without saliency gives "
@@ -67,7 +65,7 @@ def motor_tables(found: Identified) -> dict[str, Any]:
 def screen(found: Identified) -> list[tuple[str, str, str, str]]:
     """Rows of quantity, value, scatter and how it was found."""
     r, spin, plate = found.resistance, found.spin, found.plate
-    L_d, L_q, psi_f = at_rest(found.map_fit.saturation, plate.i_rated)
+    L_d, L_q, psi_f = at_zero_current(found.map_fit.saturation, plate.i_rated)
     d, q = found.map_fit.rms_percent(plate.i_rated)
     m = spin.mechanics
     return [
@@ -81,16 +79,6 @@ def screen(found: Identified) -> list[tuple[str, str, str, str]]:
         _row("J", m.J, m.J_std, "kg m^2", "ramps up and down"),
         _row("B", m.B, math.nan, "N m s/rad", f"and {m.tau_0:.2g} N m at any speed"),
     ]
-
-
-def at_rest(s: Saturation, i_rated: float) -> tuple[float, float, float]:
-    """L_d, L_q [H] and psi_f [Vs] at zero current."""
-    step = 1e-3 * i_rated
-    points = np.array([[0.0, 0.0], [-step, 0.0], [step, 0.0], [0.0, -step], [0.0, step]])
-    psi = flux(s, points)
-    L_d = float(psi[2, 0] - psi[1, 0]) / (2.0 * step)
-    L_q = float(psi[4, 1] - psi[3, 1]) / (2.0 * step)
-    return L_d, L_q, float(psi[0, 0])
 
 
 def _row(name: str, value: float, spread: float, unit: str, how: str) -> tuple[str, str, str, str]:
