@@ -11,6 +11,7 @@ from sensorless.cli.options import (
     MotorOption,
     ReplaceOption,
     console,
+    errors,
     say_json,
     say_wrote,
 )
@@ -64,7 +65,7 @@ def machine_command(
     from sensorless.identify.machine.log import plausible, read_log, write_log
     from sensorless.identify.machine.nameplate import Nameplate
     from sensorless.identify.machine.procedure import identify_machine
-    from sensorless.identify.machine.result import motor_tables, screen
+    from sensorless.identify.machine.result import doubts, motor_tables, screen
     from sensorless.identify.machine.simulated import Simulated, real_drive
     from sensorless.identify.machine.source import Recorded, Source
     from sensorless.machine.motor import Motor
@@ -100,6 +101,8 @@ def machine_command(
     for row in screen(found):
         table.add_row(*row)
     console.print(table)
+    for doubt in doubts(data):
+        errors.print(doubt, highlight=False, markup=False, soft_wrap=True)
     if as_json:
         say_json(data)
     say_wrote(save_log)

@@ -6,7 +6,7 @@ from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import RatedPoint, rated_point
 from sensorless.machine.sane import insane
-from sensorless.suitability.finding import LIMIT, NO, Finding, Verdict, verdict
+from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding, Verdict, verdict
 from sensorless.suitability.plausible import plausible
 from sensorless.suitability.seen import Seen, look, low_trip, objections, suggestions, unmeasured
 
@@ -48,6 +48,8 @@ def examine(motor: Motor, pll_hz: float) -> Examination:
     objection = point.objection(motor)
     if objection is not None:
         found.append(Finding(LIMIT if point.torque_at_speed > 0.0 else NO, "rating", objection))
+    spare = point.spare(motor)
+    found += () if spare is None else (Finding(NOTE, "tau_rated", spare),)
     salient = motor.L_q > motor.L_d
     found += (*objections(motor, seen), *unmeasured(motor, seen)) if salient else ()
     suggested = suggestions(motor, seen, pll_hz) if salient else None

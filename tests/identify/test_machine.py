@@ -16,7 +16,7 @@ from sensorless.identify.machine.electric import Sensors
 from sensorless.identify.machine.hold import measure_offsets, measure_resistance
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.procedure import Identified, identify_machine
-from sensorless.identify.machine.result import motor_tables
+from sensorless.identify.machine.result import doubts, motor_tables
 from sensorless.identify.machine.simulated import Simulated, real_drive
 from sensorless.identify.machine.source import Recorded
 from sensorless.machine import motor_file
@@ -40,6 +40,18 @@ def test_a_drive_with_errors_finds_its_machine(measured: tuple[Simulated, Identi
     assert found.psi_f == pytest.approx(MOTOR.psi_f, rel=0.01)
     assert found.J == pytest.approx(MOTOR.J, rel=0.05)
     assert found.u_dc == MOTOR.u_dc and found.n_p == MOTOR.n_p
+
+
+def test_voltages_of_another_scale_do_not_fit_the_name_plate(
+    measured: tuple[Simulated, Identified],
+) -> None:
+    data = motor_tables(measured[1])
+    assert doubts(data) == []
+    for scale, word in ((1.73, "1.9 times tau_rated"), (0.58, "rated torque 14 N m needs")):
+        machine = {k: v * scale for k, v in data["machine"].items() if k not in ("n_p", "B")}
+        scaled = data["machine"] | machine
+        odd = {k: v for k, v in data.items() if k != "saturation"} | {"machine": scaled}
+        assert any(word in text for text in doubts(odd))
 
 
 def test_an_exact_drive_finds_its_machine_exactly() -> None:

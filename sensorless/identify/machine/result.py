@@ -4,13 +4,17 @@ import dataclasses
 import math
 from typing import Any
 
+from sensorless.design.derived import derive
+from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.identify.machine.procedure import Identified
 from sensorless.machine.datasheet import Number
 from sensorless.machine.magnetics import at_zero_current
 from sensorless.machine.mapped import saturation_table
-from sensorless.machine.motor import Saturation
+from sensorless.machine.motor import Motor, Saturation
 from sensorless.machine.motor_file import tables
+from sensorless.suitability.examine import examine
+from sensorless.suitability.finding import NOTE
 
 GIVEN = (
     "n_p", "tau_rated", "i_rated", "n_rated_rpm", "u_dc", "T_s", "u_inj", "i_max", "i_trip",
@@ -60,6 +64,13 @@ def motor_tables(found: Identified) -> dict[str, Any]:
         "saturation": saturation_table(model),
         "source": {**source, "saturation": mapped},
     }
+
+
+def doubts(data: dict[str, Any]) -> list[str]:
+    """What of a measured machine does not fit its name plate, or no machine."""
+    motor = Motor.from_tables(data, "identified")
+    found = examine(motor, derive(motor, DriveDesign()).hfi_pll_hz).findings
+    return [f.text for f in found if f.weight != NOTE or f.field == "tau_rated"]
 
 
 def screen(found: Identified) -> list[tuple[str, str, str, str]]:
