@@ -13,7 +13,7 @@ from sensorless.machine.motor import Motor
 from sensorless.observers.drift_design import CALM, design_drift, zero_current
 from sensorless.observers.flux_design import LEAST_FLUX, standstill_rate
 from sensorless.observers.hfi_design import error_slope
-from sensorless.observers.match_design import design_match
+from sensorless.observers.match_design import GAIN_SPEED, design_match
 from sensorless.observers.smo_design import low_pass
 from sensorless.observers.tracking import (
     HAND_OVER,
@@ -208,5 +208,11 @@ def design_coupled(
             u_dt=u_dt,
             inv_i_comp=inv_i_comp,
         ),
-        "match": design_match(motor, flux_bandwidth=at.flux),
+        "match": design_match(
+            motor,
+            flux_bandwidth=at.flux,
+            injection=at.injection,
+            correction=2.0
+            * (standstill_rate(motor) + GAIN_SPEED * damping(motor) * motor.omega_rated),
+        ),
     }

@@ -50,6 +50,10 @@ MOST_DEAD_TIME = 1.5
 GAINED = 2.0
 """Bound on the answer over that of the d axis beyond which no channel with a wrong gain comes: one
 that reads 1.5 times as much makes 1.4 to 2.1."""
+TAU_LATE, LATE = 60e-3, 0.05
+"""Time constant of the low-pass of what lasts [s], longer than the swing after a load step; and
+what lasts in lock, over the EMF at rated speed, beside dead time and resistance:
+docs/lock-trials.md, "What lasts"."""
 E_LEAST = 0.75
 """Least EMF that has a direction, over the residual that lock may have on the q axis."""
 ACTS = 0.1
@@ -196,8 +200,8 @@ def design_lock(
     n = evaluation_periods(motor)
     step = n * motor.T_s
     emf = motor.omega_rated * motor.psi_f
-    unknown = LEFT_DEAD_TIME * (motor.dead_time_voltage + threshold_voltage(motor))
-    unknown += UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
+    lost = LEFT_DEAD_TIME * (motor.dead_time_voltage + threshold_voltage(motor))
+    unknown = lost + UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
     floor, lag = SPEED_LAG * emf + unknown, 2.0 * speed_hz / current_hz
     return {
         "alpha": -math.expm1(-step / TAU),
@@ -208,6 +212,9 @@ def design_lock(
         "e_floor": floor,
         "d_share": d_share(motor),
         "e_least": E_LEAST * floor,
+        "alpha_late": -math.expm1(-step / TAU_LATE),
+        "e_late": LATE * emf + lost,
+        "R_warm": UNKNOWN_RESISTANCE * motor.R_s,
         "jump": SPEED_SHARE * rated_acceleration(motor) * TAU + SLIP,
         "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
         **answer_bounds(motor),

@@ -32,6 +32,9 @@ OFFSET_SPEED = 0.4
 them by 2 atan(1 / 0.4) = 136 degrees, and less above."""
 FASTEST = 10.0
 """Largest rate at which offsets are learned [1/s]: beyond, noise of samples is learned."""
+MOST_SWING = 3.0
+"""Part of a gain in the error along psi_a that comes back by injection, over its own at rated
+current, up to which the gain is learned while injection leads: docs/coupled-learning.md."""
 BUSY = 3
 """Periods from one decision to the next in which the drive has no time to learn: that with the
 decision and two with tests of the lock. Where there are no two others, it learns in all."""
@@ -39,16 +42,27 @@ THROWN = 0.5
 """Part of the largest offset by which a rated load step may throw the estimate."""
 
 
-def design_match(motor: Motor, *, flux_bandwidth: float) -> dict[str, Any]:
+def design_match(
+    motor: Motor, *, flux_bandwidth: float, injection: float, correction: float
+) -> dict[str, Any]:
     """Fields of ``match_params_t``.
 
-    At rated current, psi_a the auxiliary flux and W ``flux_bandwidth`` [rad/s]:
+    At rated current, psi_a the auxiliary flux and W ``flux_bandwidth`` [rad/s], that of the
+    voltage model:
     the error along psi_a has the slope g = 2 i / sqrt(3) (L_d psi_ad, L_qq psi_aq) / psi_a^2 in
     quadrature over the gain, so k_gain = GAIN_RATE w_rated T / (g^2 / 2),
     T the mean time between the periods in which it learns.
     A load step of acceleration a leaves an error across of a / (W^2 w) a turn; k_offset makes
     ``THROWN`` of the largest offset of it. Without enough saliency, what it learns would decay
     slower than loads change: then k_offset is 0. With much of it, ``FASTEST`` is the limit.
+    The gain is learned while injection leads only if ``injection_swing`` is at most ``MOST_SWING``
+    slopes, and if injection's sign alternates between the periods that learn: otherwise injection's
+    own current has the swing add up without any load.
+
+    Parameters
+    ----------
+    injection, correction : float
+        As in ``injection_swing``.
     """
     i = np.stack(mtpa(motor), axis=1)
     psi = flux(motor.saturation, i)
@@ -67,6 +81,8 @@ def design_match(motor: Motor, *, flux_bandwidth: float) -> dict[str, Any]:
     per_error = THROWN * OFFSET * motor.i_rated * W**2 * w / rated_acceleration(motor)
     seen = 2.0 * w**3 * W / (w**2 + W**2) ** 2
     rate = 0.5 * per_error * seen * (L_qq - motor.L_d) / math.sqrt(square)
+    swing = injection_swing(motor, injection, correction)
+    odd = evaluation_periods(motor) % 2 == 1
     return {
         "after": first_busy(evaluation_periods(motor)),
         "k_gain": GAIN_RATE * w * T / (0.5 * slope**2),
@@ -77,7 +93,22 @@ def design_match(motor: Motor, *, flux_bandwidth: float) -> dict[str, Any]:
         "alpha": low_pass(GAIN_SPEED * w / (2.0 * math.pi), T),
         "omega_gain": GAIN_SPEED * w,
         "omega_offset": OFFSET_SPEED * W,
+        "alone": 0.0 if odd and swing <= MOST_SWING * slope else 1.0,
     }
+
+
+def injection_swing(motor: Motor, injection: float, correction: float) -> float:
+    """Error along psi_a that a gain makes by injection at ``GAIN_SPEED`` w, over the gain.
+
+    A gain g turns injection's angle by 2 g / sqrt(3) / (1 - L_d/L_q), twice a turn. The observer
+    follows it with the bandwidth ``injection`` W_h, to W_h / hypot(W_h, w), and corrects its flux
+    towards that angle at the rate ``correction`` c [1/s]. In the rotor frame the correction leaves
+    c w / (hypot(c, 3 w) hypot(c, w)) of it along psi_a.
+    """
+    w, c = GAIN_SPEED * motor.omega_rated, correction
+    turned = 2.0 / math.sqrt(3.0) / (1.0 - motor.L_d / motor.L_q)
+    followed = injection / math.hypot(injection, w)
+    return turned * followed * c * w / (math.hypot(c, 3.0 * w) * math.hypot(c, w))
 
 
 def first_busy(n: int) -> int:

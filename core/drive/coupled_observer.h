@@ -159,7 +159,7 @@ CORE_INLINE float coupled_observe(const coupled_params_t *p, coupled_state_t *x,
         return jump;
     }
     match_gain(&p->match, &x->match, learn > 0 && (learn & 1) != 0, i_ab, r, aux, inv, p->L_d, L_qq,
-               along, y->pll.omega);
+               along, y->pll.omega, k_s);
     match_offset(&p->match, &x->match, learn > 0 && (learn & 1) == 0, r, aux, inv, eps,
                  y->pll.omega);
     return jump;

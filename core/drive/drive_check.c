@@ -2,7 +2,8 @@
 #include "drive_check.h"
 
 static float lock_sum(const lock_state_t *x) {
-    return x->i.d + x->i.q + x->across + x->residual + x->emf + x->omega + x->i_off + x->answer;
+    float sum = x->i.d + x->i.q + x->across + x->residual + x->emf + x->theta + x->late;
+    return sum + x->omega + x->i_off + x->answer;
 }
 
 static float start_sum(const start_state_t *x) {

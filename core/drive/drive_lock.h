@@ -18,6 +18,8 @@ CORE_INLINE void drive_watch(const drive_params_t *p, drive_state_t *x) {
     float psi_0 = curve_at(&p->coupled.psi_d, pos);
     lock_in_t in;
     in.omega = x->est.omega;
+    in.theta = x->est.theta;
+    in.T = (float)p->lock.n * p->T_s;
     in.u.d = one * y->u_sum.d;
     in.u.q = one * y->u_sum.q;
     in.i.d = one * y->i_sum.d;

@@ -5,7 +5,8 @@
  *            to the EMF of the auxiliary flux; a quarter turn off adds -omega psi_a, half a turn
  *            -2 omega psi_d without d current, an EMF that is missing or unexpected all of it.
  *            On the d axis u_d - R_s i_d - L_d d i_d/dt + omega L_q i_q is 0 at the true angle;
- *            with what is left there, the auxiliary flux's EMF has a direction
+ *            with what is left there, the auxiliary flux's EMF has a direction. A residual that
+ *            lasts fails at less: half a turn off, a drive may stand or run slowly for ever
  *   SPEED    an estimate that slips moves faster than torque and load can move the shaft: the
  *            estimated speed leaves its own low-pass, without an EMF that goes with it. And an
  *            estimate at its bound no longer tells how fast the shaft is
@@ -24,7 +25,7 @@
 
 #include <stdint.h>
 
-#include "frames.h"
+#include "trig.h"
 
 /* Bits of lock_state_t.reason: the tests that failed. */
 enum { LOCK_EMF = 1, LOCK_SPEED = 2, LOCK_CURRENT = 4, LOCK_ANSWER = 8 };
@@ -37,21 +38,24 @@ enum {
 };
 
 typedef struct {
-    float alpha;     /* low-pass of all tests, a coefficient of evaluations */
-    float inv_t;     /* 1 / time from one evaluation to the next [1/s] */
-    float R_s;       /* stator resistance [ohm] */
-    float L_q_true;  /* apparent q inductance over that of the observer */
-    float e_share;   /* EMF: residual over the EMF of the auxiliary flux beyond which it fails */
-    float e_floor;   /* beyond this residual in addition [V] */
-    float d_share;   /* EMF: d residual in lock, over the torque current [V/A] */
-    float e_least;   /* least EMF that has a direction [V] */
-    float jump;      /* SPEED: distance from the low-pass beyond which it fails [rad/s] */
-    float i_off;     /* CURRENT: mean distance from the reference beyond which it fails [A] */
-    float answer;    /* ANSWER: least current that the injected voltage moves [A] */
-    float rest;      /* the same near zero current [A] */
-    float most;      /* largest, with injection alone [A]; lock_bounds has all three */
-    float i_loaded;  /* torque current from which dead time is compensated well [A] */
-    float leads;     /* weight of injection from which it counts: its axis is the estimate's */
+    float alpha;      /* low-pass of all tests, a coefficient of evaluations */
+    float inv_t;      /* 1 / time from one evaluation to the next [1/s] */
+    float R_s;        /* stator resistance [ohm] */
+    float L_q_true;   /* apparent q inductance over that of the observer */
+    float e_share;    /* EMF: residual over the EMF of the auxiliary flux beyond which it fails */
+    float e_floor;    /* beyond this residual in addition [V] */
+    float d_share;    /* EMF: d residual in lock, over the torque current [V/A] */
+    float e_least;    /* least EMF that has a direction [V] */
+    float alpha_late; /* low-pass of what lasts, a coefficient of evaluations */
+    float e_late;     /* EMF: as e_floor, of what lasts [V] */
+    float R_warm;     /* by which the stator resistance may be wrong in lock [ohm] */
+    float jump;       /* SPEED: distance from the low-pass beyond which it fails [rad/s] */
+    float i_off;      /* CURRENT: mean distance from the reference beyond which it fails [A] */
+    float answer;     /* ANSWER: least current that the injected voltage moves [A] */
+    float rest;       /* the same near zero current [A] */
+    float most;       /* largest, with injection alone [A]; lock_bounds has all three */
+    float i_loaded;   /* torque current from which dead time is compensated well [A] */
+    float leads;      /* weight of injection from which it counts: its axis is the estimate's */
     float beside;    /* least current 60 degrees beside the axis, over the injected voltage [A/V] */
     float along;     /* least along the axis, over the voltage that acts [A/V] */
     float above;     /* largest over that voltage [A/V] */
@@ -72,6 +76,8 @@ typedef struct {
     float across;     /* low-passed d residual [V] */
     float residual;   /* low-passed r [V] */
     float emf;        /* low-passed magnitude of the auxiliary flux's EMF [V] */
+    float theta;      /* angle at the last evaluation [rad] */
+    float late;       /* what r has beyond its share of the EMF, low-passed for longer [V] */
     float omega;      /* low-passed estimated speed [rad/s] */
     float i_off;      /* mean distance of the torque current from its reference [A] */
     float answer;     /* low-passed margin of the injection's answer, below 0 beyond a bound [A] */
@@ -94,6 +100,8 @@ typedef struct {
 /* What EMF reads; all in the estimated frame. */
 typedef struct {
     float omega; /* electrical [rad/s] */
+    float theta; /* electrical, -pi to pi [rad] */
+    float T;     /* time since the last evaluation [s] */
     dq_t u;      /* mean voltage since the last evaluation [V] */
     dq_t i;      /* mean current since then [A] */
     dq_t i_now;  /* current [A] */
@@ -110,6 +118,8 @@ CORE_INLINE void lock_begin(const lock_params_t *p, lock_state_t *x, float omega
     x->across = 0.0f;
     x->residual = 0.0f;
     x->emf = 0.0f;
+    x->theta = 0.0f;
+    x->late = 0.0f;
     x->omega = omega;
     x->i_off = 0.0f;
     x->answer = 0.0f;
@@ -117,7 +127,8 @@ CORE_INLINE void lock_begin(const lock_params_t *p, lock_state_t *x, float omega
     x->alarm = 0;
 }
 
-/* First part of an evaluation: the EMF. */
+/* First part of an evaluation: the EMF. What lasts is taken for the speed at which the angle really
+ * turns: injection may turn it while the estimated speed stands. */
 CORE_INLINE void lock_emf(const lock_params_t *p, lock_state_t *x, const lock_in_t *in) {
     float drop_d = p->R_s * in->i.d + p->inv_t * in->L_d * (in->i_now.d - x->i.d);
     float drop_q = p->R_s * in->i.q + p->inv_t * in->L_q * (in->i_now.q - x->i.q);
@@ -127,6 +138,12 @@ CORE_INLINE void lock_emf(const lock_params_t *p, lock_state_t *x, const lock_in
     x->across += p->alpha * (d - x->across);
     x->residual += p->alpha * (q - x->residual);
     x->emf += p->alpha * (abs_f(in->omega * in->psi_a) - x->emf);
+    float beyond = p->inv_t * wrap_far(in->theta - x->theta - in->omega * in->T); /* [rad/s] */
+    float late = x->bad > LOCK_GRACE ? 0.0f : p->alpha_late;
+    x->theta = in->theta;
+    float r = q - beyond * in->psi_d;
+    float allowed = p->e_share * x->emf + p->R_warm * abs_f(in->i.q);
+    x->late += late * (times_sign_f(max_f(abs_f(r) - allowed, 0.0f), r) - x->late);
 }
 
 #define LOCK_BESIDE 0.35f /* share of e_least that lock may leave on the d axis */
@@ -137,7 +154,7 @@ CORE_INLINE int lock_emf_fails(const lock_params_t *p, const lock_state_t *x, fl
     float along = x->emf + times_sign_f(x->residual, omega);
     float across = abs_f(x->across);
     float beside = across - p->d_share * abs_f(x->i.q) - LOCK_BESIDE * p->e_least;
-    return abs_f(x->residual) > p->e_share * x->emf + p->e_floor ||
+    return abs_f(x->residual) > p->e_share * x->emf + p->e_floor || abs_f(x->late) > p->e_late ||
            (max_f(across, -along) > p->e_least && INV_SQRT3_F * beside > max_f(along, 0.0f));
 }
 

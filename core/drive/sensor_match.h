@@ -5,9 +5,11 @@
  * sequence, twice the speed in the rotor frame, and the offsets one that stands still in the stator
  * frame. The coupled observer sees both in its flux error:
  *
- *   gain    in the part along the auxiliary flux psi_a, which no angle error enters. Its slope g
- *           over the gain is known from the current, so the gain goes down the gradient of the
- *           square, less the mean, which errors of inductance make
+ *   gain    in the part along the auxiliary flux psi_a, which no steady angle error enters. Its
+ *           slope g over the gain is known from the current, so the gain goes down the gradient of
+ *           the square, less the mean, which errors of inductance make. A gain also makes
+ *           injection's angle swing twice a turn, and that swing comes back along psi_a: where it
+ *           outweighs the current, the gain is learned without injection alone
  *   offset  only in the part across, eps: along psi_a the flux takes it over. The observer follows
  *           what it sees, and eps leads the error of a steady offset by 0 to 180 degrees, so it is
  *           multiplied by the error's direction a quarter turn ahead
@@ -31,6 +33,7 @@ typedef struct {
     float alpha;        /* low-pass of the mean error along psi_a: 1 - exp(-w T), T between uses */
     float omega_gain;   /* least speed to learn the gain at, electrical [rad/s] */
     float omega_offset; /* the same for the offset [rad/s] */
+    float alone;        /* 1: the gain is learned without injection alone; 0: with it too */
 } match_params_t;
 
 typedef struct {
@@ -47,11 +50,14 @@ CORE_INLINE ab_t match_correct(const match_state_t *x, float i_a, float i_b) {
     return phases_to_ab(a, b);
 }
 
+#define MATCH_ALONE 0.01f /* weight at or below which injection does not turn the angle */
+
 /* Learns the gain, if `now`. i_ab: corrected sample [A]; r: direction of the estimate; aux:
  * auxiliary flux [Vs], inv: 1 over its square; L_d, L_qq: incremental inductances [H]; along: flux
- * error along aux, over aux; omega: speed, electrical [rad/s]. */
+ * error along aux, over aux; omega: speed, electrical [rad/s]; k_s: weight of injection. */
 CORE_INLINE void match_gain(const match_params_t *p, match_state_t *x, int now, ab_t i_ab, rot_t r,
-                            dq_t aux, float inv, float L_d, float L_qq, float along, float omega) {
+                            dq_t aux, float inv, float L_d, float L_qq, float along, float omega,
+                            float k_s) {
     if (SHORTCUT(!now)) {
         return;
     }
@@ -59,7 +65,8 @@ CORE_INLINE void match_gain(const match_params_t *p, match_state_t *x, int now, 
     dq_t n = ab_to_dq(per_gain, r);
     float slope = inv * (L_d * n.d * aux.d + L_qq * n.q * aux.q);
     float swing = bound_f(along - x->mean, p->err_max);
-    float k = abs_f(omega) >= p->omega_gain ? p->k_gain : 0.0f;
+    int clear = p->alone * k_s <= MATCH_ALONE;
+    float k = clear && abs_f(omega) >= p->omega_gain ? p->k_gain : 0.0f;
     float gain = bound_f(x->gain + k * slope * swing, p->gain_max);
     float mean = x->mean + p->alpha * (along - x->mean);
     x->gain = now ? gain : x->gain;

@@ -14,6 +14,12 @@
  * its distance. */
 #define ROUNDER_F 12582912.0f
 
+/* Wraps an angle of at most some thousand turns to [-pi, pi]. */
+CORE_INLINE float wrap_far(float x) {
+    float turns = x * (0.5f / PI_F) + ROUNDER_F;
+    return x - (turns - ROUNDER_F) * TWO_PI_F;
+}
+
 /* Cosine and sine of x [rad], |x| <= 8; absolute error below 2e-7.
  * Reduction to a quarter turn with pi/2 split in two floats, then minimax polynomials of degree 7
  * and 8 (coefficients of the Cephes library's sinf and cosf). A sum with ROUNDER_F rounds to the

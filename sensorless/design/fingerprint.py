@@ -13,7 +13,7 @@ from sensorless.machine.motor import Motor
 OBSERVER = {"smo": "smo", "unwrapped": "smo", "errors": "smo", "flux": "flux", "coupled": "coupled"}
 """Part of ``drive_params_t`` that an estimator reads, by ``DriveDesign.estimator``."""
 LATER = {"control.by_reference", "control.i_q_brake"} | {
-    f"coupled.{name}" for name in ("brake", "brake_least", "idle", "inv_i_idle")
+    f"coupled.{name}" for name in ("brake", "brake_least", "idle", "inv_i_idle", "match.alone")
 }
 """Numbers that were added later and change nothing where they are 0: there they do not count."""
 DAMAGE = {"control.i_int_max"}

@@ -270,11 +270,11 @@ void t_curve(const curve_t *c, const float *i_q, float inv_step, float *y, int n
 }
 
 /* n evaluations of an estimate without bound; rows of in: omega, u_d, u_q, i_d, i_q, L_d, L_q,
- * psi_d, psi_a, i_q less its reference. */
+ * psi_d, psi_a, i_q less its reference, angle, time since the last one. */
 void t_lock(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
     for (int j = 0; j < n; j++) {
-        const float *v = &in[10 * j];
-        lock_in_t now = {v[0], {v[1], v[2]}, {v[3], v[4]}, {v[3], v[4]}, v[5], v[6], v[7], v[8]};
+        const float *v = &in[12 * j];
+        lock_in_t now = {v[0], v[10], v[11], {v[1], v[2]}, {v[3], v[4]}, {v[3], v[4]}, v[5], v[6], v[7], v[8]};
         lock_emf(p, x, &now);
         lock_current(p, x, v[9]);
         lock_judge(p, x, v[0], 1e30f);

@@ -134,17 +134,20 @@ static void direction(void) {
         x.i.q = j % 2 ? draw_f(-5, 5) : draw_f(-1, 1);
         float omega = draw_f(-300, 300);
         double along = (double)x.emf + (omega < 0 ? -1.0 : 1.0) * (double)x.residual;
+        x.late = j % 7 ? draw_f(-0.5, 0.5) * p.e_late : draw_f(-2, 2) * p.e_late;
         double size = fabs((double)x.residual) - 0.5 * (double)x.emf - (double)p.e_floor;
+        double late = fabs((double)x.late) - (double)p.e_late;
         double beside = fabs((double)x.across) - fabs((double)(p.d_share * x.i.q));
         beside -= 0.35 * (double)p.e_least;
         double least = fmax(fabs((double)x.across), -along) - (double)p.e_least;
         double turned = beside - fmax(along, 0.0) * sqrt(3.0);
         double edge = 1e-3 * e;
-        if (fabs(size) < edge || fabs(least) < edge || fabs(turned) < edge) {
+        if (fabs(size) < edge || fabs(least) < edge || fabs(turned) < edge ||
+            fabs(late) < edge) {
             continue;
         }
         int by_size = size > 0, by_direction = least > 0 && turned > 0;
-        check("EMF: fails", lock_emf_fails(&p, &x, omega) == (by_size || by_direction));
+        check("EMF: fails", lock_emf_fails(&p, &x, omega) == (by_size || by_direction || late > 0));
         told[by_size ? 1 : by_direction ? 2 : 0] += 1;
     }
     check("EMF: each case", told[0] > 99 && told[1] > 99 && told[2] > 99);
@@ -166,6 +169,8 @@ static void sums(void) {
         x.control.u_sum.d = draw_f(-2000, 2000), x.control.u_sum.q = draw_f(-2000, 2000);
         x.control.i_sum.d = draw_f(-50, 50), x.control.i_sum.q = draw_f(-50, 50);
         x.lock.i.d = draw_f(-5, 5), x.lock.i.q = draw_f(-5, 5);
+        x.est.theta = draw_f(-3, 3), x.lock.theta = draw_f(-3, 3);
+        x.lock.late = draw_f(-9, 9), x.lock.bad = j % 3 ? j % 2 : LOCK_GRACE + 1;
         x.lock.across = draw_f(-9, 9), x.lock.residual = draw_f(-9, 9), x.lock.emf = draw_f(0, 90);
         const lock_state_t was = x.lock;
         double omega = (double)x.est.omega;
@@ -189,6 +194,14 @@ static void sums(void) {
         check("EMF: across", near((double)x.lock.across, to, 1e-4));
         to = (double)was.emf + alpha * (emf - (double)was.emf);
         check("EMF: expected", near((double)x.lock.emf, to, 1e-4));
+        double T = n * (double)p.T_s, ahead = wrapped((double)x.est.theta - (double)was.theta - omega * T);
+        double lasting = r - ahead / T * (psi_0 + L_d * i_d);
+        double free = 0.5 * (double)x.lock.emf + (double)p.lock.R_warm * fabs(i_q);
+        double rest = fmax(fabs(lasting) - free, 0.0) * sgn(lasting);
+        to = (double)was.late + (double)p.lock.alpha_late * (rest - (double)was.late);
+        to = j % 3 ? to : (double)was.late;
+        check("EMF: what lasts", fabs((double)x.lock.late - to) < 2e-3);
+        check("EMF: angle", x.lock.theta == x.est.theta);
         check("EMF: current", x.lock.i.d == x.control.i.d && x.lock.i.q == x.control.i.q);
         lock_state_t answer = was;
         lock_answer(&p.lock, &answer, x.hfi.answer, x.hfi.valid, x.k_s);

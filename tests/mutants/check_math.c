@@ -25,6 +25,10 @@ static void angles(void) {
         check("wrap", fabs((double)wrap_pi(three) - wrapped((double)three)) < 2e-6 ||
                           fabs(fabs((double)wrap_pi(three)) - M_PI) < 2e-6);
         check("wrap keeps", fabs((double)three) > M_PI || wrap_pi(three) == three);
+        double turns = floor(draw(-40, 40));
+        check("wrap far", fabs(wrapped((double)wrap_far((float)(three + 2.0 * M_PI * turns)) -
+                                       (double)three)) < 3e-5);
+        check("wraps far", fabs((double)wrap_far(three)) < M_PI + 1e-5);
         rot_t far = rot_of((float)(1e8 * x));
         check("far angle", finite_f(far.c) && finite_f(far.s));
     }

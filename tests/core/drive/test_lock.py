@@ -38,7 +38,8 @@ def without_current(share: float, delta: float, estimated: float | None = None) 
     """A rotor at ``share`` of rated speed that is ``delta`` [rad] ahead, seen at ``estimated``."""
     omega = MOTOR.omega_rated * (share if estimated is None else estimated)
     u_d, u_q = -share * E_RATED * np.sin(delta), share * E_RATED * np.cos(delta)
-    return [omega, u_d, u_q, 0.0, 0.0, MOTOR.L_d, MOTOR.L_q, MOTOR.psi_f, MOTOR.psi_f, 0.0]
+    return [omega, u_d, u_q, 0.0, 0.0, MOTOR.L_d, MOTOR.L_q, MOTOR.psi_f, MOTOR.psi_f, 0.0,
+            0.0, 0.0]  # fmt: skip
 
 
 @pytest.mark.parametrize("delta", [0.0, 30.0, 60.0, 90.0, 180.0])
@@ -78,6 +79,48 @@ def test_the_direction_tells_what_the_size_does_not(
     x = evaluate(c, [without_current(share, np.deg2rad(delta))] * 100)
     assert abs(x["residual"]) < PARAMS["e_share"] * x["emf"] + PARAMS["e_floor"]
     assert x["reason"] == (lib.LOCK_EMF if told else 0)
+
+
+@pytest.mark.parametrize(
+    ("share", "delta", "within"),
+    [(0.3, 180, 0.03), (0.1, 180, 0.1), (0.04, 180, None), (0.15, 0, None), (-0.1, 180, 0.1)],
+)
+def test_half_a_turn_that_lasts_is_told_at_little_speed(
+    c: Call, share: float, delta: float, within: float | None
+) -> None:
+    """r is -2 omega psi_f there, of which half the EMF and ``e_late`` are allowed."""
+    every = float(1.0 / PARAMS["inv_t"])
+    row = without_current(share, np.deg2rad(delta))
+    n = round(1.0 / every)
+    x = evaluate(c, [row] * n)
+    left = max(abs(share) * E_RATED * ((1.0 - np.cos(np.deg2rad(delta))) - 0.5), 0.0)
+    assert abs(x["late"]) == pytest.approx(left, abs=1e-3 * E_RATED)
+    assert x["reason"] == (lib.LOCK_EMF if within else 0)
+    if within:
+        assert evaluate(c, [row] * round(within / every))["alarm"] == 1
+
+
+def test_an_angle_that_turns_while_its_speed_stands(c: Call) -> None:
+    """Injection holds the angle half a turn off a shaft at 5 % of rated, and the speed says 0."""
+    every = float(1.0 / PARAMS["inv_t"])
+    t = every * np.arange(round(0.5 / every))
+    rows = np.array([without_current(0.05, np.pi, 0.0)] * len(t))
+    for turns, told in ((0.0, False), (0.05, True)):
+        rows[:, 10] = np.angle(np.exp(1j * turns * MOTOR.omega_rated * t))
+        rows[:, 11] = every
+        assert evaluate(c, rows)["reason"] == (lib.LOCK_EMF if told else 0)
+
+
+@pytest.mark.parametrize("turns", [0, 1, -3, 40])
+def test_turns_between_two_evaluations_are_the_speed_s(c: Call, turns: int) -> None:
+    """A fast machine turns more than once from one to the next; its angle shows none of it."""
+    every = float(1.0 / PARAMS["inv_t"])
+    omega = 50.0 + 2.0 * np.pi * turns / every
+    theta = np.angle(np.exp(1j * 50.0 * every * np.arange(300)))
+    rows = np.zeros((300, 12))
+    rows[:, 0], rows[:, 10], rows[:, 11] = omega, theta, every
+    rows[:, 2], rows[:, 7] = omega * MOTOR.psi_f, MOTOR.psi_f
+    assert abs(evaluate(c, rows)["late"]) < 2e-3 * E_RATED
 
 
 @pytest.mark.parametrize(("lag", "told"), [(0.14, False), (-0.14, False), (0.3, True)])
