@@ -41,7 +41,9 @@ def acts(policy: Policy, env: BlendVectorEnv) -> Act:
     batch = env.batch
     if isinstance(policy, PacedPolicy):
         policy.follow(batch.periods * batch.motor.T_s)
-    policy.reset(env.num_envs)
+    reset = getattr(policy, "reset", None)  # a policy of the user's own may have act alone
+    if reset is not None:
+        reset(env.num_envs)
 
     def act(obs: Observation) -> NDArray[np.float32]:
         actions = np.zeros((len(obs), batch.n_actions), dtype=np.float32)

@@ -32,7 +32,7 @@ build/foreign_drive: $(HOOK) example/foreign_drive.c
 	@mkdir -p $(@D)
 	@$(CC) $(FLAGS) $(CFLAGS) $(WARNINGS) -o $@ $^
 
-# One object with everything but your start-up file.
+# One object with everything but your start-up file. SHAFT_ANGLE: where an aligned shaft stands [rad].
 cortex_m4: build/cortex_m4.o
 build/cortex_m4.o: $(wildcard core/*.c) params.c ks_table_data.c example/cortex_m4.c
 	@mkdir -p $(@D)

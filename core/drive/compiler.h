@@ -2,6 +2,11 @@
 #ifndef SENSORLESS_COMPILER_H
 #define SENSORLESS_COMPILER_H
 
+/* NaN has to compare as such: every check of a measured number and of the state needs it. */
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0)
+#error "arithmetic: compiled with -ffast-math; leave it out, and -Ofast and -ffinite-math-only"
+#endif
+
 /* With compilers other than gcc and clang, define CORE_SQRTF as their square root of a float.
  * CORE_FABSF is the magnitude of a float: 0 also for -0. */
 #if defined(__GNUC__)

@@ -126,6 +126,14 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
     x->start.phase = START_DONE;
 }
 
+void drive_find_rotor(drive_state_t *x) {
+    if (x->begun != DRIVE_BEGUN || x->start.phase == START_STOPPED) {
+        x->fault |= FAULT_COMMAND;
+    } else {
+        start_begin(&x->start);
+    }
+}
+
 CORE_COLD void drive_trip(drive_state_t *x) {
     x->fault |= FAULT_OVER_CURRENT | FAULT_STOPPED;
     start_enter(&x->start, START_STOPPED);

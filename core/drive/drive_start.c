@@ -13,8 +13,6 @@ CORE_APART void see_emf(const drive_params_t *p, drive_state_t *x, ab_t i_ab, fl
                 p->T_s);
 }
 
-void drive_find_rotor(drive_state_t *x) { start_begin(&x->start); }
-
 CORE_COLD void drive_find_again(drive_state_t *x) {
     ab_t i_ab = dq_to_ab(x->control.i_1, unit(x->est.theta));
     ab_t nothing = {0.0f, 0.0f};
@@ -280,6 +278,7 @@ CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive
         return drive_unless(0, &p->guard, u);
     }
     if (x->start.phase == START_STOPPED) {
+        x->fault |= FAULT_STOPPED; /* also if the application has lost it */
         x->u_2 = x->u_1;
         x->u_1 = u;
     } else if (x->start.phase == START_FLY) {

@@ -9,7 +9,8 @@ extern "C" {
 #endif
 
 /* Makes the drive find its rotor before it takes control. Call it after drive_init if angle or
- * speed is unknown; the angle passed to drive_init then only says which pole to assume first. */
+ * speed is unknown; the angle passed to drive_init then only says which pole to assume first. Before
+ * drive_init, and after a stop without it, nothing happens but FAULT_COMMAND. */
 void drive_find_rotor(drive_state_t *x);
 
 /* The same for a drive in operation that lost its rotor: takes its current to zero first. */

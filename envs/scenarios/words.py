@@ -117,6 +117,7 @@ def plan_from(
     start: bool = False,
     theta_err: float = 0.0,
     spin: float = 0.0,
+    whole: bool = False,
 ) -> Scenarios:
     """Return one scenario from plans of speed [r/min] and load [N m].
 
@@ -134,6 +135,8 @@ def plan_from(
         Truth minus the drive's first angle, electrical [deg].
     spin : float
         Speed of the shaft at the beginning [r/min].
+    whole : bool
+        Refuse a plan that goes on after the end.
 
     Raises
     ------
@@ -155,6 +158,12 @@ def plan_from(
     _check_most("speed", "r/min", speeds, RUNAWAY * motor.n_rated_rpm, RUNAWAY_WORDS)
     held = motor.tau_rated * motor.i_max / motor.i_rated
     _check_most("load", "N m", loads, OVERLOAD * held, OVERLOAD_WORDS)
+    late = [t for t, _ in (*speeds, *loads) if t >= duration]
+    if whole and late:
+        raise UserError(
+            f"speed, load: {late[0]:g} s is not before the end of the run; give a duration above "
+            f"{max(late):g} s"
+        )
     times = sorted({0.0} | {t for t, _ in speeds} | {t for t, _ in loads})
     if len(times) > PROFILE_N:
         raise UserError(f"speed, load: {len(times)} different times; give at most {PROFILE_N}")
@@ -175,8 +184,9 @@ def _plan(name: str, text: str) -> list[tuple[float, float]]:
         points = []
     good = bool(points) and all(np.isfinite(p).all() and p[0] >= 0.0 for p in points)
     if not good or [t for t, _ in points] != sorted({t for t, _ in points}):
+        why = "its times do not rise" if good else "it is not numbers of 0 s and more"
         raise UserError(
-            f"{name}: {text!r} cannot be read; write TIME:VALUE,TIME:VALUE,... with rising times"
+            f"{name}: {text!r} cannot be read: {why}; write TIME:VALUE,TIME:VALUE,... such as 0:200"
         )
     return points
 

@@ -98,10 +98,19 @@ static void pwm_set_next(ab_t u, float u_dc) {
     }
 }
 
-/* Angle and pole are unknown, as at power-up and after a trip. */
+#if DRIVE_FINDS_ROTOR
+#define SHAFT_ANGLE 0.0f
+#elif !defined(SHAFT_ANGLE)
+#error                                                                                             \
+    "this machine does not show its pole: align its shaft, and define SHAFT_ANGLE [rad, electrical]"
+#endif
+
+/* Angle and pole are unknown, as at power-up and after a trip; without DRIVE_FINDS_ROTOR the shaft
+ * stands at SHAFT_ANGLE, 60 degrees off at most. Not while the bridge is on: with a large table this
+ * takes longer than a period. */
 static void control_start(void) {
-    drive_init(&drive_params, &drive, 0.0f, 0.0f, 1.0f);
-#if DRIVE_FINDS_ROTOR /* else the shaft has been aligned with phase a */
+    drive_init(&drive_params, &drive, SHAFT_ANGLE, 0.0f, 1.0f);
+#if DRIVE_FINDS_ROTOR
     drive_find_rotor(&drive);
 #endif
 #if KS_TABLE_GAINS
@@ -147,8 +156,13 @@ void adc_interrupt(void) {
     if (mode == MODE_CHECK) {
         u = bring_up_step(&bring_up_params, &check, i_a, i_b);
         if (check.phase == BRING_UP_DONE) {
+            bridge_off();
             mode = check.fault == 0 ? MODE_RUN : MODE_TRIPPED;
-            control_start();
+            if (mode == MODE_RUN) {
+                control_start();
+                pwm_set_next(u, u_dc); /* no voltage */
+                bridge_on();
+            }
         }
     } else if (mode == MODE_RUN) {
         u = control(i_a, i_b, u_dc);

@@ -182,7 +182,16 @@ def simulate_command(
     else:
         plan = fig9(machine) if speed is None else speed
         case = plan_from(
-            plan, load, ramp, duration, machine, seed, start=start, theta_err=theta_err, spin=spin
+            plan,
+            load,
+            ramp,
+            duration,
+            machine,
+            seed,
+            start=start,
+            theta_err=theta_err,
+            spin=spin,
+            whole=speed is not None,
         )
     if foreign := found_elsewhere(scenario or "", machine, made.design.estimator):
         errors.print(f"note: {foreign}", highlight=False, soft_wrap=True)

@@ -23,7 +23,7 @@ from sensorless.evaluation.rollout import CAUSES, cause_of, twins_alone, weights
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, decide_gains, gains_of
-from sensorless.units import wrapped
+from sensorless.units import RAD_S_TO_RPM, wrapped
 
 Trace = dict[str, Array]
 """Columns of ``TRACE_NAMES`` (``core/sim/trace.h``), each (periods,): SI units, rad, rad/s.
@@ -132,8 +132,13 @@ def outcome(t: Trace) -> str:
     return f"lost ({cause}){_noticed(t)}"
 
 
+MISSED, MISSED_FOR, MISSED_AFTER = 0.1, 0.1, 1.0
+"""Distance from the target over it, as a mean over so long at the end [s], that is told, and for
+how long the target stood before [s]."""
+
+
 def _doubts(t: Trace) -> Iterator[str]:
-    """What speaks against a drive that kept lock, in words: its angle, and its own alarm."""
+    """What speaks against a drive that kept lock, in words: its angle, its alarm, its speed."""
     far = (np.abs(t["theta_e_err"]) > np.deg2rad(LOST_ANGLE_DEG)) & (t["starting"] == 0.0)
     if far.any():
         ms = 1e3 * int(far.sum()) * float(t["t"][-1] - t["t"][0]) / (len(far) - 1)
@@ -141,6 +146,20 @@ def _doubts(t: Trace) -> Iterator[str]:
     if t["alarm"].any():
         failed = ", ".join(name for name, bit in TESTS.items() if int(t["reason"][-1]) & bit)
         yield f"its own alarm came at {t['t'][t['alarm']][0]:.3f} s ({failed})"
+    yield from _missed(t)
+
+
+def _missed(t: Trace) -> Iterator[str]:
+    """A speed that is far from its target at the end of a run, and that of the twin, in words."""
+    last = t["t"] >= t["t"][-1] - MISSED_FOR
+    target = RAD_S_TO_RPM * t["omega_m_ref"][t["t"] >= t["t"][-1] - MISSED_AFTER]
+    here, twin = (RAD_S_TO_RPM * np.mean(t[x][last]) for x in ("omega_m", "omega_m_twin"))
+    stood = np.ptp(target) == 0.0 and t["t"][-1] >= MISSED_AFTER
+    if stood and abs(here - target[-1]) > MISSED * abs(target[-1]) > 0.0:
+        yield (
+            f"the speed is {here:.0f} of {target[-1]:.0f} r/min at the end, with an encoder "
+            f"{twin:.0f}"
+        )
 
 
 def cut_short(t: Trace, duration: float) -> str | None:

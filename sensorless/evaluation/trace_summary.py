@@ -10,6 +10,8 @@ from sensorless.units import RAD_S_TO_RPM
 
 STEADY = 0.2
 """Length of the end of a plateau that counts as steady [s]."""
+STAYS = 0.1
+"""Least part of a plateau that the speed has to stay settled for at its end: a swing does not."""
 SHORTEST = 0.05
 """Least length of a plateau, and of what of it comes before its load changes [s]."""
 
@@ -56,8 +58,8 @@ def plateaus(t: Trace) -> list[dict[str, float]]:
     -------
     list of dict
         ``from_s`` [s]; ``target_rpm`` [r/min]; ``settled_s``: time until the speed stays within 2 %
-        of the step [s]; ``overshoot_pct`` of the step; both until the load changes, NaN where that
-        is too soon; ``k_s``: mean of the last 0.2 s;
+        of the step [s], NaN if that is only for the last tenth; ``overshoot_pct`` of the step;
+        both until the load changes, NaN where that is too soon; ``k_s``: mean of the last 0.2 s;
         ``angle_err_steady_deg``: largest magnitude of its 20 ms mean there; ``angle_err_max_deg``,
         the start sequence left out.
     """
@@ -107,7 +109,7 @@ def _plateau(
     return {
         "from_s": a * T_s,
         "target_rpm": target,
-        "settled_s": settled if told and settled < (c - a) * T_s - 1e-9 else np.nan,
+        "settled_s": settled if told and settled <= (1.0 - STAYS) * (c - a) * T_s else np.nan,
         "overshoot_pct": 100.0 * beyond / abs(step) if told else np.nan,
         "k_s": float(np.mean(t["k_s"][a:b][-round(STEADY / T_s) :])),
         "angle_err_steady_deg": float(np.max(np.abs(smooth))),

@@ -166,7 +166,10 @@ def events(
     what = "lost" if np.isinf(t["twin_fails"][-1]) else "not feasible"
     marks = [(float(t["t"][t["judged"]][0]), what, "text")] if t["judged"].any() else []
     alarms = np.flatnonzero(np.diff(t["alarm"].astype(np.int8), prepend=0) == 1)
-    return bands, marks + [(float(t["t"][j]), "alarm", "bad") for j in alarms]
+    word = "alarm" if len(alarms) == 1 else f"alarm, first of {len(alarms)}"
+    return bands, marks + [
+        (float(t["t"][j]), "" if k else word, "bad") for k, j in enumerate(alarms)
+    ]
 
 
 def mean_of_two(x: Array) -> Array:

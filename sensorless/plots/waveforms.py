@@ -59,7 +59,7 @@ def _mark(ax: "Axes", wave: Wave) -> None:
 def _name(ax: "Axes", wave: Wave) -> None:
     """Say what the bands and marks are; each below the one before, so that none hides another."""
     named = [(begin, what, colour) for begin, _, what, colour in wave.bands]
-    for j, (at, what, colour) in enumerate([*named, *wave.marks]):
+    for j, (at, what, colour) in enumerate([*named, *(mark for mark in wave.marks if mark[1])]):
         ax.annotate(
             f" {what}",
             (at, 0.97 - 0.12 * (j % 4)),

@@ -24,6 +24,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError, has_control, shown
 from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Settings, Signals, gains_of
+from sensorless.settings import settings_of
 
 WORD = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*")
 ROUNDING = 1e-5
@@ -64,6 +65,11 @@ class PythonPolicy:
             raise self._error(f"name: {shown(self.name)}; give text of one line")
         if not isinstance(self.settings, Mapping):
             raise self._error(f"settings: {_kind(self.settings)}; give settings by name")
+        for setting in self.settings:
+            if setting not in settings_of(DriveDesign):
+                raise self._error(
+                    f"settings: {shown(setting)} is unknown; sensorless settings lists all"
+                )
         with self._told("settings"):
             dataclasses.replace(DriveDesign(), **self.settings)
         sets = callable(getattr(own, "act_gains", None))

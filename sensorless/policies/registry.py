@@ -164,6 +164,8 @@ def file_of(spec: str) -> Path:
         return Path(text)
     if (spec and Path(spec).is_dir()) or spec.endswith(".json"):
         return Path(spec)
+    if spec.endswith(".toml"):
+        raise UserError(f"policy: {spec!r} is a motor file; give it to --motor")
     if Path(spec).name != spec:
         raise UserError(
             f"policy: there is no folder {spec!r}; give that of a training run, or a .json file"

@@ -150,7 +150,7 @@ def test_the_lines_of_the_check_compile_in_their_order(exported: Exported, tmp_p
 def test_a_stopped_drive_whose_bit_was_cleared_stays_stopped(
     motor: Motor, exported: Exported
 ) -> None:
-    """And says so no more: the README leaves that bit to ``drive_init``."""
+    """And says so again: only ``drive_init`` ends it, and the search for the rotor does not."""
     control = pointer(control_record(motor, DriveDesign()).reshape(1), "drive_params_t[]")
     x, rest = ffi.new("drive_state_t *"), ffi.new("drive_in_t *", [0.0, 0.0, motor.u_dc, 9.0, 1.0])
     lib.drive_init(control, x, 0.0, 0.0, 1.0)
@@ -159,6 +159,9 @@ def test_a_stopped_drive_whose_bit_was_cleared_stays_stopped(
     for _ in range(200):
         u = lib.drive_step(control, x, rest)
         assert (u.a, u.b) == (0.0, 0.0)
-    assert x.fault == 0
+    assert x.fault == lib.FAULT_STOPPED
+    lib.drive_find_rotor(x)
+    assert lib.drive_step(control, x, rest).a == 0.0
+    assert x.fault == lib.FAULT_STOPPED | lib.FAULT_COMMAND
     said = (exported.folder / "README.md").read_text(encoding="utf-8")
-    assert "`FAULT_STOPPED` to `drive_init`: cleared by hand it does not come back" in said
+    assert "`FAULT_STOPPED` to `drive_init`: cleared by hand it is back in the next period" in said

@@ -140,7 +140,7 @@ def test_rounding_beyond_the_range_is_clipped() -> None:
         ({"name": "two\nlines"}, "name: 'two\\nlines'; give text of one line"),
         ({"name": property(lambda self: 1 / 0)}, "fails in its attributes: ZeroDivisionError"),
         ({"settings": ["smo"]}, "settings: an object of type list"),
-        ({"settings": {"observer": "smo"}}, "fails in settings: TypeError"),
+        ({"settings": {"observer": "smo"}}, "settings: 'observer' is unknown; sensorless settings"),
         ({"settings": {"estimator": "best"}}, "estimator: 'best'"),
         ({"ranges": {"l_q": Gain(0.8, 1.25)}}, "has ranges without act_gains(obs); give both"),
         ({"act_gains": lambda self, obs: obs}, "has act_gains without ranges; give both"),
