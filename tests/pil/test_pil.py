@@ -40,19 +40,19 @@ def test_every_test_on_the_target_passes(report: Report) -> None:
 
 
 def test_instruction_budgets(report: Report) -> None:
-    """Two axes: any lookup within 65, any period with its decision within 1515.
+    """Two axes: any lookup within 65, any period with its decision within 1555.
 
-    That is 115 beyond 1400, for the check of every word (docs/integrate-the-table.md).
+    That is 155 beyond 1400, for the check of every word (docs/integrate-the-table.md).
     """
     count = report["instructions"]
     assert 30 < count["lookup_f32"]["min"] and count["lookup_f32"]["max"] <= 65
     assert count["lookup_q15"]["max"] <= 80, "four nodes more to convert"
-    assert 500 < count["drive_step"]["min"] and count["period"]["max"] <= 1515
+    assert 500 < count["drive_step"]["min"] and count["period"]["max"] <= 1555
 
 
 def test_memory_budgets(report: Report) -> None:
     assert report["flash_table_and_check"] <= 4096
-    assert round(report["flash_core"] / 1000) == 30, "the README says 30 kB"
+    assert round(report["flash_core"] / 1000) == 31, "the README says 31 kB"
     assert report["ram_state"] <= 1024
     assert report["stack"] <= 1024
     for name in ("drive.o", "ks_schedule.o", "ks_table.o"):
@@ -89,7 +89,7 @@ def test_three_axes_stay_within_the_budgets(motor: Motor, monkeypatch: pytest.Mo
         assert passed(found)
         assert found["instructions"]["lookup_f32"]["max"] <= 130
     # As exported, -O2.
-    assert found["instructions"]["period"]["max"] <= 1515
+    assert found["instructions"]["period"]["max"] <= 1555
 
 
 def test_without_the_tools_one_line_names_the_packages(
