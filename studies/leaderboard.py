@@ -22,17 +22,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
+from sensorless.design.fingerprint import fingerprint
 from sensorless.envs.scenarios.frozen import FROZEN, MOTOR, SEED, Frozen
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.errors import in_one_line
+from sensorless.errors import UserError, in_one_line
 from sensorless.evaluation.aggregate import mean_interval, summary
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.objective import LOST_WEIGHT
 from sensorless.evaluation.results_tables import number
 from sensorless.files import write_atomic
 from sensorless.policies import shipped
-from sensorless.policies.bench import bench
-from sensorless.policy import design_for, knows_truth
+from sensorless.policies.bench import Bench, bench
+from sensorless.policy import Policy, design_for, knows_truth
 from sensorless.versions import versions
 
 ROOT = Path(__file__).parents[1]
@@ -73,10 +74,30 @@ def shipped_words() -> list[str]:
     return [*PLAIN, *(name for name in shipped.docs({}) if name not in shipped.ALIASES)]
 
 
-def judged(word: str, frozen: Frozen) -> tuple[Row, Short]:
-    """One policy on one suite: its row, and (n, 2) torque deviation and ripple by scenario."""
+def admitted(word: str) -> tuple[Bench, Policy]:
+    """Return a policy that may stand beside the others.
+
+    Raises
+    ------
+    UserError
+        Its name is that of another policy, or its settings move the twin that all are measured by.
+    """
     made = bench([word], MOTOR)
     policy = made.policy(word)
+    if policy.name != word and policy.name in shipped_words():
+        raise UserError(f"policy: {word!r}: name: {policy.name!r} ships; give it one of its own")
+    own = fingerprint(made.motor, design_for(policy, made.design))["control"]
+    if own != fingerprint(made.motor, made.design)["control"]:
+        raise UserError(
+            f"policy: {word!r}: settings: they change the control, and so the drive with an "
+            "encoder that torque is measured by; set the estimator and its observer alone"
+        )
+    return made, policy
+
+
+def judged(word: str, frozen: Frozen) -> tuple[Row, Short]:
+    """One policy on one suite: its row, and (n, 2) torque deviation and ripple by scenario."""
+    made, policy = admitted(word)
     s = score(policy, frozen.rows(made.motor), SimFactory(made.motor, made.design))
     names = ("not_held", "k_s_hop", *(name for name, *_ in COLUMNS))
     found = summary(s.lost, {name: s.metrics[name] for name in names}, SEED)

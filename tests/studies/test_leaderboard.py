@@ -9,6 +9,7 @@ from scipy.stats import beta
 
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.frozen import FROZEN, MOTOR, SEED, Frozen
+from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies
@@ -99,3 +100,28 @@ def test_an_interrupted_run_keeps_the_rows_of_others(
     STUDY.judge_all(["eq25", "reference"], drop_others=True)
     assert {row["policy"] for row in STUDY.read(STUDY.CSV)} == {"eq25", "reference"}
     assert set(STUDY.kept_each(STUDY.EACH)) == {"eq25", "reference"}
+
+
+@pytest.mark.parametrize(
+    ("body", "why"),
+    [
+        ("settings = {'speed_hz': 0.5}", "settings: they change the control"),
+        ("name = 'reference'", "'reference' ships; give it one of its own"),
+        ("settings = {'estimator': 'smo'}", None),
+    ],
+)
+def test_a_policy_that_moves_the_yardstick_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, body: str, why: str | None
+) -> None:
+    """A lazy speed loop would win, since its twin is as lazy."""
+    module = f"own_{len(body)}"
+    lines = ["import numpy as np", "class Own:", f"    {body}"]
+    lines += ["    def __init__(self, motor):", "        pass"]
+    lines += ["    def act(self, obs):", "        return np.ones(len(obs), np.float32)"]
+    (tmp_path / f"{module}.py").write_text("\n".join(lines))
+    monkeypatch.syspath_prepend(tmp_path)
+    if why is None:
+        assert STUDY.admitted(f"{module}:Own")[1].name == "Own"
+        return
+    with pytest.raises(UserError, match=why):
+        STUDY.admitted(f"{module}:Own")
