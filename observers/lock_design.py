@@ -50,7 +50,7 @@ MOST_DEAD_TIME = 1.5
 GAINED = 2.0
 """Bound on the answer over that of the d axis beyond which no channel with a wrong gain comes: one
 that reads 1.5 times as much makes 1.4 to 2.1."""
-TAU_LATE, LATE = 60e-3, 0.05
+TAU_LATE, LATE = 60e-3, 0.07
 """Time constant of the low-pass of what lasts [s], longer than the swing after a load step; and
 what lasts in lock, over the EMF at rated speed, beside dead time and resistance:
 docs/lock-trials.md, "What lasts"."""
@@ -200,8 +200,8 @@ def design_lock(
     n = evaluation_periods(motor)
     step = n * motor.T_s
     emf = motor.omega_rated * motor.psi_f
-    lost = LEFT_DEAD_TIME * (motor.dead_time_voltage + threshold_voltage(motor))
-    unknown = lost + UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
+    lost = motor.dead_time_voltage + threshold_voltage(motor)
+    unknown = LEFT_DEAD_TIME * lost + UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
     floor, lag = SPEED_LAG * emf + unknown, 2.0 * speed_hz / current_hz
     return {
         "alpha": -math.expm1(-step / TAU),
