@@ -106,6 +106,24 @@ def test_a_dead_time_that_tim1_has_not_is_refused(time: str, fits: bool, copied:
     assert fits or "1 to 1008 steps" in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("finds", "flags", "fits"), [(1, "", True), (0, "", False), (0, "-DSHAFT_ANGLE=0.0f", True)]
+)
+def test_a_pole_that_does_not_show_has_to_be_given(
+    finds: int, flags: str, fits: bool, copied: Path
+) -> None:
+    """At the wrong pole a drive may stand or run slowly for good."""
+    params = copied / "params.h"
+    text, n = re.subn(r"(DRIVE_FINDS_ROTOR) \d", rf"\1 {finds}", params.read_text())
+    params.write_text(text)
+    words = ["gcc", "-std=c99", "-Wno-int-to-pointer-cast", "-fsyntax-only", *flags.split()]
+    done = subprocess.run(
+        [*words, copied / "example" / "cortex_m4.c"], capture_output=True, text=True, check=False
+    )
+    assert n == 1 and (done.returncode == 0) == fits
+    assert fits or "align its shaft, and define SHAFT_ANGLE" in done.stderr
+
+
 def test_params_have_dead_time_and_range_of_the_motor_file() -> None:
     text = params_header(Motor.load("ebike_hub"), "")
     assert "#define MOTOR_DEAD_TIME_NS 500u " in text
