@@ -72,6 +72,11 @@ ab_t drive_step(const drive_params_t *p, drive_state_t *x, const drive_in_t *in)
  * it is NaN. */
 void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float omega, float k_s);
 
+/* Makes the drive find its rotor before it takes control. Call it after drive_init if angle or
+ * speed is unknown; the angle passed to drive_init then only says which pole to assume first. Before
+ * drive_init, and after a stop without it, nothing happens but FAULT_COMMAND. */
+void drive_find_rotor(drive_state_t *x);
+
 /* Tells the drive that hardware opened the bridge, which samples need not show: no voltage any more,
  * FAULT_OVER_CURRENT and FAULT_STOPPED, until drive_init. Not while drive_step runs. */
 void drive_trip(drive_state_t *x);

@@ -8,12 +8,7 @@
 extern "C" {
 #endif
 
-/* Makes the drive find its rotor before it takes control. Call it after drive_init if angle or
- * speed is unknown; the angle passed to drive_init then only says which pole to assume first. Before
- * drive_init, and after a stop without it, nothing happens but FAULT_COMMAND. */
-void drive_find_rotor(drive_state_t *x);
-
-/* The same for a drive in operation that lost its rotor: takes its current to zero first. */
+/* Makes a drive in operation that lost its rotor find it: takes its current to zero first. */
 void drive_find_again(drive_state_t *x);
 
 /* The coupled observer goes on in the place of another: at its angle and speed, with the flux of the
