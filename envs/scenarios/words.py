@@ -117,7 +117,6 @@ def plan_from(
     start: bool = False,
     theta_err: float = 0.0,
     spin: float = 0.0,
-    whole: bool = False,
 ) -> Scenarios:
     """Return one scenario from plans of speed [r/min] and load [N m].
 
@@ -135,8 +134,6 @@ def plan_from(
         Truth minus the drive's first angle, electrical [deg].
     spin : float
         Speed of the shaft at the beginning [r/min].
-    whole : bool
-        Refuse a plan that goes on after the end.
 
     Raises
     ------
@@ -158,12 +155,6 @@ def plan_from(
     _check_most("speed", "r/min", speeds, RUNAWAY * motor.n_rated_rpm, RUNAWAY_WORDS)
     held = motor.tau_rated * motor.i_max / motor.i_rated
     _check_most("load", "N m", loads, OVERLOAD * held, OVERLOAD_WORDS)
-    late = [t for t, _ in (*speeds, *loads) if t >= duration]
-    if whole and late:
-        raise UserError(
-            f"speed, load: {late[0]:g} s is not before the end of the run; give a duration above "
-            f"{max(late):g} s"
-        )
     times = sorted({0.0} | {t for t, _ in speeds} | {t for t, _ in loads})
     if len(times) > PROFILE_N:
         raise UserError(f"speed, load: {len(times)} different times; give at most {PROFILE_N}")

@@ -1,5 +1,6 @@
 """The command ``sensorless simulate``."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -191,10 +192,13 @@ def simulate_command(
             start=start,
             theta_err=theta_err,
             spin=spin,
-            whole=speed is not None,
         )
     if foreign := found_elsewhere(scenario or "", machine, made.design.estimator):
         errors.print(f"note: {foreign}", highlight=False, soft_wrap=True)
+    last = max(t for t in case.t[0] if t < math.inf)
+    if speed is not None and last >= case.duration[0]:
+        text = f"note: the plan goes on to {last:g} s, but the run ends at {case.duration[0]:g} s"
+        errors.print(f"{text}; --duration sets it", highlight=False, soft_wrap=True)
     run = trace(rule, case, machine, made.design, go_on=True)
     short = cut_short(run, float(case.duration[0]))
     say_run(run, rule.name, short, as_json)
