@@ -3,10 +3,10 @@ r"""Reward: the negative cost of a decision, as a sum of named terms.
 Running costs are integrated over time: their weights are per 1 ms, whatever the decision period. A
 return still depends on it, since v below is taken over a whole decision: in a longer one a short
 peak counts less, and the torque swings further. Of 256 ``stress-1`` under Eq. 25 (seed 11) ripple
-costs 0.04 a scenario with decisions of 1 ms, 0.46 with 5 ms and 1.95 with 20 ms, deviation 1.6.
+costs 0.04 a scenario with decisions of 1 ms and 0.47 with 5 ms, deviation 1.6 (measured once).
 
-Each cost is mapped to 0 ... 1: with v the
-root mean square over the decision (of the speed, its mean) and s its scale below,
+Each cost is mapped to 0 ... 1: with v the root mean square over the decision (of the speed, its
+mean) and s its scale below,
 
     cost = v^2 / (v^2 + s^2)
 
@@ -18,8 +18,7 @@ danger is. So no decision costs more than ``RewardWeights.worst_running`` per 1 
 
 The weights are chosen so that, near good schedules and with decisions of 5 ms, torque deviation and
 ripple are worth about the same relative to each other as in ``objective.OBJECTIVE``. With the
-default of 1 ms ripple hardly counts: give ``decision_period`` [s], or take the environment with a
-window (``window_reward``).
+default of 1 ms ripple hardly counts: give ``decision_period`` [s], or take Blend-v1.
 
 Losing lock ends an episode and with it all running costs. It must never pay to lose lock early, so
 the penalty exceeds the worst running costs of 929 ms, and those of a whole scenario of 2 s without

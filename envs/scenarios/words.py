@@ -175,7 +175,7 @@ def _plan(name: str, text: str) -> list[tuple[float, float]]:
         points = []
     good = bool(points) and all(np.isfinite(p).all() and p[0] >= 0.0 for p in points)
     if not good or [t for t, _ in points] != sorted({t for t, _ in points}):
-        why = "its times do not rise" if good else "it is not numbers of 0 s and more"
+        why = "its times do not rise" if good else "give each a time of 0 s or more and a number"
         raise UserError(
             f"{name}: {text!r} cannot be read: {why}; write TIME:VALUE,TIME:VALUE,... such as 0:200"
         )

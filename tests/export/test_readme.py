@@ -163,5 +163,8 @@ def test_a_stopped_drive_whose_bit_was_cleared_stays_stopped(
     lib.drive_find_rotor(x)
     assert lib.drive_step(control, x, rest).a == 0.0
     assert x.fault == lib.FAULT_STOPPED | lib.FAULT_COMMAND
+    blank = ffi.new("drive_state_t *")
+    lib.drive_find_rotor(blank)  # before drive_init
+    assert blank.fault == lib.FAULT_COMMAND
     said = (exported.folder / "README.md").read_text(encoding="utf-8")
     assert "`FAULT_STOPPED` to `drive_init`: cleared by hand it is back in the next period" in said

@@ -42,7 +42,8 @@ def test_every_test_on_the_target_passes(report: Report) -> None:
 def test_instruction_budgets(report: Report) -> None:
     """Two axes: any lookup within 65, any period with its decision within 1555.
 
-    That is 155 beyond 1400, for the check of every word (docs/integrate-the-table.md).
+    That is 155 beyond 1400: the check of every word, and what lasts of an EMF
+    (docs/integrate-the-table.md).
     """
     count = report["instructions"]
     assert 30 < count["lookup_f32"]["min"] and count["lookup_f32"]["max"] <= 65
