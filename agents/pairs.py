@@ -39,7 +39,7 @@ class PairedRolloutBuffer(RolloutBuffer):
 
     With gae_lambda = 1, a rollout's own advantage is what it earned plus the critic's value of its
     end minus that of its beginning. Once one of a pair begins a new episode, the two have nothing
-    in common any more, and the advantage is 0.
+    in common any more, and the advantage is 0 until `restart`, in later rollouts, too.
 
     Parameters
     ----------
@@ -51,6 +51,11 @@ class PairedRolloutBuffer(RolloutBuffer):
     def __init__(self, *args: Any, outlier: float = 0.0, **kwargs: Any) -> None:
         self._outlier = outlier
         super().__init__(*args, **kwargs)
+        self.join()
+
+    def join(self) -> None:
+        """Both of each pair begin the same scenario with the next step."""
+        self._joined, self._parted = True, np.zeros(self.n_envs // 2, dtype=bool)
 
     def compute_returns_and_advantage(
         self, last_values: torch.Tensor, dones: NDArray[np.bool_]
@@ -62,9 +67,11 @@ class PairedRolloutBuffer(RolloutBuffer):
             square = gain**2
             most = np.sqrt(np.mean(np.minimum(square, np.quantile(square, USUAL))))
             gain = np.clip(gain, -self._outlier * most, self._outlier * most)
-        begun = np.cumsum(self.episode_starts[1:], axis=0) > 0.0
-        apart = np.zeros((self.buffer_size, self.n_envs // 2), dtype=bool)
-        apart[1:] = begun[:, 0::2] | begun[:, 1::2]
+        begun = self.episode_starts > 0.0
+        if self._joined:
+            begun[0] = False
+        apart = np.maximum.accumulate(begun[:, 0::2] | begun[:, 1::2], axis=0) | self._parted
+        self._joined, self._parted = False, apart[-1]
         half = np.where(apart, 0.0, gain).astype(np.float32)
         self.advantages = np.stack((half, -half), axis=2).reshape(self.advantages.shape)
 
@@ -76,3 +83,6 @@ def restart(model: BaseAlgorithm, seed: int) -> None:
     env.seed_each(paired_seeds(seed, model.n_envs))
     model._last_obs = env.reset()
     model._last_episode_starts = np.ones((model.n_envs,), dtype=bool)
+    buffer = getattr(model, "rollout_buffer", None)
+    if isinstance(buffer, PairedRolloutBuffer):
+        buffer.join()

@@ -262,5 +262,6 @@ class BlendBatch:
             self._gains[:] = state.gains
         if self._window is not None and state.window is not None:
             self._window.restore(state.window)
+        sim_signals(self._sims, self._signals)
         self._ready[:] = False
         self._sums = self._copied_sums()

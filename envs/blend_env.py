@@ -155,3 +155,5 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
         """Continue from a copy that `state` made with the same settings; errors otherwise."""
         self.batch.restore(state)
         self._begun = True
+        if self._film is not None:  # it shows what came after that
+            self._film.clear()

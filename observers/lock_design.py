@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sensorless.core.api import lib
+from sensorless.core.api import ffi, lib
 from sensorless.machine.inverter import threshold_voltage
 from sensorless.machine.magnetics import flux, iron_conductance, mtpa
 from sensorless.machine.motor import Motor
@@ -128,15 +128,11 @@ def answer_shares(motor: Motor) -> dict[str, float]:
 def answer_bounds(motor: Motor) -> dict[str, float]:
     """Bounds on the answer to the machine's injected voltage, fields of ``lock_params_t`` [A].
 
-    With the roundings of ``lock_bounds``, so that a schedule of that voltage begins with these.
+    From ``lock_bounds`` of the core, as a schedule of that voltage has them.
     """
-    values = np.array(list(answer_shares(motor).values()), np.float32)
-    beside, along, above, unsure, taken = values
-    u, none = np.float32(motor.u_inj), np.float32(0.0)
-    answer = min(beside * u, along * max(u - unsure, none))
-    rest = min(answer, along * max(u - taken, none))
-    found = {"answer": answer, "rest": rest, "most": above * (u + unsure)}
-    return {name: float(x) for name, x in found.items()}
+    p = ffi.new("lock_params_t *", answer_shares(motor))
+    lib.sim_lock_bounds(p, motor.u_inj)
+    return {"answer": p.answer, "rest": p.rest, "most": p.most}
 
 
 def d_share(motor: Motor) -> float:

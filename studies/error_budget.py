@@ -24,9 +24,10 @@ from sensorless.policies.registry import make_policy
 
 WITHOUT: tuple[tuple[str, ...], ...] = (
     (), ("offset",), ("gain",), ("offset", "gain"), ("noise",), ("dead_time",),
-    ("dead_time", "R_s", "psi_f"),
+    ("dead_time", "R_s", "winding_K", "psi_f", "magnet_K"),
 )  # fmt: skip
-"""Errors that a row leaves out: ratios are 1, the dead time is the motor file's."""
+"""Errors that a row leaves out: ratios are 1, others 0, the dead time is the motor file's; without
+``winding_K`` and ``magnet_K`` the machine is as warm as the file's."""
 NO_DEAD_TIME = "any dead time, R_s, ..."
 """Last row: the same, but the inverter has no dead time and the drive compensates none. Not for a
 policy that brings settings of its own."""

@@ -23,6 +23,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from sensorless.baselines.linear import eq25_band
 from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.core.api import Array, enumeration, ffi, lib, pointer, struct_dtype
 from sensorless.decision import decision_periods
@@ -93,7 +94,7 @@ def run(motor: Motor, design: DriveDesign, plan: list[Case], seeds: range) -> Ar
         faults["from"][rows] = round(FROM / motor.T_s)
         faults["to"][rows] = round((FROM + case.duration) / motor.T_s)
     schedule = ffi.new("ks_schedule_params_t *")
-    schedule.rule.x_min, schedule.rule.x_max = 0.2, 0.27
+    schedule.rule.x_min, schedule.rule.x_max = eq25_band(motor)
     schedule.periods = decision_periods(motor)
     end = np.zeros(len(sims), dtype=END)
     lib.faulty_run(

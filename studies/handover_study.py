@@ -28,6 +28,7 @@ from sensorless.errors import in_one_line
 from sensorless.evaluation.aggregate import paired, summary
 from sensorless.evaluation.evaluate import Scores, score
 from sensorless.evaluation.metrics.ripple import HANDOVER, torque_ripple_window
+from sensorless.evaluation.objective import weighted
 from sensorless.evaluation.results_tables import difference, number
 from sensorless.evaluation.rollout import rollout
 from sensorless.files import ensure_writable, write_record
@@ -55,7 +56,6 @@ COLUMNS = {
 }
 SEARCHED = 58
 """Scenarios of the search: each profile of ``handoff`` once."""
-LOST_WEIGHT = 10.0
 
 
 def quietest(motor: Motor, design: DriveDesign, generations: int, seed: int) -> dict[str, float]:
@@ -68,7 +68,7 @@ def quietest(motor: Motor, design: DriveDesign, generations: int, seed: int) -> 
         r = rollout(RULE.build("x", values(x), motor), scenarios, factory)
         kept = r.lost == 0
         ripple = np.nanmean(torque_ripple_window(r)[kept]) if kept.any() else 1.0
-        return float(LOST_WEIGHT * np.mean(~kept) + ripple)
+        return float(weighted(np.mean(~kept), 0.0, ripple))
 
     def values(x: Sequence[float]) -> dict[str, float]:
         scaled = low + np.asarray(x) * (high - low)

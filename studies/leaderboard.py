@@ -28,7 +28,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError, in_one_line
 from sensorless.evaluation.aggregate import mean_interval, summary
 from sensorless.evaluation.evaluate import score
-from sensorless.evaluation.objective import LOST_WEIGHT
+from sensorless.evaluation.objective import weighted
 from sensorless.evaluation.results_tables import number
 from sensorless.files import write_atomic
 from sensorless.policies import shipped
@@ -104,7 +104,7 @@ def judged(word: str, frozen: Frozen) -> tuple[Row, Short]:
     feasible = len(s.lost) - found["lost_by_cause"]["twin"]
     lost = round(found["lost_rate"] * feasible)
     exact = binomtest(lost, feasible).proportion_ci(0.95)
-    cost = LOST_WEIGHT * found["lost_rate"] + found["torque_dev_rms"] + found["torque_ripple_rms"]
+    cost = weighted(found["lost_rate"], found["torque_dev_rms"], found["torque_ripple_rms"])
     row: dict[str, Any] = {
         "suite": frozen.suite,
         "digest": frozen.digest,

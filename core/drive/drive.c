@@ -13,10 +13,7 @@ static void hfi_clear(hfi_state_t *x) {
     x->i_2.d = 0.0f;
     x->i_2.q = 0.0f;
     x->jump = 0.0f;
-    x->sign_1 = 0.0f;
-    x->sign_2 = 0.0f;
-    x->sign_3 = 0.0f;
-    x->hold = 0.0f;
+    hfi_quiet(x);
     x->err = 0.0f;
     x->err_f = 0.0f;
     x->amplitude = 0.0f;

@@ -18,6 +18,7 @@ CORE_COLD void drive_find_again(drive_state_t *x) {
     ab_t nothing = {0.0f, 0.0f};
     start_begin(&x->start);
     start_enter(&x->start, START_QUIET);
+    hfi_quiet(&x->hfi);
     x->start.again = 1;
     x->start.i_1 = i_ab;
     x->start.i_2 = i_ab;

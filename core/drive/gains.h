@@ -8,7 +8,8 @@
  * so the value 0 is the static gain to the bit. At each decision a value goes the share `pace` of
  * the way to the one wanted, so it changes by at most 2 pace. The gains of a loop follow from its
  * scheduled bandwidth w: k_p = 2 d w and k_i = w^2 of a PLL become factor k_p and factor^2 k_i; so do
- * the bounds on the answer to the injection from its voltage. What only bounds or corrects such a
+ * the bounds on the answer to the injection from its voltage, and lock.L_q_true, which is relative to
+ * the observer's inductance. What only bounds or corrects such a
  * loop (coupled.eps_rise and rise, match, drift.alpha, hfi.i_floor), and the unit of the signal
  * SIGNAL_HF_AMPLITUDE, stay those of the static gain. The drive runs on a copy of its parameters in
  * which these gains are replaced; drive_step does not know of it.
@@ -81,6 +82,7 @@ CORE_INLINE void gain_apply(uint32_t which, float factor, const drive_params_t *
         for (int j = 0; j < CURVE_N; j++) {
             to->L_q.y[j] = from->L_q.y[j] * factor;
         }
+        to->lock.L_q_true = from->lock.L_q_true / factor; /* the machine stays what it is */
         break;
     default: /* GAIN_AMPLITUDE */
         to->hfi.u_inj = from->hfi.u_inj * factor;

@@ -117,6 +117,14 @@ CORE_INLINE rot_t hfi_direction(const hfi_params_t *p, const hfi_state_t *x, flo
     return rot_of(x->pll.theta + p->lead * T_s * x->pll.omega);
 }
 
+/* Ends injection at once: nothing of it waits, and no sample is read for its answer. */
+CORE_INLINE void hfi_quiet(hfi_state_t *x) {
+    x->hold = 0.0f;
+    x->sign_1 = 0.0f;
+    x->sign_2 = 0.0f;
+    x->sign_3 = 0.0f;
+}
+
 /* Advances the queue and returns the sign of the injection to apply over [k+1, k+2]. wanted: != 0
  * keeps injection on; it stops n_hold periods after the last request. */
 CORE_INLINE float hfi_inject(const hfi_params_t *p, hfi_state_t *x, int wanted) {

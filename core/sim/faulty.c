@@ -78,14 +78,16 @@ static ab_t late(loop_t *loop, ab_t u, int32_t periods) {
     return loop->waiting[periods < LATEST ? periods : LATEST];
 }
 
-/* One period; whether the bridge stays closed. */
+/* One period; whether the bridge stays closed. theta: true angle at its sample, which the estimate
+ * is of [rad]. */
 static int period(sim_t *s, const faulty_t *f, const ks_schedule_params_t *schedule,
-                  ks_schedule_state_t *weight, loop_t *loop) {
+                  ks_schedule_state_t *weight, loop_t *loop, float *theta) {
     drive_state_t *x = &s->drive.x;
     int on = s->k >= f->from && s->k < f->to;
     int kind = on ? f->kind : FAULTY_NONE;
     profile_step(&s->profile, &s->now, s->k);
     drive_in_t in = sim_sample(s, &s->drive, 0.0f, s->plant.detail);
+    *theta = (float)s->drive.y.theta_e;
     in = on ? spoil(s, f, loop, in) : in;
     loop->was = in;
     ab_t u = loop->waiting[0];
@@ -112,11 +114,11 @@ static void trip(sim_t *s, faulty_end_t *end) {
     drive_trip(&s->drive.x);
 }
 
-/* Counts what the judge counts; the current vector [A]. */
-static float judge(sim_t *s, faulty_end_t *end) {
+/* Counts what the judge counts, at the true angle theta [rad]; the current vector [A]. */
+static float judge(sim_t *s, faulty_end_t *end, float theta) {
     const chain_t *c = &s->drive;
     float i = (float)(c->y.i_d * c->y.i_d + c->y.i_q * c->y.i_q);
-    float err = abs_f(wrap_pi((float)c->y.theta_e - c->x.est.theta));
+    float err = abs_f(wrap_pi(theta - c->x.est.theta));
     err = c->x.start.phase == START_DONE ? err : 0.0f;
     s->err_count = err > s->err_limit ? s->err_count + 1 : 0;
     s->lost |= (s->err_count > s->err_periods ? LOST_ANGLE : 0) |
@@ -126,8 +128,6 @@ static float judge(sim_t *s, faulty_end_t *end) {
     i = sqrt_f(i);
     end->i_peak = max_f(end->i_peak, i);
     end->i_unseen = end->k_flag < 0 ? max_f(end->i_unseen, i) : end->i_unseen;
-    end->err_end =
-        end->k_flag < 0 && 4 * s->k > 3 * s->k_end ? max_f(end->err_end, err) : end->err_end;
     if ((s->lost & LOST_CURRENT) != 0) {
         trip(s, end);
     }
@@ -137,14 +137,15 @@ static float judge(sim_t *s, faulty_end_t *end) {
 static void run(sim_t *s, const faulty_t *f, const ks_schedule_params_t *schedule,
                 faulty_end_t *end) {
     loop_t loop = {0};
-    faulty_end_t none = {-1, -1, 0, 0, 0.0f, 0.0f, 0.0f, 0};
+    faulty_end_t none = {-1, -1, 0, 0, 0.0f, 0.0f, 0};
     ks_schedule_state_t weight;
     ks_schedule_init(schedule, &weight);
     *end = none;
     int closed = 1;
+    float theta = 0.0f;
     while (closed && s->k < s->k_end) {
-        closed = period(s, f, schedule, &weight, &loop);
-        closed = judge(s, end) <= s->i_trip && closed;
+        closed = period(s, f, schedule, &weight, &loop, &theta);
+        closed = judge(s, end, theta) <= s->i_trip && closed;
     }
     end->lost = s->lost;
     end->fault = s->drive.x.fault;

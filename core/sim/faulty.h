@@ -39,7 +39,6 @@ typedef struct {
     int32_t fault;   /* fault bits of the drive at the end */
     float i_peak;    /* largest current vector until the bridge is open [A] */
     float i_unseen;  /* largest current vector before the first fault bit [A] */
-    float err_end;   /* largest angle error over the last quarter without a flag [rad] */
     int32_t by_trip; /* 1: the first fault bit is that of the hardware's trip, by drive_trip */
 } faulty_end_t;
 

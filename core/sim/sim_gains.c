@@ -28,3 +28,5 @@ int sim_set_due(sim_t *s, sim_gains_t *gains, int32_t n, int32_t period, int32_t
     }
     return end > first;
 }
+
+void sim_lock_bounds(lock_params_t *p, float u) { lock_bounds(p, u); }

@@ -20,4 +20,7 @@ typedef struct {
  * gain_schedule_step has it. No drive moves. Returns whether there were any. gains: 0 for none. */
 int sim_set_due(sim_t *s, sim_gains_t *gains, int32_t n, int32_t period, int32_t periods);
 
+/* lock_bounds for the design, which has no inline functions: bounds at the amplitude u [V]. */
+void sim_lock_bounds(lock_params_t *p, float u);
+
 #endif

@@ -11,7 +11,7 @@ _BIT = re.compile(r"\b(\w*FAULT_\w+) = (\d+),?\s*(?:\};\s*)?/\*(.*?)\*/", re.DOT
 DO = {
     "FAULT_CURRENT": "look for a broken wire, a wrong range, missed interrupts; stop if it repeats",
     "FAULT_U_DC": "look at the measurement of the link; below its least value do not start; above "
-    "its largest the drive applies no voltage: open the bridge",
+    "its largest control gives no voltage, injection and compensation go on: open the bridge",
     "FAULT_COMMAND": "correct what the application passes; the drive held a safe value meanwhile",
     "FAULT_POLE": "stop and start again at less load; if it repeats, start from a known angle",
     "FAULT_OVER_CURRENT": "open the bridge at once, find out why, then start as after a trip",

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from sensorless.evaluation.objective import LOST_WEIGHT
+from sensorless.evaluation.objective import LOST_WEIGHT, weighted
 from sensorless.evaluation.results import RATES, Results
 from sensorless.evaluation.results_tables import number
 from sensorless.export.judge import MOST_LOST
@@ -145,8 +145,7 @@ def best_rule(results: Results, words: Sequence[str]) -> str | None:
 
 def _objective(results: Results, name: str) -> float:
     p = results.policies[name]
-    objective: float = LOST_WEIGHT * p["lost_rate"] + p["torque_dev_rms"] + p["torque_ripple_rms"]
-    return objective
+    return float(weighted(p["lost_rate"], p["torque_dev_rms"], p["torque_ripple_rms"]))
 
 
 def balance(results: Results, others: Sequence[str]) -> str:

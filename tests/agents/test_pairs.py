@@ -57,6 +57,25 @@ def test_every_step_gets_half_of_what_the_rollout_earned_more_than_the_partners(
     np.testing.assert_allclose(found, np.tile(expected, (5, 1)), rtol=1e-5)
 
 
+def test_partners_that_parted_have_nothing_in_common_until_a_restart() -> None:
+    """Also in later rollouts, in which none begins an episode."""
+    starts = np.zeros((3, 4))
+    starts[0], starts[2, 1] = 1.0, 1.0
+    rewards = np.ones((3, 4), dtype=np.float32) * [1.0, 0.0, 1.0, 0.0]
+    buffer = filled(rewards.astype(np.float32), starts)
+    assert not buffer.advantages[2, :2].any() and buffer.advantages[:2, :2].all()
+    found = []
+    for joins in (False, True):
+        buffer.reset()
+        if joins:
+            buffer.join()
+        buffer.rewards[:], buffer.episode_starts[:] = rewards, 0.0
+        buffer.compute_returns_and_advantage(torch.zeros(4), np.zeros(4, dtype=bool))
+        found.append(buffer.advantages[:, 0::2] != 0.0)
+    assert not found[0][:, 0].any() and found[0][:, 1].all()
+    assert found[1].all()
+
+
 def test_one_lost_scenario_counts_a_few_times_the_usual_difference() -> None:
     gain = np.ones((1, 400), dtype=np.float32)
     gain[0, 1::2] = -1.0

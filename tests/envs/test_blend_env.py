@@ -146,10 +146,11 @@ def test_copies_continue_identically(clone: Any) -> None:
 def test_restore_goes_back() -> None:
     env = BlendEnv()
     env.reset(seed=5)
-    env.step([1.0])
+    before = env.step([1.0])[0]
     state = env.state()
     one = [env.step([0.1]) for _ in range(30)] + [env.reset()]
     env.restore(state)
+    assert np.array_equal(env.batch.observation()[0], before)
     two = [env.step([0.1]) for _ in range(30)] + [env.reset()]
     assert same(one, two)
 

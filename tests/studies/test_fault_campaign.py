@@ -8,8 +8,11 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from sensorless.core.api import lib
+from sensorless.baselines.linear import eq25_band
+from sensorless.core.api import ffi, lib, pointer
+from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
 from tests.helpers.script import script
 
@@ -28,6 +31,23 @@ def test_without_a_fault_nothing_is_flagged(study: ModuleType, motor: Motor) -> 
         assert not end["fault"].any() and not end["lost"].any()
         assert np.all(end["k_flag"] == -1) and np.all(end["k_lost"] == -1)
         assert np.array_equal(end["i_peak"], end["i_unseen"])
+
+
+def test_the_judge_compares_angles_of_one_instant(study: ModuleType) -> None:
+    """Of the sample, not of a period later: at rated speed that is 3.6 degrees more."""
+    motor = Motor.load("paper")
+    plan = Scenarios.nominal(motor, np.zeros(1, dtype=np.uint64), 1.0)
+    plan.omega[:] = motor.omega_rated / motor.n_p
+    plan.omega_0 = plan.omega[:, 0].copy()
+    s = SimFactory(motor, DriveDesign()).build(plan, twin=False)
+    s["err_limit"] = np.deg2rad(2.5)
+    faults, end = np.zeros(1, dtype=study.FAULTY), np.zeros(1, dtype=study.END)
+    schedule = ffi.new("ks_schedule_params_t *")
+    schedule.rule.x_min, schedule.rule.x_max = eq25_band(motor)
+    schedule.periods = decision_periods(motor)
+    lib.faulty_run(pointer(s, "sim_t[]"), 1, pointer(faults, "faulty_t[]"), schedule,
+                   pointer(end, "faulty_end_t[]"))  # fmt: skip
+    assert end["lost"][0] == 0
 
 
 def test_what_a_limit_says_is_flagged_in_its_period(study: ModuleType, motor: Motor) -> None:

@@ -156,7 +156,10 @@ def test_bandwidths_set_both_gains_of_a_loop(firmware: Firmware, motor: Motor) -
         assert live[loop]["pll"]["k_p"] == pytest.approx(design[loop]["pll"]["k_p"] * factor)
         assert live[loop]["pll"]["k_i"] == pytest.approx(design[loop]["pll"]["k_i"] * factor**2)
     assert live["hfi"]["u_inj"] < design["hfi"]["u_inj"]
-    assert len(set((live["L_q"]["y"] / design["L_q"]["y"]).round(5))) == 1
+    factors = (live["L_q"]["y"] / design["L_q"]["y"]).round(5)
+    assert len(set(factors)) == 1 and factors[0] != 1.0
+    here, there = live["lock"]["L_q_true"], design["lock"]["L_q_true"]
+    assert here * live["L_q"]["y"][0] == pytest.approx(there * design["L_q"]["y"][0])
 
 
 @pytest.mark.parametrize("name", ["formula_wheel", "pmsrm_15kw"])

@@ -113,6 +113,25 @@ def test_another_observer_goes_on_as_the_coupled_one(share: float, estimator: st
     assert here["drive"].tobytes() == there["drive"].tobytes()
 
 
+@pytest.mark.parametrize("share", [0.03, 0.5])
+def test_nothing_is_injected_while_the_emf_is_watched(share: float) -> None:
+    """However much the drive injected before, and along whatever axis."""
+    sims = at_speed(share, 0.0)
+    sims["control"]["lock"]["action"] = lib.LOCK_RESTART
+    x = sims["drive"]["x"]
+    x["lock"]["bad"], x["lock"]["calm"] = sims["control"]["lock"]["n_act"], 0
+    x["hfi"]["hold"], x["hfi"]["sign_1"] = sims["control"]["hfi"]["n_hold"], 1.0
+    sims["control"]["lock"]["i_off"] = -1.0
+    seen = []
+    for _ in range(round(0.05 / MOTOR.T_s)):
+        run(sims, MOTOR.T_s, share)
+        if x["start"]["phase"][0] in (lib.START_QUIET, lib.START_CATCH, lib.START_FLY):
+            seen.append([float(x["hfi"][name][0]) for name in ("hold", "sign_1", "sign_2")])
+        elif seen:
+            break
+    assert len(seen) > 20 and not np.any(seen)
+
+
 def test_the_load_of_before_is_not_forgotten() -> None:
     """A drive at rest takes control with the torque that held it, from zero with its slope."""
     sims = at_speed(0.0, 0.6)
