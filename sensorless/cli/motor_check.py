@@ -40,9 +40,9 @@ def check_command(
     The check looks for implausible numbers, compares the rated point with current and voltage,
     follows saliency and cross-coupling over the current, compares injection's signal with noise,
     and suggests settings. Unless the answer is no already, it then simulates Eq. 25, the source
-    paper's rule, on scenarios of the suite stress, and on as many of the suite unload, of the suite
-    braking, and of the suite mismatch, in which the motor is not as its file says. Exit status 1:
-    the answer is no.
+    paper's rule, on scenarios of the suite stress, and on as many of each of the suites handoff,
+    unload, braking and mismatch; in the last the motor is not as its file says. Exit status 1: the
+    answer is no.
 
     For example:
 
@@ -82,11 +82,14 @@ def show_check(
 
     done = check(motor, design, size)
     console.print(screen(done))
-    console.print(str(done.examination.verdict), style="bold", highlight=False)
+    verdict = done.examination.verdict
+    console.print(verdict.head, style="bold", highlight=False)
+    for reason in verdict.because:
+        console.print(f"- {reason}", highlight=False, markup=False)
     if as_json:
         say_json(facts(done))
     if out is not None:
         write_page(done, out, command)
         say_wrote(out)
-    if done.examination.verdict.word == "no":
+    if verdict.word == "no":
         raise typer.Exit(1)

@@ -18,9 +18,9 @@ from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 
 WRONG_FILE = "mismatch"
 """The suite in which the machine is not as its file says."""
-SUITES, SEED, SIZE = ("stress", "unload", "braking", WRONG_FILE), 1, 100
-"""Scenarios of a quick run: all that is uncertain, loads at low speed that go or drive, and a motor
-file that is wrong."""
+SUITES, SEED, SIZE = ("stress", "handoff", "unload", "braking", WRONG_FILE), 1, 100
+"""Scenarios of a quick run: all that is uncertain, the way between injection and observer, loads at
+low speed that go or drive, and a motor file that is wrong."""
 LOST = (0.05, 0.2)
 """Lost share of a quick run above which the drive is limited, or unable: with a wrong file limited
 only, since a right one is the cure. A smaller share is noted."""

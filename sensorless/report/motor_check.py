@@ -145,7 +145,7 @@ def write_page(c: Check, path: Path, command: str) -> None:
     page = render(
         "motor.html.j2",
         {"maps": {}, "cases": {}, "curves": panels},
-        motor=e.motor, verdict=str(e.verdict), word=e.verdict.word, rows=rows(c),
+        motor=e.motor, verdict=e.verdict, word=e.verdict.word, rows=rows(c),
         findings=e.findings, reach=range(first), seen=range(first, len(panels)),
         labels=[panel["label"] for panel in panels], command=command, uplot=UPLOT,
     )  # fmt: skip

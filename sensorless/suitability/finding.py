@@ -25,11 +25,14 @@ class Verdict:
     word: str
     because: tuple[str, ...]
 
+    @property
+    def head(self) -> str:
+        """How the last sentence of a check begins; the reasons follow."""
+        return f"suitable: {self.word}" + (", because" if self.because else "")
+
     def __str__(self) -> str:
         """Return the last sentence of a check."""
-        return f"suitable: {self.word}" + (
-            f", because {'; '.join(self.because)}" if self.because else ""
-        )
+        return " ".join(filter(None, (self.head, "; ".join(self.because))))
 
 
 def verdict(findings: Sequence[Finding]) -> Verdict:

@@ -82,7 +82,7 @@ def test_the_verdict_of_a_real_one(tmp_path: Path) -> None:
     last = done.stdout.splitlines()[-1].removeprefix("verdict: ")
     assert last.startswith("the same as Eq. 25") and "lost 0 of 8 scenarios of nominal" in last
     assert f"**Verdict:** {last}." in (tmp_path / "out/README.md").read_text()
-    told = "yes, lost stress 0 %, unload 0 %, braking 0 %, mismatch 0 %"
+    told = "yes, lost stress 0 %, handoff 0 %, unload 0 %, braking 0 %, mismatch 0 %"
     assert last.endswith(f"motor check with it: {told}")
     known = KsTable.load(tmp_path / "out/ks_table.json").provenance["judged"]
     assert known["nominal"]["lost"] == 0 and known["eq25"]["same"]
@@ -103,7 +103,7 @@ def test_a_machine_that_the_simulation_of_its_check_refuses(
         module.require_fit(judged, "eq25")
     told = module.verdict(judged)
     assert told.startswith("not fit to run a motor: its machine does not suit, because the drive")
-    assert re.search(r"check with it: no, lost stress \d\d %, unload \d+ %, brak", told)
+    assert re.search(r"check with it: no, lost stress \d\d %, handoff \d+ %, unload \d+ %, brak", told)
 
 
 def test_what_is_worse_than_eq25_is_told_to_be_replaced_by_it() -> None:

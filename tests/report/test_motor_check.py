@@ -68,7 +68,7 @@ def test_a_machine_that_depends_on_its_file_is_told() -> None:
 
 def test_loads_at_low_speed_and_a_wrong_file_are_run_too() -> None:
     done = check(Motor.load("paper"), DriveDesign(), 4)
-    assert [run.suite for run in done.runs] == ["stress", "unload", "braking", "mismatch"]
+    assert [run.suite for run in done.runs] == ["stress", "handoff", "unload", "braking", "mismatch"]
     found = {what: text for what, text, _ in rows(done)}
     for run, said in zip(done.runs, facts(done)["runs"], strict=True):
         assert said["not_held"] == run.not_held == said["slipped"] == run.slipped == 0.0
@@ -117,8 +117,9 @@ def test_it_says_whether_the_drive_finds_the_rotor(name: str, said: str) -> None
 
 def test_trips_at_a_right_angle_ask_for_a_higher_limit() -> None:
     """Not those of drives whose angle was lost first, nor those that an encoder does not save."""
-    close = replace(Motor.load("paper"), i_trip=7.0)
-    run = check(close, DriveDesign(), 50).runs[0]
+    brusa = Motor.load("brusa_hsm1")
+    close = replace(brusa, i_trip=0.95 * brusa.i_max)
+    (run,) = (r for r in check(close, DriveDesign(), 50).runs if r.suite == "braking")
     assert run.lost > LOST[0] and run.tripped > 0.5
     assert any("a higher i_trip" in finding.text for finding in judged([run]))
     lost_first = check(member(7207, 29), DriveDesign(coupled_L_q_bias=1.2), 16).runs[0]
