@@ -86,7 +86,7 @@ def test_the_verdict_of_a_real_one(tmp_path: Path) -> None:
     assert last.endswith(f"motor check with it: {told}")
     known = KsTable.load(tmp_path / "out/ks_table.json").provenance["judged"]
     assert known["nominal"]["lost"] == 0 and known["eq25"]["same"]
-    assert known["motor_check"]["suitable"] == "yes" and len(known["motor_check"]["runs"]) == 4
+    assert known["motor_check"]["suitable"] == "yes" and len(known["motor_check"]["runs"]) == 5
 
 
 def test_a_machine_that_the_simulation_of_its_check_refuses(
@@ -103,7 +103,7 @@ def test_a_machine_that_the_simulation_of_its_check_refuses(
         module.require_fit(judged, "eq25")
     told = module.verdict(judged)
     assert told.startswith("not fit to run a motor: its machine does not suit, because the drive")
-    assert re.search(r"check with it: no, lost stress \d\d %, handoff \d+ %, unload \d+ %, brak", told)
+    assert re.search(r"check with it: no, lost stress \d\d %, handoff \d+ %, unload", told)
 
 
 def test_what_is_worse_than_eq25_is_told_to_be_replaced_by_it() -> None:

@@ -68,7 +68,8 @@ def test_a_machine_that_depends_on_its_file_is_told() -> None:
 
 def test_loads_at_low_speed_and_a_wrong_file_are_run_too() -> None:
     done = check(Motor.load("paper"), DriveDesign(), 4)
-    assert [run.suite for run in done.runs] == ["stress", "handoff", "unload", "braking", "mismatch"]
+    suites = [run.suite for run in done.runs]
+    assert suites == ["stress", "handoff", "unload", "braking", "mismatch"]
     found = {what: text for what, text, _ in rows(done)}
     for run, said in zip(done.runs, facts(done)["runs"], strict=True):
         assert said["not_held"] == run.not_held == said["slipped"] == run.slipped == 0.0
