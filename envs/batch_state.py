@@ -30,11 +30,12 @@ class BatchState:
 def made_on(n: int, motor: Motor, settings: BlendSettings) -> dict[str, Any]:
     """What must be equal, by name, where a state is restored."""
     draw, weights = settings.scenarios, settings.weights
-    name = getattr(draw, "__qualname__", type(draw).__qualname__)
+    if not isinstance(draw, str):
+        draw = f"{draw.__module__}.{getattr(draw, '__qualname__', type(draw).__qualname__)}"
     return {
         "num_envs": n,
         "motor": f"{motor.name}, digest {motor.digest[:16]}",
-        "scenarios": f"{draw.__module__}.{name}",
+        "scenarios": draw,
         "decision_period": settings.decision_period,
         "max_episode_steps": settings.max_episode_steps,
         "gains": settings.ranges,

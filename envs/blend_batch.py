@@ -141,7 +141,7 @@ class BlendBatch:
 
     def _draw(self, rows: Rows) -> None:
         """Prepare the next episode of some drives."""
-        drawn = self.settings.scenarios(self.motor, combine(self._seeds[rows], self._episode[rows]))
+        drawn = self.settings.sampler(self.motor, combine(self._seeds[rows], self._episode[rows]))
         if not isinstance(drawn, Scenarios):
             raise UserError(f"scenarios: gave {shown(drawn)} for {len(rows)} seeds; give Scenarios")
         drawn = checked_scenarios(drawn, len(rows), "scenarios")

@@ -77,7 +77,8 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     A scenario is a profile of speed, load and DC-link voltage, a starting point, and the mismatch
     between machine and controller. ``reset(seed=...)`` starts a stream of scenarios, and every
     reset takes the next one. By default they are `stress_1_scenarios`: everything at random, from
-    rest or on a spinning shaft. ``reset(options={"scenario": s})`` runs a `Scenarios` of one row.
+    rest or on a spinning shaft. ``scenarios="handoff"`` draws those of a suite instead (not
+    ``envelope``). ``reset(options={"scenario": s})`` runs a `Scenarios` of one row.
     It does not know which machine it was drawn for: draw it for the one of this environment.
 
     **End**

@@ -17,6 +17,7 @@ from sensorless.envs.reward import RewardWeights
 from sensorless.envs.scenarios.checked import checked_scenarios
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.stress import stress_1_scenarios
+from sensorless.envs.scenarios.suites import sampler
 from sensorless.envs.window_reward import WindowWeights
 from sensorless.errors import UserError, shown
 from sensorless.machine.motor import Motor
@@ -26,7 +27,7 @@ Sampler = Callable[[Motor, Seeds], Scenarios]
 KINDS: dict[str, tuple[Any, str]] = {
     "motor": (Motor | str | Path, "the name of a shipped machine, a TOML file, or a Motor"),
     "design": (DriveDesign, "a DriveDesign, such as DriveDesign(estimator='flux')"),
-    "scenarios": (Callable, "a function of (motor, seeds) that draws Scenarios"),
+    "scenarios": (Callable | str, "a suite by name, or a function of (motor, seeds)"),
     "weights": (RewardWeights | WindowWeights, "RewardWeights or WindowWeights"),
 }
 """Types of fields that are no numbers, and those types in words."""
@@ -45,8 +46,9 @@ class BlendSettings:
     """Machine: the name of a shipped one, a TOML file, or a `Motor`."""
     design: DriveDesign = field(default_factory=DriveDesign)
     """Settings of the drive: estimator, bandwidths, control."""
-    scenarios: Sampler = stress_1_scenarios
-    """Function of (motor, seeds (n,)) that draws n scenarios, row i from seed i alone."""
+    scenarios: Sampler | str = stress_1_scenarios
+    """A suite by name, such as ``handoff``, or a function of (motor, seeds (n,)) that draws n
+    scenarios, row i from seed i alone."""
     weights: RewardWeights | WindowWeights = field(default_factory=RewardWeights)
     """Weights of the reward's terms; their type says which reward it is."""
     decision_period: float = number(
@@ -80,6 +82,11 @@ class BlendSettings:
         """Range of each gain that the agent sets besides k_s, in the order of the action: none."""
         return {}
 
+    @property
+    def sampler(self) -> Sampler:
+        """Function that draws the scenarios."""
+        return sampler(self.scenarios) if isinstance(self.scenarios, str) else self.scenarios
+
     def __post_init__(self) -> None:
         """Check every field.
 
@@ -93,6 +100,7 @@ class BlendSettings:
             value = getattr(self, name)
             if not isinstance(value, kinds):
                 raise UserError(f"{name}: {shown(value)}; give {words}")
+        _ = self.sampler  # a suite exists
         steps = self.max_episode_steps
         if steps is not None and (_index(steps) or 0) < 1:
             raise UserError(f"max_episode_steps: {steps!r}: must be None or a whole number above 0")

@@ -37,7 +37,8 @@ def spaces(n_actions: int) -> "tuple[Box[np.float32], Box[np.float32]]":
 class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
     """``sensorless/Blend-v0`` for n drives; `BlendEnv` describes action, observation and reward.
 
-    With seed s, drive i equals the single environment with seed s + i, to the bit.
+    With seed s, drive i equals the single environment with seed s + i, to the bit, as Gymnasium has
+    it: n drives of seeds s and s + 1 share n - 1 streams. Seeds n apart share none.
 
     The ``info`` of a step has the terms of the reward (``reward.TERMS``), ``lost``, ``alarm`` and
     ``privileged`` (n, N_PRIVILEGED), true quantities for a critic that no policy may see. Each key

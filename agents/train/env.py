@@ -14,15 +14,13 @@ from sensorless.envs.counter_random import Seeds, combine
 from sensorless.envs.reward import RewardWeights
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.stress import stress_1_scenarios
-from sensorless.envs.scenarios.suites import ROLES, SUITES
+from sensorless.envs.scenarios.suites import ROLES, sampler
 from sensorless.envs.several import SeveralMachines
 from sensorless.envs.window_reward import WindowWeights
 from sensorless.machine.motor import Motor
 
 OF_OTHERS = 100
 """Added to the role for the draws that decide which scenarios another suite gives."""
-REPEATS = 10_000
-"""Indices from here on repeat the suite, so every number is moved."""
 
 
 def training_scenarios(motor: Motor, seeds: Seeds) -> Scenarios:
@@ -45,8 +43,7 @@ def with_others(shares: Mapping[str, float]) -> Sampler:
             begin += share
             rows = np.flatnonzero((chance >= low) & (chance < high))
             if len(rows):
-                repeats = REPEATS + (chance[rows] >> np.uint64(34)).astype(np.int64)
-                drawn = SUITES[name](motor, chance[rows], repeats, len(rows))
+                drawn = sampler(name)(motor, chance[rows])
                 for field, values in out.items():
                     values[rows] = getattr(drawn, field)
         return Scenarios(**out)

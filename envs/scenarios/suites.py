@@ -38,6 +38,8 @@ ROLES = {"train": 1, "tune": 2, "test": 3}
 """Keeps the seeds of training, tuning and judging apart."""
 MOST_SCENARIOS = 10_000_000
 """Of a suite."""
+REPEATS = 10_000
+"""Indices from here on repeat what a suite was searched for, with every number moved."""
 
 Indices = NDArray[np.int64]
 
@@ -161,3 +163,25 @@ def scenario_word(name: str, seed: int, index: int, size: int) -> str:
     The size stands only where a scenario depends on it: in the grid of ``envelope``.
     """
     return f"{name}:{seed}:{index}" + (f":{size}" if name == "envelope" else "")
+
+
+def sampler(name: str) -> Callable[[Motor, Seeds], Scenarios]:
+    """Endless stream of the scenarios of a suite: a function of motor and seeds (n,) that draws n.
+
+    Each follows from its seed alone. Suites with a plan take a step of it by chance, and ``hard``
+    moves every number, as in its repeats.
+
+    Raises
+    ------
+    UserError
+        There is no such suite, or it is a grid, which has no stream.
+    """
+    known = [suite for suite in SUITES if suite != "envelope"]
+    if name not in known:
+        raise UserError(f"scenarios: {name!r}; choose from {', '.join(known)}, or give a function")
+
+    def draw(motor: Motor, seeds: Seeds) -> Scenarios:
+        indices = REPEATS + (seeds >> np.uint64(34)).astype(np.int64)
+        return SUITES[name](motor, seeds, indices, len(seeds))
+
+    return draw

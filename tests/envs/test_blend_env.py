@@ -16,6 +16,7 @@ from sensorless.envs.privileged import N_PRIVILEGED, PRIVILEGED
 from sensorless.envs.reward import TERMS, RewardWeights
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.stress import nominal_scenarios, stress_1_scenarios
+from sensorless.envs.scenarios.suites import SUITES
 from sensorless.envs.window_reward import WindowWeights
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -143,6 +144,26 @@ def test_copies_continue_identically(clone: Any) -> None:
     assert same(env.reset(), twin.reset())
 
 
+@pytest.mark.parametrize("name", [name for name in SUITES if name != "envelope"])
+def test_a_suite_by_name_is_an_endless_stream(name: str) -> None:
+    """Each scenario follows from its seed, and another seed gives another."""
+    env = BlendEnv(scenarios=name)
+    seen = []
+    for seed in (3, 3, 4):
+        env.reset(seed=seed)
+        seen.append(env.state().sims.tobytes())
+    assert seen[0] == seen[1] != seen[2]
+    assert "nan" not in str(env.step([1.0])[0])
+
+
+@pytest.mark.parametrize("value", ["envelope", "no-such", 3])
+def test_what_is_no_stream_is_refused(value: object) -> None:
+    with pytest.raises(
+        UserError, match=r"scenarios: .*(choose from paper|a suite by name)"
+    ):
+        BlendEnv(scenarios=value)
+
+
 def test_restore_goes_back() -> None:
     env = BlendEnv()
     env.reset(seed=5)
@@ -235,7 +256,7 @@ def test_step_before_reset_is_refused() -> None:
         ({"design": {"estimator": "smo"}}, r"design: \{.*; give a DriveDesign, such as"),
         ({"colour": 3}, "colour: 3: is unknown; choose from motor, design"),
         ({"motor": 3}, "motor: 3; give the name of a shipped machine, a TOML file, or a Motor"),
-        ({"scenarios": "stress-1"}, "scenarios: 'stress-1'; give a function"),
+        ({"scenarios": 1}, "scenarios: 1; give a suite by name, or a function"),
     ],
 )
 def test_bad_settings_are_named(settings: dict[str, Any], message: str) -> None:
