@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import NormalDist
 
 from sensorless.evaluation.objective import LOST_WEIGHT, weighted
 from sensorless.evaluation.results import RATES, Results
@@ -59,6 +60,8 @@ class Change:
     """its 95 % interval, likewise"""
     word: str
     """better, same or worse"""
+    widths: float = 0.0
+    """how far the change is from 0, over the half of its interval on that side"""
     rates: tuple[tuple[float, ...], ...] = ()
     """value, low, high of both [%], if the measure counts scenarios"""
 
@@ -116,6 +119,8 @@ def _change(results: Results, first: str, other: str, m: Measure) -> Change:
     change, base = -pair[m.key], pair["there"][m.key] + pair[m.key]
     low, high = (-x for x in reversed(pair[f"{m.key}_ci"]))
     sign = BETTER if high < 0.0 else WORSE if low > 0.0 else SAME
+    half = high - change if change < 0.0 else change - low
+    widths = abs(change) / half if half > 0.0 else 0.0 if change == 0.0 else math.inf
     if m.is_rate:
         sides = [results.policies[name] for name in (first, other)]
         total = feasible(results, sides[0])
@@ -123,12 +128,12 @@ def _change(results: Results, first: str, other: str, m: Measure) -> Change:
         rates = [tuple(100.0 * x for x in (p[m.key], *p[RATES[m.key]])) for p in sides]
         nothing = (math.nan, math.nan, math.nan)
         here, there = f"{counts[0]} of {total}", f"{counts[1]}"
-        return Change(m, here, there, *nothing, sign, tuple(rates) if total else ())
+        return Change(m, here, there, *nothing, sign, widths, tuple(rates) if total else ())
     known = math.isfinite(base) and abs(base) > 1e-12
     share, low, high = (100.0 * x / base if known else math.nan for x in (change, low, high))
     here, there = (number(m.factor * x, m.decimals) + m.unit for x in (base + change, base))
     word = SAME if known and abs(share) < LEAST else sign
-    return Change(m, here, there, share, low, high, word)
+    return Change(m, here, there, share, low, high, word, widths)
 
 
 def feasible(results: Results, policy: dict[str, float]) -> int:
@@ -198,6 +203,10 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
         return Verdict("no", "Do not flash it.", "It loses or does not hold more drives.", lines)
     if BETTER not in words[plain]:
         return Verdict("no", "Do not flash it.", f"Nothing is better than {plain}.", lines)
+    looks = [c for k in contrasts if k.other == plain for c in k.changes]
+    if not any(c.word == BETTER and c.widths >= wide_enough(len(looks)) for c in looks):
+        why = f"Nothing is surely better than {plain}: one of {len(looks)} comparisons may look so."
+        return Verdict("no", "Do not flash it.", why, lines)
     for other, found in words.items():
         if BETTER not in found and WORSE in found:
             why = f"Nothing is better than {other}."
@@ -208,6 +217,16 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
     if any(word == WORSE for word, _ in lines):
         return Verdict("with", "Flash it, if you can live with what got worse.", "", lines)
     return Verdict("yes", "Flash it.", "Nothing got worse.", lines)
+
+
+def wide_enough(looks: int) -> float:
+    """Least ``Change.widths`` of a change that is sure although it is one of so many.
+
+    Bonferroni: one of ``looks`` intervals at a level of 1 - 0.05 / looks excludes zero by chance in
+    5 % of the cases at most; such an interval of a normal distribution is this much wider than that
+    of 95 %.
+    """
+    return NormalDist().inv_cdf(1.0 - 0.025 / looks) / NormalDist().inv_cdf(0.975)
 
 
 def _listed(contrasts: Sequence[Contrast], word: str) -> str:

@@ -158,9 +158,7 @@ def test_a_suite_by_name_is_an_endless_stream(name: str) -> None:
 
 @pytest.mark.parametrize("value", ["envelope", "no-such", 3])
 def test_what_is_no_stream_is_refused(value: object) -> None:
-    with pytest.raises(
-        UserError, match=r"scenarios: .*(choose from paper|a suite by name)"
-    ):
+    with pytest.raises(UserError, match=r"scenarios: .*(choose from paper|a suite by name)"):
         BlendEnv(scenarios=value)
 
 

@@ -6,7 +6,14 @@ from typing import Any
 import pytest
 
 from sensorless.evaluation.results import Results
-from sensorless.report.verdict import MEASURES, balance, best_rule, contrast, verdict
+from sensorless.report.verdict import (
+    MEASURES,
+    balance,
+    best_rule,
+    contrast,
+    verdict,
+    wide_enough,
+)
 
 
 def entry(lost: int = 0, size: int = 100, *, bound: bool = False) -> dict[str, Any]:
@@ -63,6 +70,19 @@ def test_what_got_worse_is_said_with_its_size() -> None:
     said = verdict([r], [contrast(r, "eq25")], True)
     assert "Better than eq25: torque deviation −5 % on stress-1." in said.sentence
     assert "Worse than eq25: angle error +12 % on stress-1." in said.sentence
+
+
+def test_one_of_many_comparisons_may_look_better_by_chance() -> None:
+    """An interval of 95 % that barely excludes zero does not do, one that is far from it does."""
+    for widths, word in ((1.2, "no"), (2.0, "yes")):
+        barely = pair()
+        barely["torque_dev_rms"], barely["there"]["torque_dev_rms"] = 0.05, 0.95
+        barely["torque_dev_rms_ci"] = (0.05 - 0.05 / widths, 0.05 + 0.05 / widths)
+        r = results({"eq25": barely})
+        said = verdict([r], [contrast(r, "eq25")], True)
+        assert said.word == word
+        assert ("one of 7 comparisons" in said.because) == (word == "no")
+    assert wide_enough(1) == pytest.approx(1.0) and 1.3 < wide_enough(7) < 1.5
 
 
 def test_a_bound_is_not_to_be_flashed() -> None:
