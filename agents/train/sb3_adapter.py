@@ -14,7 +14,7 @@ from sensorless.envs.blend_vector_env import BlendVectorEnv
 from sensorless.envs.privileged import BOUND, N_PRIVILEGED
 from sensorless.envs.several import SeveralMachines
 from sensorless.envs.signals import HIGH, LOW
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 
 Floats = NDArray[np.float32]
 
@@ -36,10 +36,15 @@ class SB3VecEnv(VecEnv):
     Raises
     ------
     UserError
-        The environment has another autoreset mode.
+        It is another environment, or has another autoreset mode.
     """
 
     def __init__(self, env: BlendVectorEnv | SeveralMachines, *, privileged: bool = False) -> None:
+        if not isinstance(env, BlendVectorEnv | SeveralMachines):
+            raise UserError(
+                f"env: {shown(env)}; give BlendVectorEnv, as gymnasium.make_vec gives it; one drive "
+                "of gymnasium.make goes into stable-baselines3 as it is"
+            )
         if env.metadata["autoreset_mode"] is not AutoresetMode.SAME_STEP:
             raise UserError(f"autoreset_mode: {env.metadata['autoreset_mode'].value!r}; "
                             "stable-baselines3 needs 'SameStep'")  # fmt: skip

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from sensorless.core.api import PROFILE_N, SIM, Array, lib, sim_start
 from sensorless.design.drive import DriveDesign
-from sensorless.design.records import GOOD_NOISE, control_record, fill, plant_record, sensor_record
+from sensorless.design.records import control_record, fill, good_noise, plant_record, sensor_record
 from sensorless.envs.counter_random import Floats, Seeds
 from sensorless.errors import UserError
 from sensorless.machine.magnetics import iron_conductance
 from sensorless.machine.motor import Motor
-from sensorless.observers.start_design import knows_poles
+from sensorless.observers.start_design import alike, knows_poles
 from sensorless.policy import NO_SETTINGS, Settings
 
 Bools = NDArray[np.bool_]
@@ -147,7 +147,7 @@ class Scenarios:
             J=ones.copy(),
             cross_hat=ones.copy(),
             dead_time=motor.dead_time * ones,
-            noise=GOOD_NOISE * ones,
+            noise=good_noise(motor) * ones,
             gain=np.ones((n, 2)),
             offset=np.zeros((n, 2)),
             detailed=np.zeros(n, dtype=bool),
@@ -207,8 +207,8 @@ class SimFactory:
         motor = self.motor
         if np.any(s.seek) and not knows_poles(motor):
             raise UserError(
-                f"start: {motor.name} does not saturate along d, so its poles look alike; start at "
-                "a known angle, or give the motor file a [saturation] in which L_d falls with i_d"
+                f"start: the poles of {motor.name} look alike: {alike(motor)}; start at a known "
+                "angle, or give the motor file a [saturation] in which L_d falls with i_d"
             )
         sims = np.repeat(self.template, len(s))
         design = dataclasses.replace(self.design, **settings)

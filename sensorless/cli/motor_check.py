@@ -41,8 +41,8 @@ def check_command(
     follows saliency and cross-coupling over the current, compares injection's signal with noise,
     and suggests settings. Unless the answer is no already, it then simulates Eq. 25, the source
     paper's rule, on scenarios of the suite stress, and on as many of each of the suites handoff,
-    unload, braking and mismatch; in the last the motor is not as its file says. Exit status 1: the
-    answer is no.
+    hold, unload, braking, stop and mismatch; in the last the motor is not as its file says. Exit
+    status 1: the answer is no.
 
     For example:
 

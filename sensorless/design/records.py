@@ -29,7 +29,7 @@ from sensorless.machine.motor import Motor
 from sensorless.machine.saliency import require_saliency
 from sensorless.machine.sane import require_sane
 from sensorless.observers.bring_up_design import design_bring_up
-from sensorless.observers.injection_signal import adc_step
+from sensorless.observers.injection_signal import NOISE_AT, adc_step
 from sensorless.observers.start_design import design_start
 
 SUB_STEPS = 1
@@ -38,7 +38,8 @@ TURNS_ROUND = 0.01
 """Phase current, over rated, from which a leg loses all of its dead time: below, the current turns
 round within a period."""
 GOOD_NOISE = 0.005
-"""Noise of good current sensors, RMS [A]: of every machine, whatever its rated current."""
+"""Noise of good current sensors on a machine rated at ``NOISE_AT``, RMS [A]; that of others goes
+with their rated current, as the sensors that are chosen for it."""
 
 
 def control_record(motor: Motor, design: DriveDesign) -> Array:
@@ -116,8 +117,13 @@ def plant_record(motor: Motor) -> Array:
     return record
 
 
+def good_noise(motor: Motor) -> float:
+    """Noise of good current sensors, RMS [A]; see ``GOOD_NOISE``."""
+    return GOOD_NOISE * (motor.i_rated / NOISE_AT)
+
+
 def sensor_record(motor: Motor) -> Array:
-    """``sensor_params_t`` of a motor, with noise of ``GOOD_NOISE``, shape ()."""
+    """``sensor_params_t`` of a motor, with the noise of good sensors, shape ()."""
     lsb = adc_step(motor)
     record = np.zeros((), dtype=SENSOR)
     fill(
@@ -127,7 +133,7 @@ def sensor_record(motor: Motor) -> Array:
             "inv_i_zero": 1.0 / (TURNS_ROUND * motor.i_rated),
             "gain_a": 1.0,
             "gain_b": 1.0,
-            "noise_rms": GOOD_NOISE,
+            "noise_rms": good_noise(motor),
             "lsb": lsb,
             "inv_lsb": 1.0 / lsb,
             "range": motor.adc_range,

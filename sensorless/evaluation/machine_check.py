@@ -18,9 +18,10 @@ from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 
 WRONG_FILE = "mismatch"
 """The suite in which the machine is not as its file says."""
-SUITES, SEED, SIZE = ("stress", "handoff", "unload", "braking", WRONG_FILE), 1, 100
+SUITES = ("stress", "handoff", "hold", "unload", "braking", "stop", WRONG_FILE)
+SEED, SIZE = 1, 100
 """Scenarios of a quick run: all that is uncertain, the way between injection and observer, loads at
-low speed that go or drive, and a motor file that is wrong."""
+rest and at low speed that go or drive, rated speed, and a motor file that is wrong."""
 LOST = (0.05, 0.2)
 """Lost share of a quick run above which the drive is limited, or unable: with a wrong file limited
 only, since a right one is the cure. A smaller share is noted."""
@@ -30,6 +31,8 @@ MEASURE = ": measure resistance, inductances and magnet flux of this motor well"
 """What helps where a wrong file does harm."""
 MORE_INERTIA = ": more inertia on the shaft helps; does J count all that the shaft turns?"
 """What helps where the shaft is too light, or where the file says so and is wrong."""
+TOLD = 0.99
+"""Share of the losses that a drive tells in time, below which that is said."""
 INFEASIBLE = 0.05
 """Share of a quick run that the sensored twin fails too, above which the drive is limited."""
 
@@ -55,6 +58,10 @@ class QuickRun:
     slipped: float = 0.0
     """share of the feasible scenarios in which lock is kept, but the angle passed the judge's limit
     for less than its time"""
+    alarms: float = 0.0
+    """alarms of the drive itself where it holds, but near losses, over the feasible scenarios"""
+    told: float = 1.0
+    """share of the losses that the drive told in time"""
 
 
 @dataclass(frozen=True)
@@ -114,11 +121,14 @@ def _quick_run(
     far = np.array(result["scenarios"]["angle_err_max_deg"]) > LOST_ANGLE_DEG
     lost = np.array([cause not in (None, "twin") for cause in result["scenarios"]["lost_cause"]])
     tripped = np.array([cause == "current" for cause in result["scenarios"]["lost_cause"]])
+    lock = result["lock_counts"]
     return QuickRun(
         suite, size, result["lost_rate"], result["not_held_rate"], result["infeasible_rate"],
         result["torque_dev_rms"],
         float(np.sum(tripped & ~far)) / max(1.0, float(np.sum(lost))), under,
         float(np.count_nonzero(kept & far)) / feasible,
+        (lock["false_alarms"] - lock["near_losses"]) / feasible,
+        lock["detected"] / lock["watched"] if lock["watched"] else 1.0,
     )  # fmt: skip
 
 
@@ -128,11 +138,18 @@ def judged(runs: Sequence[QuickRun]) -> list[Finding]:
     loose = [run for run in runs if run.not_held > 0.0 and run.lost + run.not_held > LOOSE]
     if loose:
         text = f"the drive under {loose[0].under} keeps its angle, but swings or stays off its "
-        text += "speed in " + ", ".join(f"{run.not_held:.0%} of {run.suite}" for run in loose)
-        right = any(run.suite != WRONG_FILE for run in loose)
-        text += MORE_INERTIA if right else MEASURE
+        text += "speed in " + ", ".join(map(_not_held, loose))
+        alone = [run.suite for run in loose if run.not_held > LOOSE]
+        text += MORE_INERTIA if any(suite != WRONG_FILE for suite in alone) else ""
+        text += MEASURE if alone == [WRONG_FILE] else ""
         found.append(Finding(LIMIT, "run", text))
     return found
+
+
+def _not_held(run: QuickRun) -> str:
+    """Share in which the speed is not held, and what is lost beside it."""
+    beside = f" (and loses {run.lost:.0%})" if run.lost > 0.0 else ""
+    return f"{run.not_held:.0%} of {run.suite}{beside}"
 
 
 def _judged(run: QuickRun) -> list[Finding]:
@@ -147,6 +164,7 @@ def _judged(run: QuickRun) -> list[Finding]:
     if run.lost > 0.0:
         text = f"the drive under {run.under} loses {run.lost:.0%} of the feasible scenarios of "
         text += run.suite
+        text += f", and tells {run.told:.0%} of them in time" if run.told < TOLD else ""
         if wrong:
             text += MEASURE
         elif run.tripped > 0.5:
@@ -159,4 +177,10 @@ def _judged(run: QuickRun) -> list[Finding]:
         text += f"{LOST_ANGLE_DEG:g} degrees)"
         text += MEASURE if wrong else ""
         found.append(Finding(LIMIT if run.slipped > LOOSE else NOTE, "run", text))
+    if run.alarms > 0.0:
+        text = (
+            f"the drive under {run.under} takes itself for lost {100.0 * run.alarms:.2g} times in "
+        )
+        text += f"100 scenarios of {run.suite} that it holds: lost_lock = restart or stop would act"
+        found.append(Finding(LIMIT if run.alarms > LOOSE else NOTE, "run", text))
     return found

@@ -31,9 +31,9 @@ angle turns the EMF, which then drives a current that trips.
 `FAULT_POLE` in `drive.fault` means that saturation was too weak to be sure of the north pole."""
 KNOWN_TEXT = """\
 **The drive cannot find the rotor of this machine from an unknown angle.** In the motor file, its
-iron does not saturate along d, so north and south respond alike to a pulse, and `DRIVE_FINDS_ROTOR`
-in `params.h` is 0. Do not call `drive_find_rotor`: it would keep the pole nearer to its first angle
-and set `FAULT_POLE`. Pass `drive_init` the angle of a shaft at rest within 60 degrees, from an
+iron saturates little or not along d, so north and south respond alike to a pulse, and
+`DRIVE_FINDS_ROTOR` in `params.h` is 0. Do not call `drive_find_rotor`: it would keep the pole
+nearer to its first angle and set `FAULT_POLE`. Pass `drive_init` the angle of a shaft at rest within 60 degrees, from an
 alignment by direct current or from a sensor; `example/cortex_m4.c` takes it as `SHAFT_ANGLE`
 (`make cortex_m4 CFLAGS=-DSHAFT_ANGLE=0.0f`). Half a turn off, a drive may stand or run slowly for
 good. A shaft that spins needs its exact speed and angle:

@@ -215,11 +215,18 @@ def check_name(name: str, where: str = "") -> None:
         raise UserError(f"{where}name: {shown(name)}: leave out control characters")
 
 
+KNOWN_TABLES = ("machine", "rating", "drive", "saturation", "flux_correction", "source")
+
+
 def _from_tables(data: dict[str, Any], where: str) -> Motor:
-    tables = {key: data.pop(key, {}) for key in ("machine", "rating", "drive")}
+    tables = {key: data.pop(key, {}) for key in KNOWN_TABLES[:3]}
     sat = data.pop("saturation", None)
     correction = read_correction(data.pop("flux_correction", None), f"{where}: flux_correction")
     data.pop("source", None)
+    for key, value in data.items():
+        if isinstance(value, dict):
+            known = ", ".join(f"[{name}]" for name in KNOWN_TABLES)
+            raise UserError(f"{where}: [{key}]: unknown table; choose from {known}")
     values: dict[str, Any] = dict(data)
     for key, table in tables.items():
         if not isinstance(table, dict):

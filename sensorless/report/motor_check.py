@@ -15,7 +15,7 @@ from sensorless.evaluation.machine_check import check as run_check
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import RatedPoint
-from sensorless.observers.start_design import knows_poles
+from sensorless.observers.start_design import alike, knows_poles
 from sensorless.plain_table import PlainTable
 from sensorless.policies.registry import make_policy
 from sensorless.report.machine_curves import reach, signal
@@ -88,7 +88,7 @@ def _seen(m: Motor, seen: Seen, hint: Mapping[str, float]) -> list[Row]:
             "",
         ),
         ("start", "finds the rotor from any angle" if knows_poles(m) else
-         "from a known angle only: the iron of the file does not saturate along d", ""),
+         f"from a known angle only: {alike(m)}", ""),
         ("trip", f"{m.i_trip:g} A", f"i_trip of at least {hint['i_trip']:g} A"),
         ("converter", f"{m.adc_range:g} A, {m.adc_bits} bits",
          f"adc_range of at least {hint['adc_range']:g} A, for control"),

@@ -82,11 +82,12 @@ def test_the_verdict_of_a_real_one(tmp_path: Path) -> None:
     last = done.stdout.splitlines()[-1].removeprefix("verdict: ")
     assert last.startswith("the same as Eq. 25") and "lost 0 of 8 scenarios of nominal" in last
     assert f"**Verdict:** {last}." in (tmp_path / "out/README.md").read_text()
-    told = "yes, lost stress 0 %, handoff 0 %, unload 0 %, braking 0 %, mismatch 0 %"
-    assert last.endswith(f"motor check with it: {told}")
+    suites = ("stress", "handoff", "hold", "unload", "braking", "stop", "mismatch")
+    told = ", ".join(f"{suite} 0 %" for suite in suites)
+    assert last.endswith(f"motor check with it: yes, lost {told}")
     known = KsTable.load(tmp_path / "out/ks_table.json").provenance["judged"]
     assert known["nominal"]["lost"] == 0 and known["eq25"]["same"]
-    assert known["motor_check"]["suitable"] == "yes" and len(known["motor_check"]["runs"]) == 5
+    assert known["motor_check"]["suitable"] == "yes" and len(known["motor_check"]["runs"]) == 7
 
 
 def test_a_machine_that_the_simulation_of_its_check_refuses(
@@ -103,7 +104,7 @@ def test_a_machine_that_the_simulation_of_its_check_refuses(
         module.require_fit(judged, "eq25")
     told = module.verdict(judged)
     assert told.startswith("not fit to run a motor: its machine does not suit, because the drive")
-    assert re.search(r"check with it: no, lost stress \d\d %, handoff \d+ %, unload", told)
+    assert re.search(r"check with it: no, lost stress \d\d %, handoff \d+ %, hold", told)
 
 
 def test_what_is_worse_than_eq25_is_told_to_be_replaced_by_it() -> None:

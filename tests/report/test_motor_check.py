@@ -25,7 +25,7 @@ from sensorless.suitability.finding import LIMIT, NO, NOTE
         (0.3, 0.0, 0.0, [NO], "loses 30%"),
         (0.1, 0.0, 0.2, [LIMIT, LIMIT], "fails 20% of unload"),
         (0.0, 0.62, 0.0, [LIMIT], "stays off its speed in 62% of unload: more inertia"),
-        (0.03, 0.03, 0.0, [NOTE, LIMIT], "in 3% of unload"),
+        (0.03, 0.03, 0.0, [NOTE, LIMIT], "in 3% of unload (and loses 3%)"),
         (math.nan, math.nan, 1.0, [NO], "fails all of unload"),
     ],
 )
@@ -45,6 +45,17 @@ def test_suites_in_which_the_speed_is_not_held_are_told_once() -> None:
 
 
 @pytest.mark.parametrize("lost", [0.1, 0.9, 1.0])
+@pytest.mark.parametrize(("alarms", "weight"), [(0.02, NOTE), (0.3, LIMIT)])
+def test_alarms_of_drives_that_hold_are_told(alarms: float, weight: str) -> None:
+    (found,) = judged([QuickRun("hold", 100, 0.0, 0.0, 0.0, 0.01, alarms=alarms)])
+    assert found.weight == weight and f"lost {100 * alarms:.0f} times in 100" in found.text
+
+
+def test_losses_that_the_drive_does_not_tell_are_told() -> None:
+    (found,) = judged([QuickRun("hold", 100, 0.1, 0.0, 0.0, 0.01, told=0.25)])
+    assert "of hold, and tells 25% of them in time" in found.text
+
+
 def test_losses_with_a_wrong_file_ask_for_a_right_one(lost: float) -> None:
     (found,) = judged([QuickRun("mismatch", 100, lost, 0.0, 0.0, 0.01)])
     assert found.weight == LIMIT and "of mismatch: measure resistance" in found.text
@@ -69,7 +80,7 @@ def test_a_machine_that_depends_on_its_file_is_told() -> None:
 def test_loads_at_low_speed_and_a_wrong_file_are_run_too() -> None:
     done = check(Motor.load("paper"), DriveDesign(), 4)
     suites = [run.suite for run in done.runs]
-    assert suites == ["stress", "handoff", "unload", "braking", "mismatch"]
+    assert suites == ["stress", "handoff", "hold", "unload", "braking", "stop", "mismatch"]
     found = {what: text for what, text, _ in rows(done)}
     for run, said in zip(done.runs, facts(done)["runs"], strict=True):
         assert said["not_held"] == run.not_held == said["slipped"] == run.slipped == 0.0

@@ -36,6 +36,11 @@ def test_next_step_mode_is_refused() -> None:
         make(mode="NextStep")
 
 
+def test_one_drive_of_gymnasium_is_refused_in_words() -> None:
+    with pytest.raises(UserError, match=r"env: .*; give BlendVectorEnv, as gymnasium.make_vec"):
+        SB3VecEnv(BlendEnv())  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("privileged", [False, True])
 def test_terminal_observation_is_the_last_of_the_old_episode(privileged: bool) -> None:
     env = make(privileged)
