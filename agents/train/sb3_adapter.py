@@ -42,8 +42,8 @@ class SB3VecEnv(VecEnv):
     def __init__(self, env: BlendVectorEnv | SeveralMachines, *, privileged: bool = False) -> None:
         if not isinstance(env, BlendVectorEnv | SeveralMachines):
             raise UserError(
-                f"env: {shown(env)}; give BlendVectorEnv, as gymnasium.make_vec gives it; one drive "
-                "of gymnasium.make goes into stable-baselines3 as it is"
+                f"env: {shown(env)}; give BlendVectorEnv, as gymnasium.make_vec gives it; one "
+                "drive of gymnasium.make goes into stable-baselines3 as it is"
             )
         if env.metadata["autoreset_mode"] is not AutoresetMode.SAME_STEP:
             raise UserError(f"autoreset_mode: {env.metadata['autoreset_mode'].value!r}; "

@@ -1,12 +1,13 @@
 """The check of a machine as a table or as a page."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.console import Group
 from rich.text import Text
 
 from sensorless.design.drive import DriveDesign
@@ -40,7 +41,7 @@ def rows(c: Check) -> list[Row]:
     if math.isfinite(c.dip):
         dips = f"a rated load at once dips the speed by some {c.dip:.0%} of rated"
         out.append(("load step", dips, ""))
-    return [*out, *map(_quick, c.runs)]
+    return out
 
 
 def _reached(m: Motor, p: RatedPoint) -> list[Row]:
@@ -98,15 +99,27 @@ def _seen(m: Motor, seen: Seen, hint: Mapping[str, float]) -> list[Row]:
     ]  # fmt: skip
 
 
-def _quick(run: QuickRun) -> Row:
-    """Row on a quick run."""
-    found = f"not feasible {run.infeasible:.0%} (fails with an encoder too)"
-    if run.infeasible < 1.0:
-        if math.isfinite(run.torque_dev):  # it is of what kept lock
-            found = f"torque deviation {100 * run.torque_dev:.2f} %, {found}"
-        found = f"speed not held {run.not_held:.0%}, {found}"
-        found = f"lost {run.lost:.0%}, slipped and back {run.slipped:.0%}, {found}"
-    return f"quick run, {run.size} of suite {run.suite}", found, ""
+RUNS = ("scenarios of", "lost", "slipped", "not held", "alarms", "deviation", "infeasible")
+"""Columns of the quick runs."""
+RUNS_SAY = (
+    "lost, slipped and back, or speed not held: of the feasible scenarios, those that an encoder "
+    "does not fail; alarms: of the drive itself where it holds, as many times over them; "
+    "deviation: of the torque"
+)
+
+
+def run_rows(c: Check) -> list[tuple[str, ...]]:
+    """Cells of ``RUNS`` of each quick run."""
+    return [_quick(run) for run in c.runs]
+
+
+def _quick(run: QuickRun) -> tuple[str, ...]:
+    name, infeasible = f"{run.size} {run.suite}", f"{run.infeasible:.0%}"
+    if run.infeasible == 1.0:
+        return (name, *("–" for _ in RUNS[2:]), infeasible)
+    shares = (f"{x:.0%}" for x in (run.lost, run.slipped, run.not_held, run.alarms))
+    off = f"{100.0 * run.torque_dev:.2f} %" if math.isfinite(run.torque_dev) else "–"
+    return (name, *shares, off, infeasible)
 
 
 def facts(c: Check) -> dict[str, Any]:
@@ -121,8 +134,8 @@ def facts(c: Check) -> dict[str, Any]:
     }
 
 
-def screen(c: Check) -> PlainTable:
-    """The result as a table for the terminal."""
+def screen(c: Check) -> Group:
+    """The result as tables for the terminal."""
     m = c.examination.motor
     table = PlainTable(
         title=f"{m.name}: {m.description}", title_justify="left", box=None, padding=(0, 1)
@@ -131,9 +144,23 @@ def screen(c: Check) -> PlainTable:
         table.add_column(heading, no_wrap=heading == "quantity")
     for what, found, hint in rows(c):
         table.add_row(what, found + (f"; suggested: {hint}" if hint else ""))
+    notes = PlainTable(box=None, padding=(0, 1), show_header=False)
     for finding in c.examination.findings:
-        table.add_row(Text(f"{finding.weight}: {finding.field}", "bold"), finding.text)
-    return table
+        notes.add_row(Text(f"{finding.weight}: {finding.field}", "bold"), finding.text)
+    return Group(table, *_runs(c), notes)
+
+
+def _runs(c: Check) -> Iterator[PlainTable | Text]:
+    """Table of the quick runs, if there were any, and what its columns are."""
+    if not c.runs:
+        return
+    runs = PlainTable(box=None, padding=(0, 1))
+    for heading in RUNS:
+        runs.add_column(heading, no_wrap=True, justify="left" if heading == RUNS[0] else "right")
+    for cells in run_rows(c):
+        runs.add_row(*cells)
+    yield runs
+    yield Text(f" {RUNS_SAY}", "dim")
 
 
 def write_page(c: Check, path: Path, command: str) -> None:
@@ -146,6 +173,7 @@ def write_page(c: Check, path: Path, command: str) -> None:
         "motor.html.j2",
         {"maps": {}, "cases": {}, "curves": panels},
         motor=e.motor, verdict=e.verdict, word=e.verdict.word, rows=rows(c),
+        columns=RUNS, runs=run_rows(c), runs_say=RUNS_SAY,
         findings=e.findings, reach=range(first), seen=range(first, len(panels)),
         labels=[panel["label"] for panel in panels], command=command, uplot=UPLOT,
     )  # fmt: skip

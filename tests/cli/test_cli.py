@@ -56,7 +56,7 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["identify", "bring-up", "--seed", BEYOND], "seed"),
         (["simulate", "--start", "--theta-err", "200"], "theta_err"),
         (["simulate", "--spin", "4000"], "spin"),
-        (["simulate", "--start", "--motor", "ipmsm_2200w"], "does not saturate"),
+        (["simulate", "--start", "--motor", "ipmsm_2200w"], "look alike"),
         (["simulate", "--scenario", "envelope:1:3"], "SIZE"),
         (["evaluate", "--policy", "linear:1,2", "--plot", "x.png"], "envelope"),
         (["evaluate", "--policy", "ramp-tune"], "ramp-tune"),

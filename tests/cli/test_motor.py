@@ -21,7 +21,7 @@ def test_the_page_has_all_that_the_screen_has(tmp_path: Path) -> None:
     done = run("motor", "check", "paper", "--size", "16", "--out", "page.html", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
-    for text in ("suitable: yes", "4.54 at rest", "u_inj = 53 V", "quick run, 16 of suite stress"):
+    for text in ("suitable: yes", "4.54 at rest", "u_inj = 53 V", "16 stress", "16 mismatch"):
         assert text in " ".join(done.stdout.split())
         assert text in page
     assert page.count("data-curves=") == 4

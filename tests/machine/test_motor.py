@@ -129,13 +129,17 @@ def test_out_of_range(field: str, value: str, tmp_path: Path) -> None:
     [
         (PAPER.replace("[machine]", "[machine]\nL_s = 0.1"), "L_s"),
         (PAPER.replace("[saturation]", "[saturation]\nX = 1"), "X"),
-        (PAPER.replace("[drive]", "[drives]"), "drives"),
         ("colour = 3\n" + PAPER, "colour"),
     ],
 )
 def test_unknown_field(text: str, name: str, tmp_path: Path) -> None:
     """A field nobody reads is a mistake, not a comment."""
     assert f" {name}: unknown: use only " in refusal(write(tmp_path, text))
+
+
+def test_unknown_table(tmp_path: Path) -> None:
+    said = refusal(write(tmp_path, PAPER.replace("[drive]", "[drives]")))
+    assert "[drives]: unknown table; choose from [machine], [rating], [drive]" in said
 
 
 @pytest.mark.parametrize(
