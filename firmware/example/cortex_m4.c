@@ -200,8 +200,9 @@ static void timer(void) {
     TIM1_CCR(3) = TIM1_ARR - 1u;
     TIM1_CR2 = 7u << 4;  /* OC4REF as trigger output */
     TIM1_CCER = 0x1555u; /* outputs and complements on */
-    /* the break input opens the bridge in hardware */
-    TIM1_BDTR = 1u << 12 | DEAD_TIME_CODE(DEAD_TIME_STEPS);
+    /* the break input opens the bridge in hardware; an open one has its gates driven low, not
+     * floating (OSSI, OSSR) */
+    TIM1_BDTR = 1u << 12 | 3u << 10 | DEAD_TIME_CODE(DEAD_TIME_STEPS);
     TIM1_RCR = 1u;
     TIM1_EGR = 1u;
 }

@@ -80,7 +80,7 @@ def test_dead_time_range_and_bridge(copied: Path, motor: Motor) -> None:
     for steps, code in codes.items():  # the least that is long enough
         assert code < 256 and inserted(code) == min(x for x in possible if x >= steps), steps
     register = int(re.search(r"register (\d+)", said)[1])  # type: ignore[index]
-    assert register >> 8 == 1 << 4  # break input alone, LOCK and MOE clear
+    assert register >> 8 == 1 << 4 | 3 << 2  # break input, idle levels; LOCK and MOE clear
     assert motor.dead_time <= inserted(register & 255) / 168e6 <= 1.05 * motor.dead_time
     assert float(re.search(r"range (\S+)", said)[1]) == motor.adc_range  # type: ignore[index]
     guarded = 1.5 * motor.u_dc  # the highest link that the core takes for real
