@@ -227,14 +227,14 @@ def check_folder(folder: str | Path) -> None:
                 path.rmdir()
 
 
-def check_writable(path: str | Path | None, name: str = "out") -> None:
+def check_writable(path: str | Path | None, name: str = "out", ending: str | None = None) -> None:
     """Check before a long run that a file can be written; None means no file.
 
     Raises
     ------
     UserError
-        The folder does not exist or cannot be written to, or the path is a folder; the message
-        names the option ``name``.
+        The folder does not exist or cannot be written to, the path is a folder, or its name does
+        not end in ``ending``, that of what will be written; the message names the option ``name``.
     """
     if path is None:
         return
@@ -250,6 +250,8 @@ def check_writable(path: str | Path | None, name: str = "out") -> None:
             raise UserError(f"{name}: {str(path)!r} is a folder; give the name of a file")
         if is_device(path):
             return
+        if ending is not None and path.suffix.lower() != ending:
+            raise UserError(f"{name}: {str(path)!r}: give a name that ends in {ending}")
         _refuse_protected(path)
         probe = part_of(_end(path))
         probe.touch()

@@ -24,6 +24,7 @@ from rich.table import Table
 
 from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.core.api import Array, lib
+from sensorless.core.gains import Values
 from sensorless.decision import decision_time
 from sensorless.design.drive import ESTIMATORS, DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
@@ -35,7 +36,7 @@ from sensorless.files import check_writable, write_record
 from sensorless.machine.magnetics import torque
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
-from sensorless.policy import Policy, Signals, decide, design_for
+from sensorless.policy import GainPolicy, Policy, Signals, decide, design_for, gains_of
 from sensorless.versions import versions
 
 ACTIONS = ("report", "restart", "truth")
@@ -112,6 +113,7 @@ class Acting:
     def __init__(self, inner: Policy, action: str, truth: bool, motor: Motor) -> None:
         self.inner, self.name, self.truth, self.motor = inner, inner.name, truth, motor
         self.settings: Mapping[str, Any] = {**inner.settings, "lost_lock": action}
+        self.ranges = gains_of(inner)
         self._seeks: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
         self.ideal, self.slow = Ideal(motor, 0), Slow(motor, 0)
 
@@ -124,6 +126,11 @@ class Acting:
     def act(self, obs: Signals) -> NDArray[np.float32]:
         """The policy's own."""
         return self.inner.act(obs)
+
+    def act_gains(self, obs: Signals) -> Values:
+        """The policy's own, if it sets gains."""
+        assert isinstance(self.inner, GainPolicy)
+        return self.inner.act_gains(obs)
 
     def act_knowing(self, obs: Signals, sims: Array) -> NDArray[np.float32]:
         """The policy's own; set drives that have just taken control on the truth."""

@@ -103,7 +103,7 @@ class TrainConfig:
         "counts less",
     )
     lr_nodes: float = number(
-        1e-2, "1", 1e-6, 1, "let Adam, the optimiser, move the table's nodes by steps of this size"
+        1e-2, "1", 1e-6, 1, "let Adam, the optimiser, move a table's nodes by steps of this size"
     )
     lr_critic: float = number(
         1e-3,
@@ -126,7 +126,7 @@ class TrainConfig:
         "explore k_s with this standard deviation; what is drawn lasts for a rollout",
     )
     smoothness: float = number(
-        2.0, "nodes", 0, 10, "let nodes explore and move together over this distance"
+        2.0, "nodes", 0, 10, "let nodes explore and move together over this distance; tables only"
     )
     margin: float = number(
         MARGIN,
@@ -134,7 +134,8 @@ class TrainConfig:
         0,
         1,
         "let nodes of k_s lie this far outside 0 to 1, and start there if they are 0 or 1; where "
-        "it exceeds --noise by much, exploration does not reach beyond the band of the start",
+        "it exceeds --noise by much, exploration does not reach beyond the band of the start; "
+        "tables only",
     )
     monotone: bool = switch(False, "keep k_s from rising with speed; tables only")
     ripple_cost: float = number(
@@ -219,9 +220,9 @@ class TrainConfig:
         if not self.minutes and not self.steps:
             raise UserError("minutes, steps: 0 and 0: give one of them above 0")
         if self.monotone and self.policy_kind != "table":
-            raise UserError("monotone: True: only a table can be: use policy_kind table")
+            raise UserError("monotone: True: only a table can be: use --policy-kind table")
         if self.gains and self.policy_kind != "table":
-            raise UserError("gains: only a table sets them: use policy_kind table")
+            raise UserError("gains: only a table sets them: use --policy-kind table")
         self._named_gains()
         if round(sum(self.others.values()), 9) > 1.0:
             raise UserError(
@@ -229,7 +230,7 @@ class TrainConfig:
                 f"{self.mismatch:g}: their sum must be at most 1"
             )
         if self.n_envs % 2:
-            raise UserError(f"n_envs: {self.n_envs}: must be even")
+            raise UserError(f"n_envs: {self.n_envs}: must be even, such as {self.n_envs + 1}")
         if 2 * self.machines > self.n_envs:
             raise UserError(
                 f"machines: {self.machines}: must be at most half of n_envs = {self.n_envs}"

@@ -70,7 +70,7 @@ def _why_start(folder: Path, config: TrainConfig, start: KsTable) -> str:
     if steps <= least:
         return (
             f"the run never moved: it had {steps} decisions, and the table first moves after "
-            f"{least}, with update {first} (warm_up = {config.warm_up}); {on}"
+            f"{least}, with update {first} (--warm-up {config.warm_up}); {on}"
         )
     weights, k_s = _travel(folder, config, start)
     if weights <= STEP:

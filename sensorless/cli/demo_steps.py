@@ -61,8 +61,9 @@ def _refuse_other(folder: Path) -> None:
     if folder.exists() and (
         not folder.is_dir() or (any(folder.iterdir()) and not (folder / MARK).is_file())
     ):
+        what = "holds other files" if folder.is_dir() else "is a file"
         raise UserError(
-            f"out: {str(folder)!r} holds other files; give a new folder, or that of an earlier demo"
+            f"out: {str(folder)!r} {what}; give a new folder, or that of an earlier demo"
         )
 
 

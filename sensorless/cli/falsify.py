@@ -64,7 +64,7 @@ def falsify_command(
     from sensorless.files import check_writable, write_atomic
     from sensorless.versions import versions
 
-    check_writable(out)
+    check_writable(out, ending=".json")
     if out.is_file():
         require_finds(out)
     if suite not in (*SEARCHED, MACHINES):

@@ -81,7 +81,7 @@ def cross_coupling(
     from sensorless.machine.motor import Motor
     from sensorless.plots.figure import check_picture
 
-    check_writable(out)
+    check_writable(out, ending=".json")
     check_picture(plot)
     machine, design = Motor.load(motor), design_from(settings)
     say_if_unsuited(machine, design)

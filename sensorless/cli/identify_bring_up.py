@@ -78,6 +78,10 @@ def bring_up_command(
     limits = plan_bring_up(machine).limits
     if mistake is not None and mistake != "right" and mistake not in MISTAKES:
         raise UserError(f"mistake: {mistake!r}; choose right, {', '.join(MISTAKES)}")
+    if log is not None and (mistake is not None or save_log is not None):
+        raise UserError(
+            "log: a log of a real drive is judged alone; leave out --mistake, --save-log"
+        )
     if save_log is not None and mistake is None:
         raise UserError("save-log: a count has no log; add --mistake NAME")
     if log is not None or mistake is not None:

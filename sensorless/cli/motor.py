@@ -17,10 +17,8 @@ app = typer.Typer(cls=Group, no_args_is_help=True, rich_markup_mode="markdown")
 def motor() -> None:
     """Write a motor file from a data sheet or a flux map, and check whether the motor suits.
 
-    For example:
-
-        sensorless motor new --name mine --out mine.toml
-        sensorless motor check mine.toml --out mine.html
+    For example `sensorless motor new --name mine --out mine.toml`, and then
+    `sensorless motor check mine.toml --out mine.html`.
     """
 
 

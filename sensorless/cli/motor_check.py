@@ -52,7 +52,7 @@ def check_command(
     from sensorless.files import check_writable
     from sensorless.machine.motor import Motor
 
-    check_writable(out)
+    check_writable(out, ending=".html")
     show_check(
         Motor.load(file),
         design_from(settings),

@@ -25,7 +25,7 @@ errors = AnyConsole(stderr=True)
 
 MINUTE = 60.0
 """Time from one line of progress to the next where the output is no terminal [s]."""
-EXAMPLE = "--set smo_pll_hz=30"
+EXAMPLE = "--set speed_hz=4"
 POLICIES = (
     "a rule by name, with its numbers if it takes any (eq25, linear:150,450, fuzzy, ...: "
     "`sensorless evaluate --list` names them all), a file that `sensorless tune` wrote, the "

@@ -49,7 +49,7 @@ def pil_command(
     from sensorless.pil.report import table, write_report
     from sensorless.policy import design_for
 
-    check_writable(out)
+    check_writable(out, ending=".json")
     made = bench_of([run], motor, settings, override)
     policy = made.policy(run)
     schedule, design = table_of(policy, run), design_for(policy, made.design)

@@ -176,6 +176,10 @@ def simulate_command(
     made = bench_of([policy], motor, settings, override)
     if scenario is not None:
         own, scenario = own_machine(scenario)
+        if own is not None and motor is not None:
+            raise UserError(
+                f"motor: {motor!r}: {scenario!r} has a machine of its own; leave it out"
+            )
         made = made if own is None else made.on(own)
     machine, rule = made.motor, made.policy(policy)
     if scenario is not None:
@@ -224,8 +228,8 @@ def check_outputs(
     unknown = [pane for pane in show if pane not in FOLDED]
     if unknown:
         raise UserError(f"show: {unknown[0]!r} is none of {', '.join(FOLDED)}; give one of these")
-    check_writable(out)
-    check_writable(save_log, "log")
+    check_writable(out, ending=".csv")
+    check_writable(save_log, "log", ".csv")
 
 
 def say_run(run: "Trace", name: str, short: str | None, as_json: bool) -> None:

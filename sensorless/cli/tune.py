@@ -80,7 +80,7 @@ def tune_command(
     from sensorless.tuning.judge import judged
     from sensorless.tuning.tune import tune
 
-    check_writable(out)
+    check_writable(out, ending=".json")
     machine, design = Motor.load(motor), design_from(settings)
     if not machines:
         say_if_unsuited(machine, design)

@@ -97,7 +97,7 @@ def tune_gains_command(
     from sensorless.tuning.gains.search import search
     from sensorless.tuning.gains.verdict import judged
 
-    check_writable(out)
+    check_writable(out, ending=".json")
     machine, asked = Motor.load(motor), asked_for(settings)
     if estimator is not None:
         asked = asked_for([f"estimator={estimator}"]) | asked

@@ -123,7 +123,7 @@ def _counted(
     progress: Callable[[Tally, float], None] | None,
 ) -> dict[str, Any]:
     """Count what ``jobs`` from a number of scenarios on yields; ``certify`` has the rest."""
-    check_writable(out)
+    check_writable(out, ending=".json")
     tally = counted(out, run) if out is not None and out.exists() else Tally()
     if tally.scenarios > size:
         raise UserError(

@@ -143,7 +143,7 @@ class Comparison:
         if self.hops <= OFTEN:
             return ""
         share = f"{self.hops:.0%} of those with rest"
-        return f"; k_s hops, it moves at constant speed and load, in {share}"
+        return f"; do not flash it: k_s hops, it moves at constant speed and load, in {share}"
 
     def facts(self) -> dict[str, Any]:
         """All of it in JSON types."""

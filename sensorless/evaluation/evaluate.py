@@ -101,7 +101,7 @@ def evaluate(
     UserError
         Something requested does not exist or is out of its range.
     """
-    check_writable(out)
+    check_writable(out, ending=".json")
     if not policies:
         raise UserError("policy: none given; give one or more")
     scenarios = SuiteRows(suite, motor, seed, size)

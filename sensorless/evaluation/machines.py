@@ -55,7 +55,7 @@ def evaluate_machines(
     UserError
         No machine or too many, or as in ``evaluate``.
     """
-    check_writable(out)
+    check_writable(out, ending=".json")
     machines = judged(seed, size)
     rows = [rows_on(motor, i, seed, size) for i, motor in enumerate(machines.motors)]
     factories = [SimFactory(motor, design) for motor in machines.motors]

@@ -166,6 +166,11 @@ def file_of(spec: str) -> Path:
         return Path(spec)
     if spec.endswith(".toml"):
         raise UserError(f"policy: {spec!r} is a motor file; give it to --motor")
+    if Path(spec).is_file():
+        raise UserError(
+            f"policy: {spec!r} is no .json file that tune wrote; give one, or the folder of a "
+            "training run"
+        )
     if Path(spec).name != spec:
         raise UserError(
             f"policy: there is no folder {spec!r}; give that of a training run, or a .json file"

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import NormalDist
 
+from sensorless.evaluation.compare import OFTEN
 from sensorless.evaluation.objective import LOST_WEIGHT, weighted
 from sensorless.evaluation.results import RATES, Results
 from sensorless.evaluation.results_tables import number
@@ -188,6 +189,10 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
         if feasible(r, r.policies[name]) < FEWEST:
             few = f"{feasible(r, r.policies[name])} feasible scenarios of {r.suite}"
             return Verdict("no", "Too few to judge by.", f"{few}; give a larger --size.")
+        if r.policies[name].get("hops", 0.0) > OFTEN:
+            hops = f"{r.policies[name]['hops']:.0%} of those of {r.suite} with rest"
+            why = f"k_s hops, it moves at constant speed and load, in {hops}."
+            return Verdict("no", "Do not flash it.", why)
     plain = contrasts[0].other
     words: dict[str, set[str]] = {}
     for k in contrasts:

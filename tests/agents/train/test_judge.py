@@ -22,7 +22,7 @@ def test_a_run_ends_with_its_verdict(tmp_path: Path) -> None:
     folder, last = tmp_path / "runs/still", done.stdout.splitlines()[-1]
     text = (
         "the same as its start, eq25: the run never moved: it had 64 decisions, and the table "
-        "first moves after 640, with update 10 (warm_up = 9); go on with: sensorless train "
+        "first moves after 640, with update 10 (--warm-up 9); go on with: sensorless train "
         "--resume runs/still"
     )
     assert last == f"verdict: {text}"
