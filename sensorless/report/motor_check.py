@@ -102,9 +102,9 @@ def _seen(m: Motor, seen: Seen, hint: Mapping[str, float]) -> list[Row]:
 RUNS = ("scenarios of", "lost", "slipped", "not held", "alarms", "deviation", "infeasible")
 """Columns of the quick runs."""
 RUNS_SAY = (
-    "lost, slipped and back, or speed not held: of the feasible scenarios, those that an encoder "
-    "does not fail; alarms: of the drive itself where it holds, as many times over them; "
-    "deviation: of the torque"
+    "shares of the feasible scenarios, those that a drive with an encoder can do: lost, slipped "
+    "and back, speed not held, alarms of the drive itself where it holds; deviation of the torque from "
+    "that drive's"
 )
 
 
