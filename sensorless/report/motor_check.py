@@ -103,8 +103,8 @@ RUNS = ("scenarios of", "lost", "slipped", "not held", "alarms", "deviation", "i
 """Columns of the quick runs."""
 RUNS_SAY = (
     "shares of the feasible scenarios, those that a drive with an encoder can do: lost, slipped "
-    "and back, speed not held, alarms of the drive itself where it holds; deviation of the torque from "
-    "that drive's"
+    "and back, speed not held, alarms of the drive itself where it holds; deviation of the torque "
+    "from that drive's"
 )
 
 
