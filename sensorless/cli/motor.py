@@ -17,8 +17,12 @@ app = typer.Typer(cls=Group, no_args_is_help=True, rich_markup_mode="markdown")
 def motor() -> None:
     """Write a motor file from a data sheet or a flux map, and check whether the motor suits.
 
-    For example `sensorless motor new --name mine --out mine.toml`, and then
-    `sensorless motor check mine.toml --out mine.html`.
+    docs/bring-a-motor.md shows how such a file is laid out.
+
+    For example:
+
+        sensorless motor new --name mine --out mine.toml
+        sensorless motor check mine.toml --out mine.html
     """
 
 

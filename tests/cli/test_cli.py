@@ -78,8 +78,15 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["distill", "runs/x", "--name", "a\nb"], r"name: 'a\nb': has control characters"),
         (["distill", "runs/x", "--name", "../x"], "below runs/"),
         (["train", "--name", "\u202ea"], r"name: '\u202ea': has control characters"),
-        (["simulate", "--out", "n" * 250], "too long; give a name of at most 231 bytes"),
+        (["simulate", "--out", "n" * 250 + ".csv"], "too long; give a name of at most 231 bytes"),
         (["replay", "n" * 300], "too long"),
+        (["evaluate", "--policy", "eq25", "--out", "r.csv"], "a name that ends in .json"),
+        (["tune", "linear", "--out", "lin.txt"], "a name that ends in .json"),
+        (["simulate", "--out", "run.json"], "a name that ends in .csv"),
+        (["motor", "check", "paper", "--out", "page.pdf"], "a name that ends in .html"),
+        (["simulate", "--scenario", "machines:1:2", "--motor", "paper"], "a machine of its own"),
+        (["identify", "bring-up", "--log", "x.csv", "--mistake", "delay-2"], "is judged alone"),
+        (["evaluate", "--policy", __file__], "is no .json file that tune wrote"),
         (["replay", "sample", "--angle", "inf"], "angle"),
         (["replay", "sample", "--speed", "1e9"], "speed"),
         (["train", "--name", "x", "--gamma", "2"], "gamma"),
@@ -134,10 +141,10 @@ def test_a_run_to_resume_is_looked_for_below_runs(tmp_path: Path) -> None:
 def test_evaluation_is_the_same_file_to_the_bit(tmp_path: Path) -> None:
     """Also from another process."""
     words = ["evaluate", "--policy", "eq25", "--policy", "hysteresis", "--suite", "stress-1"]
-    for name, seed, start in (("a", "7", run), ("b", "7", process), ("c", "8", run)):
+    for name, seed, start in (("a.json", "7", run), ("b.json", "7", process), ("c.json", "8", run)):
         done = start(*words, "--seed", seed, "--size", "6", "--out", name, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-    a, b, c = ((tmp_path / name).read_bytes() for name in "abc")
+    a, b, c = ((tmp_path / f"{name}.json").read_bytes() for name in "abc")
     assert a == b != c
     results = json.loads(a)
     assert (results["suite"], results["seed"], results["size"]) == ("stress-1", 7, 6)

@@ -131,7 +131,7 @@ def test_a_wrong_unit_is_refused_and_a_poor_machine_named_wherever_a_drive_runs(
     text = (MOTORS / "ipmsm_2200w.toml").read_text(encoding="utf-8")
     (tmp_path / "wrong.toml").write_text(text.replace("psi_f = 0.545 ", "psi_f = 8.0 "))
     words = ["--motor", "wrong.toml"]
-    for command in ("simulate", "export eq25 --out out", "demo --out out", "pil eq25 --out out"):
+    for command in ("simulate", "export eq25 --out out", "demo --out out", "pil eq25 --out p.json"):
         done = run(*command.split(), *words, cwd=tmp_path)
         assert done.returncode == 2 and not (tmp_path / "out").exists()
         assert "motor 'ipmsm_2200w': psi_f = 8: no-load EMF at rated speed" in done.stderr

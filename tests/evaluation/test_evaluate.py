@@ -116,9 +116,9 @@ def test_pairs_compare_with_the_first_policy(data: dict[str, Any]) -> None:
 
 
 def test_same_seed_same_bytes(tmp_path: Path) -> None:
-    for name in "ab":
+    for name in ("a.json", "b.json"):
         run("hysteresis", "eq25", out=tmp_path / name)
-    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+    assert (tmp_path / "a.json").read_bytes() == (tmp_path / "b.json").read_bytes()
 
 
 def test_a_policy_is_judged_the_same_in_any_company(data: dict[str, Any]) -> None:

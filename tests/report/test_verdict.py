@@ -85,6 +85,14 @@ def test_one_of_many_comparisons_may_look_better_by_chance() -> None:
     assert wide_enough(1) == pytest.approx(1.0) and 1.3 < wide_enough(7) < 1.5
 
 
+def test_a_weight_that_hops_is_not_to_be_flashed() -> None:
+    for hops, word in ((0.04, "yes"), (0.17, "no")):
+        r = results({"eq25": pair(torque_dev_rms=-5.0)})
+        r.policies["mine"]["hops"] = hops
+        said = verdict([r], [contrast(r, "eq25")], True)
+        assert said.word == word and ("k_s hops" in said.because) == (word == "no")
+
+
 def test_a_bound_is_not_to_be_flashed() -> None:
     r = results({"eq25": pair(torque_dev_rms=-50.0)}, bound=True)
     assert "cannot" in verdict([r], [contrast(r, "eq25")], True).head

@@ -56,11 +56,13 @@ def test_the_command_starts_a_cluster_of_its_own(
     bare: dict[str, Any] = {"include_log_monitor": False, "no_monitor": True}
     monkeypatch.setattr(parameter, "RayParams", partial(parameter.RayParams, **bare))
     for engine in ("local", "ray"):
-        words = f"evaluate --policy eq25 --suite paper --size 6 --engine {engine} --out {engine}"
+        words = (
+            f"evaluate --policy eq25 --suite paper --size 6 --engine {engine} --out {engine}.json"
+        )
         done = run(*words.split(), cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-        assert done.stderr == f"evaluated eq25\nwrote {engine}\n"
-    assert (tmp_path / "local").read_bytes() == (tmp_path / "ray").read_bytes()
+        assert done.stderr == f"evaluated eq25\nwrote {engine}.json\n"
+    assert (tmp_path / "local.json").read_bytes() == (tmp_path / "ray.json").read_bytes()
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +122,7 @@ def test_a_lost_node_costs_its_chunk_and_nothing_else(
     """The file is the same to the byte, too."""
     monkeypatch.setattr("sensorless.evaluation.evaluate.score", partial(score, chunk=12))
     words = (MOTOR, DESIGN, "envelope", 7, 12**2, make_policies(["eq25"], MOTOR))
-    evaluate(*words, out=tmp_path / "local")
+    evaluate(*words, out=tmp_path / "local.json")
     (tmp_path / "chunks").mkdir()
     watched = Watched(engine, tmp_path / "chunks")
     with ray_engine.own_signals():
@@ -137,9 +139,9 @@ def test_a_lost_node_costs_its_chunk_and_nothing_else(
             time.sleep(0.005)
         cluster.remove_node(second, allow_graceful=False)
 
-    evaluate(*words, out=tmp_path / "ray", engine=watched, progress=kill)
+    evaluate(*words, out=tmp_path / "ray.json", engine=watched, progress=kill)
     assert len(seen) == 12 and seen == sorted(seen) and seen[-1] == 1.0
-    assert (tmp_path / "local").read_bytes() == (tmp_path / "ray").read_bytes()
+    assert (tmp_path / "local.json").read_bytes() == (tmp_path / "ray.json").read_bytes()
     again = [str(i) for i in range(12) if len(watched.started(str(i), "*")) > 1]
     assert 1 <= len(again) <= 2, again  # the one under way, and one whose result was on its way
     assert all(watched.started(i, second.node_id) for i in again)
