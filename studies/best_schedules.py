@@ -4,10 +4,10 @@
 
 Each rule is tuned on the machine as ``sensorless tune`` does, on the default drive, and judged as
 ``sensorless export`` judges, on scenarios that tuning has not seen. Of those that are better than
-Eq. 25 there, the one with the least objective on the tuner's own scenarios counts as best,
-otherwise Eq. 25 does. So it is the best of these few, not of all schedules, and PPO is not among
-them. Writes what ``sensorless motors`` shows. Machines whose numbers and drive have not changed are
-not tuned again.
+Eq. 25 there and do not move the weight at constant speed and load, the one with the least objective
+on the tuner's own scenarios counts as best, otherwise Eq. 25 does. So it is the best of these few,
+not of all schedules, and PPO is not among them. Writes what ``sensorless motors`` shows. Machines
+whose numbers and drive have not changed are not tuned again.
 """
 
 import argparse
@@ -18,6 +18,7 @@ from typing import Any
 from sensorless.cli.study_numbers import a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import in_one_line
+from sensorless.evaluation.compare import OFTEN
 from sensorless.export.judge import judge_export
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.motor import MOTORS, Motor
@@ -38,7 +39,11 @@ def study(motor: Motor, rules: list[str], budget: float, seed: int) -> dict[str,
         print(f"  {known['policy']}: objective {known['best']['objective']:.4f}", flush=True)
     order = sorted(tuned, key=lambda spec: float(tuned[spec]["objective"]))
     tried = [(word, judge_export(make_policy(word, motor), motor, design)) for word in order]
-    better = [(word, judged) for word, judged in tried if judged.eq25.word == "better"]
+    better = [
+        (word, judged)
+        for word, judged in tried
+        if judged.eq25.word == "better" and judged.eq25.hops <= OFTEN
+    ]
     if better:
         word, judged = better[0]
         verdict = judged.sentence

@@ -36,7 +36,10 @@ def module(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return made
 
 
-@pytest.mark.parametrize(("found", "policy"), [(BETTER, "logistic"), (LEVEL, "eq25")])
+@pytest.mark.parametrize(
+    ("found", "policy"),
+    [(BETTER, "logistic"), (LEVEL, "eq25"), (replace(BETTER, hops=0.17), "eq25")],
+)
 def test_the_best_is_recorded_once(
     found: Comparison,
     policy: str,
