@@ -189,8 +189,9 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
         if feasible(r, r.policies[name]) < FEWEST:
             few = f"{feasible(r, r.policies[name])} feasible scenarios of {r.suite}"
             return Verdict("no", "Too few to judge by.", f"{few}; give a larger --size.")
-        if r.policies[name].get("hops", 0.0) > OFTEN:
-            hops = f"{r.policies[name]['hops']:.0%} of those of {r.suite} with rest"
+        own, theirs = (r.policies[x].get("hops", 0.0) for x in (name, contrasts[0].other))
+        if own > max(OFTEN, theirs):
+            hops = f"{own:.0%} of those of {r.suite} with rest"
             why = f"k_s hops, it moves at constant speed and load, in {hops}."
             return Verdict("no", "Do not flash it.", why)
     plain = contrasts[0].other
