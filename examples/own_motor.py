@@ -1,4 +1,4 @@
-"""A motor from its data sheet: the file, whether it suits, its first run, Eq. 25 on 100 scenarios.
+"""A motor from its datasheet: the file, whether it suits, its first run, Eq. 25 on 100 scenarios.
 
 The numbers are those of a wheel hub motor of an electric bicycle, 27 N m at 400 r/min, 48 V.
 
@@ -47,7 +47,7 @@ def main(words: list[str] | None = None) -> None:
         raise UserError(f"out: {str(given.out)!r} exists; write to another file")
     design = DriveDesign()
     tables = new_motor("hub", SHEET, u_dc=48.0, pwm_hz=10e3, design=design)
-    write_atomic(given.out, written(tables, "From a data sheet."))
+    write_atomic(given.out, written(tables, "From a datasheet."))
     motor = Motor.load(given.out)  # as `--motor hub.toml` does
     print(f"wrote {given.out}: every number with its source")
 

@@ -1,6 +1,7 @@
 """User errors, which the command line shows as one line without a traceback."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from difflib import get_close_matches
 from unicodedata import category
 
 
@@ -27,6 +28,12 @@ def shown(value: object) -> str:
     except ValueError:  # Python writes no whole number of so many digits
         text = "a number of too many digits"
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]} ..."
+
+
+def like(name: str, known: Iterable[str]) -> str:
+    """A question with the known name most like a wrong one, to go before advice; or nothing."""
+    near = get_close_matches(name, list(known), n=1)
+    return f"did you mean {near[0]}? " if near else ""
 
 
 def has_control(text: str) -> bool:

@@ -141,7 +141,7 @@ def _drawn(name: str, d: Draws) -> Motor | None:
 
 
 def _number(d: Draws, r: Range) -> float:
-    """Draw one number, rounded as on a data sheet."""
+    """Draw one number, rounded as on a datasheet."""
     if r.log:
         return _rounded(float(np.exp(d.uniform(math.log(r.low), math.log(r.high)))[0]))
     return _rounded(float(d.uniform(r.low, r.high)[0]))

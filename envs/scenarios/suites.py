@@ -31,7 +31,7 @@ from sensorless.envs.scenarios.stress import (
     stress_1_scenarios,
     stress_scenarios,
 )
-from sensorless.errors import UserError, shown
+from sensorless.errors import UserError, like, shown
 from sensorless.machine.motor import Motor
 
 ROLES = {"train": 1, "tune": 2, "test": 3}
@@ -79,8 +79,8 @@ class SuiteRows:
         name, seed, size = self.name, self.suite_seed, self.size
         if name not in SUITES:
             raise UserError(
-                f"suite: {name!r} does not exist; choose from {', '.join(SUITES)}; "
-                "evaluate, report, certify and falsify also know machines"
+                f"suite: {name!r} does not exist; {like(name, SUITES)}choose from "
+                f"{', '.join(SUITES)}; evaluate, report, certify and falsify also know machines"
             )
         if self.role not in ROLES:
             raise UserError(f"role: {self.role!r} does not exist; choose from {', '.join(ROLES)}")

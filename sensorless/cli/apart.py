@@ -12,7 +12,7 @@ READ = (
     "motor", "policy", "run", "file", "log", "plant", "inputs", "scenario", "settings", "names",
 )  # fmt: skip
 """Parameters that may name a file to read, alone or inside a word such as cross=FILE.json."""
-FORCE = "force"
+REPLACE = "replace"
 """Flag of the commands that may replace a motor file."""
 BY_HAND = ".toml"
 """Ending of motor files, which a user may have corrected; all others that are written can be made
@@ -47,7 +47,7 @@ def keep_apart(given: Mapping[str, Any], names: Mapping[str, str]) -> None:
 
 
 def keep_motor_files(given: Mapping[str, Any], names: Mapping[str, str]) -> None:
-    """Check that no parameter of a command names an existing motor file to write, unless by force.
+    """Check that no parameter names an existing motor file to write that may not be replaced.
 
     Raises
     ------
@@ -56,10 +56,10 @@ def keep_motor_files(given: Mapping[str, Any], names: Mapping[str, str]) -> None
     """
     for key in WRITTEN:
         path = given.get(key)
-        if path is None or given.get(FORCE) or not os.path.isfile(path):
+        if path is None or given.get(REPLACE) or not os.path.isfile(path):
             continue
         if BY_HAND in (os.path.splitext(x)[1] for x in (path, os.path.realpath(path))):
-            more = ", or add --force to replace it" if FORCE in given else ""
+            more = ", or add --replace" if REPLACE in given else ""
             raise UserError(
                 f"{names[key].lstrip('-')}: {str(path)!r} exists; write to another file{more}"
             )

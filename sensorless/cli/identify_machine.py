@@ -45,7 +45,7 @@ def machine_command(
             help="Draw the errors of the simulated sensors and inverter from this seed.",
         ),
     ] = 0,
-    force: ReplaceOption = False,  # apart.py reads it, before the command runs
+    replace: ReplaceOption = False,  # apart.py reads it, before the command runs
     as_json: JsonOption = False,
 ) -> None:
     """Measure resistance, flux linkages, magnet and inertia with the drive's own sensors.

@@ -15,7 +15,7 @@ app = typer.Typer(cls=Group, no_args_is_help=True, rich_markup_mode="markdown")
 
 @app.callback()
 def motor() -> None:
-    """Write a motor file from a data sheet or a flux map, and check whether the motor suits.
+    """Write a motor file from a datasheet or a flux map, and check whether the motor suits.
 
     docs/bring-a-motor.md shows how such a file is laid out.
 

@@ -54,7 +54,7 @@ def import_map_command(
             "along -q. Default: the map's d axis is the magnet's.",
         ),
     ] = False,
-    force: ReplaceOption = False,  # apart.py reads it, before the command runs
+    replace: ReplaceOption = False,  # apart.py reads it, before the command runs
     as_json: JsonOption = False,
 ) -> None:
     """Fit the saturation model to a flux map and say how well it fits.
@@ -69,7 +69,7 @@ def import_map_command(
 
         sensorless motor import-map map.csv --motor mine.toml --out sat.toml
     """
-    from dataclasses import replace
+    import dataclasses
 
     from sensorless.files import write_atomic
     from sensorless.machine.correction_fit import corrected
@@ -108,7 +108,7 @@ def import_map_command(
     beyond = ""
     if max(d, q) > WANTED:
         made = corrected(made, i, psi)
-        fit = replace(fit, error=plant_currents(made, psi) - i)
+        fit = dataclasses.replace(fit, error=plant_currents(made, psi) - i)
         rms = fit.rms_percent(machine.i_rated)
         beyond = "flux map {}: what [saturation] leaves, within {:.2f} and {:.2f} % RMS".format(
             file.name, *rms

@@ -1,4 +1,4 @@
-"""The command ``sensorless motor new``: a motor file from a data sheet."""
+"""The command ``sensorless motor new``: a motor file from a datasheet."""
 
 import sys
 from pathlib import Path
@@ -140,15 +140,15 @@ def new_command(
             min=0, metavar="N", help="Simulate this many scenarios in the check; 0: none."
         ),
     ] = 100,
-    force: ReplaceOption = False,  # apart.py reads it, before the command runs
+    replace: ReplaceOption = False,  # apart.py reads it, before the command runs
     as_json: JsonOption = False,
 ) -> None:
-    """Write a motor file from what a data sheet gives, then check it.
+    """Write a motor file from what a datasheet gives, then check it.
 
     The command asks for what you did not give, and asks again if an answer is impossible. One of
     --ke and --kt is enough, and so is one of --power and --torque; if you give both, they have to
     agree. The file names the source of every number and says what is assumed. Exit status 1: the
-    file is written, and the check says no. Only --force replaces an existing file.
+    file is written, and the check says no. Only --replace replaces an existing file.
 
     For example:
 

@@ -101,7 +101,7 @@ JsonOption = Annotated[
 ReplaceOption = Annotated[
     bool,
     typer.Option(
-        "--force",
+        "--replace",
         help="Let --out replace a motor file that exists. Default: it is refused.",
     ),
 ]

@@ -108,7 +108,7 @@ class DriveDesign:
     )
     lag_cure: bool = switch(True, "EMF from the exact steady-state relation")
     L_q_table: bool = switch(
-        True, "observer's q inductance over the torque current; false: the data sheet's constant"
+        True, "observer's q inductance over the torque current; false: the datasheet's constant"
     )
     cross: str = word(
         "table",

@@ -1,4 +1,4 @@
-"""The motor file of a data sheet: numbers that it gives, and those chosen or assumed."""
+"""The motor file of a datasheet: numbers that it gives, and those chosen or assumed."""
 
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,11 +1,10 @@
 """A drive design from the words of ``--set``, and the names of observers in texts."""
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from typing import Any
 
 from sensorless.design.drive import DriveDesign
-from sensorless.errors import UserError
+from sensorless.errors import UserError, like
 from sensorless.settings import AUTO, refuse_old, settings_of
 
 OBSERVERS = {
@@ -42,8 +41,7 @@ def asked_for(words: Sequence[str] | None) -> dict[str, Any]:
         name, equals, text = word.partition("=")
         if name not in known:
             refuse_old(name, known, "set: ")
-            near = get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]}? " if near else ""
+            hint = like(name, known)
             raise UserError(f"set: {word!r}: no such setting: {hint}sensorless settings lists all")
         if not equals:
             raise UserError(f"set: {word!r}: no value: write {name}=VALUE")

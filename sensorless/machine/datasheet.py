@@ -1,4 +1,4 @@
-"""From a data sheet to the numbers of a motor file, each with its source."""
+"""From a datasheet to the numbers of a motor file, each with its source."""
 
 import math
 from dataclasses import dataclass
@@ -132,28 +132,28 @@ def machine_numbers(s: Datasheet) -> dict[str, Number]:
     check_words(s.ke_kind, s.kt_kind, s.between)
     n_p = s.poles // 2
     L_d, L_q = _inductances(s)
-    share, measured = BETWEEN[s.between], f"data sheet, {s.between}"
+    share, measured = BETWEEN[s.between], f"datasheet, {s.between}"
     halved = ", halved" if s.between == "line" else ""
     torque = _torque(s)
     numbers = {
-        "n_p": Number(n_p, f"data sheet: {s.poles} poles"),
+        "n_p": Number(n_p, f"datasheet: {s.poles} poles"),
         "R_s": Number(share * s.R, f"{measured}: {s.R:g} ohm{halved}; cold, unless it says hot"),
         "L_d": L_d,
         "L_q": L_q,
         "psi_f": _magnet(s, n_p),
         "tau_rated": torque,
         "i_rated": Number(
-            math.sqrt(2.0) * s.current_rms, f"data sheet: {s.current_rms:g} A RMS, peak value"
+            math.sqrt(2.0) * s.current_rms, f"datasheet: {s.current_rms:g} A RMS, peak value"
         ),
-        "n_rated_rpm": Number(s.speed_rpm, "data sheet"),
+        "n_rated_rpm": Number(s.speed_rpm, "datasheet"),
     }
     if s.inertia is not None:
-        numbers["J"] = Number(s.inertia, "data sheet: the rotor alone; add the load's")
+        numbers["J"] = Number(s.inertia, "datasheet: the rotor alone; add the load's")
     return numbers
 
 
 def _inductances(s: Datasheet) -> tuple[Number, Number]:
-    share, said = BETWEEN[s.between], f"data sheet, {s.between}"
+    share, said = BETWEEN[s.between], f"datasheet, {s.between}"
     halved = ", halved" if s.between == "line" else ""
     if s.L_d is not None and s.L_q is not None:
         if s.L is not None or s.ratio is not None:
@@ -191,11 +191,11 @@ def _magnet(s: Datasheet, n_p: int) -> Number:
             )
     if from_ke is not None:
         beside = f"; Kt gives {from_kt:.4g} Vs" if from_kt is not None else ""
-        return Number(from_ke, f"data sheet: Ke = {s.ke:g} V/krpm line to line {s.ke_kind}{beside}")
+        return Number(from_ke, f"datasheet: Ke = {s.ke:g} V/krpm line to line {s.ke_kind}{beside}")
     if from_kt is not None:
         return Number(
             from_kt,
-            f"data sheet: Kt = {s.kt:g} N m/A {s.kt_kind}, taken as the magnet's alone",
+            f"datasheet: Kt = {s.kt:g} N m/A {s.kt_kind}, taken as the magnet's alone",
         )
     raise UserError("ke, kt: none given; give at least one of them")
 
@@ -219,11 +219,11 @@ def _torque(s: Datasheet) -> Number:
         raise UserError("power, torque: none given; give at least one of them")
     if s.torque is None:
         assert s.power is not None
-        return Number(s.power / omega, f"data sheet: {s.power:g} W at {s.speed_rpm:g} r/min")
+        return Number(s.power / omega, f"datasheet: {s.power:g} W at {s.speed_rpm:g} r/min")
     if s.power is not None and abs(s.torque * omega / s.power - 1.0) > ROUNDED:
         raise UserError(
             f"power, torque: {s.power:g} W at {s.speed_rpm:g} r/min is {s.power / omega:.4g} N m, "
             f"but the torque given is {s.torque:g} N m; correct one (they may differ by "
             f"{100 * ROUNDED:.0f} %), or give only one"
         )
-    return Number(s.torque, "data sheet")
+    return Number(s.torque, "datasheet")

@@ -16,7 +16,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-from sensorless.errors import UserError, has_control, shown
+from sensorless.errors import UserError, has_control, like, shown
 from sensorless.files import is_device
 from sensorless.machine.flux_correction import FluxCorrection, read_correction
 from sensorless.settings import REQUIRED, derived, is_finite, number, read, settings_of
@@ -68,7 +68,7 @@ class Saturation:
 class Motor:
     """A machine with its inverter and sensors: SI units, peak values.
 
-    ``L_d``, ``L_q`` and ``psi_f`` describe the machine at zero current (what a data sheet gives);
+    ``L_d``, ``L_q`` and ``psi_f`` describe the machine at zero current (what a datasheet gives);
     the drive is designed on ``saturation``, which the simulated machine follows with
     ``flux_correction`` on top. The fields from ``emf_5`` on describe the
     simulated machine alone; no controller uses them. The no-load EMF of a phase is
@@ -157,13 +157,16 @@ class Motor:
         if path.suffix != ".toml":
             path = MOTORS / f"{name}.toml"
         if not path.is_file():
-            known = ", ".join(sorted(p.stem for p in MOTORS.glob("*.toml")))
+            known = sorted(p.stem for p in MOTORS.glob("*.toml"))
             what = "a folder: give a .toml file" if name and Path(name).is_dir() else "no such file"
             if Path(name).is_file():
                 what = "the name of a motor file ends in .toml"
             if is_device(Path(name)):
                 what = "no regular file: give a .toml file"
-            raise UserError(f"motor {str(name)!r}: {what}; shipped motors: {known}")
+            hint = like(str(name), known) if what == "no such file" else ""
+            raise UserError(
+                f"motor {str(name)!r}: {what}; {hint}shipped motors: {', '.join(known)}"
+            )
         try:
             data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
         except RecursionError:

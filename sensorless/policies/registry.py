@@ -24,7 +24,7 @@ from sensorless.baselines import (
 )
 from sensorless.baselines.rule import Rule
 from sensorless.design.carried import Carried, carried
-from sensorless.errors import UserError
+from sensorless.errors import UserError, like
 from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
 from sensorless.policies.python import is_python, python_policy
@@ -87,7 +87,9 @@ def rule_named(name: str) -> Rule:
         No such rule.
     """
     if name not in RULES:
-        raise UserError(f"rule: {name!r} does not exist; choose from {', '.join(RULES)}")
+        raise UserError(
+            f"rule: {name!r} does not exist; {like(name, RULES)}choose from {', '.join(RULES)}"
+        )
     return RULES[name]
 
 
@@ -183,9 +185,10 @@ def file_of(spec: str) -> Path:
             f"policy: {spec!r}: results/reference/tuned/{spec}.json does not exist; make one with "
             f"'sensorless tune {rule_name} --out FILE.json', or choose from {names}"
         )
+    advice = (not colon and like(spec, (*RULES, *made))) or f"choose from {names}; "
     raise UserError(
-        f"policy: {spec!r} is not a rule, folder or file; choose from {names}; "
-        "'sensorless evaluate --list' explains them"
+        f"policy: {spec!r} is not a rule, folder or file; {advice}'sensorless evaluate --list' "
+        "explains all"
     )
 
 

@@ -57,7 +57,7 @@ def test_a_file_is_not_written_over(words: str, said: str, tmp_path: Path) -> No
         "simulate --out link.csv",
     ],
 )
-def test_a_motor_file_is_replaced_by_force_alone(words: str, tmp_path: Path) -> None:
+def test_a_motor_file_is_replaced_only_if_asked(words: str, tmp_path: Path) -> None:
     """Before the first question, too: there is nobody to answer it."""
     (tmp_path / "m.toml").write_text("by hand")
     (tmp_path / "link.toml").symlink_to("m.toml")
@@ -65,7 +65,7 @@ def test_a_motor_file_is_replaced_by_force_alone(words: str, tmp_path: Path) -> 
     (tmp_path / "x").touch()
     done = run(*words.split(), cwd=tmp_path)
     option, file = words.split()[-2:]
-    more = ", or add --force to replace it" if words.startswith(("motor", "identify")) else ""
+    more = ", or add --replace" if words.startswith(("motor", "identify")) else ""
     assert done.returncode == 2 and not done.stdout
     assert done.stderr == f"error: {option[2:]}: '{file}' exists; write to another file{more}\n"
     assert (tmp_path / "m.toml").read_text() == "by hand"

@@ -1,4 +1,4 @@
-"""From a data sheet to a checked motor file: questions, options and what is assumed."""
+"""From a datasheet to a checked motor file: questions, options and what is assumed."""
 
 import inspect
 import io
@@ -31,7 +31,7 @@ SHEET = {
     "current": "4.3", "ke": "209.7", "r": "7.2", "l-d": "0.072", "l-q": "0.102",
     "inertia": "150 kg cm2", "u-dc": "540", "pwm": "5000", "size": "8",
 }  # fmt: skip
-"""The machine of ipmsm_2200w as a data sheet would put it."""
+"""The machine of ipmsm_2200w as a datasheet would put it."""
 
 
 def words(**changes: str | None) -> list[str]:
@@ -49,13 +49,13 @@ def test_a_sheet_becomes_the_machine_it_describes(tmp_path: Path) -> None:
     assert made.u_inj == pytest.approx(known.u_inj, rel=0.1)
     assert "suitable: yes" in done.stdout
     text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
-    assert 'psi_f = "data sheet: Ke = 209.7 V/krpm line to line rms"' in text
+    assert 'psi_f = "datasheet: Ke = 209.7 V/krpm line to line rms"' in text
     assert 'dead_time = "assumed: usual for IGBTs' in text
     assert len(re.findall(r"^\w+ += ", text, re.MULTILINE)) == 2 + 2 * 18, "a source each"
     again = words(name="other", size="0")
     assert run("motor", "new", *again, cwd=tmp_path).returncode == 2
     assert (tmp_path / "mine.toml").read_text(encoding="utf-8") == text
-    assert run("motor", "new", *again, "--force", cwd=tmp_path).returncode == 0
+    assert run("motor", "new", *again, "--replace", cwd=tmp_path).returncode == 0
     assert Motor.load(tmp_path / "mine.toml").name == "other"
 
 

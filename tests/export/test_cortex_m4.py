@@ -86,7 +86,7 @@ def test_dead_time_range_and_bridge(copied: Path, motor: Motor) -> None:
     guarded = 1.5 * motor.u_dc  # the highest link that the core takes for real
     assert float(re.search(r"link (\S+)", said)[1]) >= guarded  # type: ignore[index]
     by = 2 * (1 + (int(re.search(r"clock (\d+)", said)[1]) >> 16 & 3))  # type: ignore[index]
-    assert 84e6 / by <= 36e6  # of APB2; by the data sheet of the STM32F405
+    assert 84e6 / by <= 36e6  # of APB2; by the datasheet of the STM32F405
     assert re.findall(r"bridge (\d+) (\d)", said) == [
         ("0", "1"), ("32", "1"), ("16", "0"), ("64", "0"),
     ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Data sheets to machine numbers: units, kinds, and contradictions that are named."""
+"""Datasheets to machine numbers: units, kinds, and contradictions that are named."""
 
 import math
 from dataclasses import replace

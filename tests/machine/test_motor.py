@@ -193,7 +193,7 @@ def test_a_name_with_control_characters_is_refused(character: str, tmp_path: Pat
 
 def test_unknown_name_lists_the_known() -> None:
     """A typing error in the name shows what there is."""
-    with pytest.raises(UserError, match=r"motor 'papre'.*shipped motors: .*paper"):
+    with pytest.raises(UserError, match=r"motor 'papre'.*mean paper\? shipped motors: .*paper"):
         Motor.load("papre")
     with pytest.raises(UserError, match=r"motor '\.': a folder: give a \.toml file; shipped"):
         Motor.load(".")

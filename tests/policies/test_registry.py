@@ -12,7 +12,7 @@ from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, SIM
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
-from sensorless.policies.registry import PYTHON, RULES, RUN, TUNED, known, make_policy
+from sensorless.policies.registry import PYTHON, RULES, RUN, TUNED, known, make_policy, rule_named
 from sensorless.policy import decide
 
 PAPER = Motor.load("paper")
@@ -106,9 +106,13 @@ def test_bad_numbers_are_refused_with_what_to_do(spec: str, said: str) -> None:
     assert repr(spec) in text and said in text and "\n" not in text
 
 
-def test_an_unknown_name_lists_every_known_one() -> None:
-    with pytest.raises(UserError) as caught:
+def test_an_unknown_name_is_told_the_one_most_like_it_or_every_one() -> None:
+    with pytest.raises(UserError, match=r"did you mean fuzzy\? 'sensorless evaluate --list'"):
         make_policy("fuzzzy", PAPER)
+    with pytest.raises(UserError, match=r"'liner' .*; did you mean linear\? choose from eq25"):
+        rule_named("liner")
+    with pytest.raises(UserError) as caught:
+        make_policy("nobody", PAPER)
     assert all(name in str(caught.value) for name in (*RULES, TUNED, RUN, PYTHON))
     with pytest.raises(UserError, match="policy: '' is not a rule"):
         make_policy("", PAPER)

@@ -74,7 +74,7 @@ def test_names_that_are_none(folder: Path, spec: str) -> None:
 def test_nothing_shipped_is_no_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shipped, "FOLDER", tmp_path / "none")
     assert "reference" not in known()
-    with pytest.raises(UserError, match="choose from"):
+    with pytest.raises(UserError, match="is not a rule, folder or file"):
         make_policy("reference", PAPER)
 
 

@@ -191,7 +191,7 @@ SERVO = replace(
     u_transistor=0.0, u_diode=0.0,
     saturation=Saturation.linear(167e-6, 184e-6, 0.01326),
 )  # fmt: skip
-"""400 W at 3000 r/min from a data sheet, with L_q / L_d = 1.1."""
+"""400 W at 3000 r/min from a datasheet, with L_q / L_d = 1.1."""
 
 
 @pytest.mark.parametrize("motor", [SERVO, Motor.load("formula_wheel")], ids=lambda m: m.name)

@@ -99,7 +99,7 @@ def test_inverse(name: str, motor: Motor) -> None:
 
 
 def test_data_sheet_at_zero_current(motor: Motor) -> None:
-    """At zero current the saturated machine is the one of the data sheet."""
+    """At zero current the saturated machine is the one of the datasheet."""
     psi = flux(motor.saturation, np.zeros((1, 2)))
     assert psi[0] == pytest.approx([motor.psi_f, 0.0], abs=1e-6)
     L = np.linalg.inv(inverse_inductance(motor.saturation, psi)[0])
