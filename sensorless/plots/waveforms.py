@@ -1,6 +1,7 @@
 """Draws runs over time as a picture. Needs the extra ``plot``."""
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from sensorless.plots.figure import PALETTE, new_figure
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
 
 HEIGHT = 2.4
 """Of a pane [inch]."""
+TITLE = 90
+"""Characters of a line above a column."""
 
 
 def waveforms(waves: Sequence[Wave], show: Sequence[str] = ()) -> "Figure":
@@ -37,7 +40,7 @@ def waveforms(waves: Sequence[Wave], show: Sequence[str] = ()) -> "Figure":
             _mark(ax, wave)
             ax.grid(alpha=0.3)
             _legend(ax)
-        column[0].set_title(wave.title, pad=24, fontsize=10)
+        column[0].set_title(fill(wave.title, TITLE), pad=24, fontsize=10)
         _name(column[0], wave)
         column[-1].set_xlabel("time [s]")
     for row, key in zip(axes, shown, strict=True):

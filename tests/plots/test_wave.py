@@ -68,6 +68,13 @@ def test_panes_are_drawn_as_asked(lost: Trace) -> None:
     assert {"i_d", "i_q", "lock"} <= set(labels)
 
 
+def test_a_long_title_stays_within_the_picture(lost: Trace) -> None:
+    drawn = waveforms([wave(" ".join(["how it ended"] * 12), lost)])
+    drawn.draw_without_rendering()
+    box = drawn.axes[0].title.get_window_extent()
+    assert 0.0 <= box.x0 and box.x1 <= drawn.bbox.width and box.y1 <= drawn.bbox.height
+
+
 def test_a_fault_is_up_while_it_is_set(lost: Trace) -> None:
     (curve,) = (c for c in faults(lost["fault"]) if c.name == "lock")
     up = lost["fault"] & int(lib.FAULT_LOCK) != 0
