@@ -32,7 +32,7 @@ def shown(value: object) -> str:
 
 def like(name: str, known: Iterable[str]) -> str:
     """A question with the known name most like a wrong one, to go before advice; or nothing."""
-    near = get_close_matches(name, list(known), n=1)
+    near = get_close_matches(name, list(known), n=1, cutoff=0.7)
     return f"did you mean {near[0]}? " if near else ""
 
 

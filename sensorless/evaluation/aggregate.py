@@ -8,25 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
+from sensorless.evaluation.rates import Bools, Interval, difference_interval, rate_interval
 from sensorless.evaluation.rollout import CAUSES, Floats, are_feasible
 
 RESAMPLES = 2000
 """Bootstrap samples of an interval."""
 
-Bools = NDArray[np.bool_]
 Rows = NDArray[np.intp]
-Interval = tuple[float, float]
-
-
-def rate_interval(hits: Bools) -> Interval:
-    """95 % Wilson score interval of the rate of ``hits``; NaN for none."""
-    if not len(hits):
-        return math.nan, math.nan
-    from scipy.stats import binomtest  # two fifths of the start of a worker, which needs none
-
-    test = binomtest(int(hits.sum()), len(hits))
-    interval = test.proportion_ci(confidence_level=0.95, method="wilson")
-    return float(interval.low), float(interval.high)
 
 
 def mean_interval(x: Floats, seed: int) -> Interval:
@@ -129,9 +117,10 @@ def paired(
     feasible = are_feasible(lost | reference_lost)
     here, there = (lost != 0) & feasible, (reference_lost != 0) & feasible
     both = (lost | reference_lost) == 0
-    rates = {"lost_rate": (here.astype(np.float64), there.astype(np.float64))}
+    rates = {"lost_rate": (here, there)}
     if "not_held" in metrics:
-        rates["not_held_rate"] = _not_held(lost, metrics), _not_held(reference_lost, reference)
+        loose, reference_loose = _not_held(lost, metrics), _not_held(reference_lost, reference)
+        rates["not_held_rate"] = loose > 0.0, reference_loose > 0.0
     rates = {name: (x[feasible], y[feasible]) for name, (x, y) in rates.items()}
     apart = {name: x - reference[name] for name, x in metrics.items()}
     base = {name: reference[name][both & np.isfinite(x)] for name, x in apart.items()}
@@ -139,8 +128,8 @@ def paired(
         "survived_both": int(both.sum()),
         "lost_only_here": int(np.sum(here & ~there)),
         "lost_only_there": int(np.sum(there & ~here)),
-        **{name: mean(x - y) for name, (x, y) in rates.items()},
-        **{f"{name}_ci": mean_interval(x - y, seed) for name, (x, y) in rates.items()},
+        **{name: mean(x) - mean(y) for name, (x, y) in rates.items()},
+        **{f"{name}_ci": difference_interval(x, y) for name, (x, y) in rates.items()},
         **mean_of(apart, both, seed),
         "there": {
             **{name: mean(y) for name, (_, y) in rates.items()},

@@ -12,11 +12,12 @@ import numpy as np
 
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
-from sensorless.evaluation.aggregate import Bools, Interval, Rows, interval_of
+from sensorless.evaluation.aggregate import Rows, interval_of
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.hop import hops
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.objective import Cost, weighted
+from sensorless.evaluation.rates import Bools, Interval
 from sensorless.evaluation.rollout import Floats, rollouts, with_twin_to_the_end
 from sensorless.plain_json import plain
 from sensorless.policy import Policy

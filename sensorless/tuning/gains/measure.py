@@ -7,13 +7,13 @@ import numpy as np
 
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.evaluation.aggregate import Bools
 from sensorless.evaluation.compare import Outcomes
 from sensorless.evaluation.metrics.catalogue import angle_err_rms_deg, torque_dev_rms
 from sensorless.evaluation.metrics.held import not_held
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.metrics.step import dip_pct_s, settling_twin_s
 from sensorless.evaluation.objective import LOST_WEIGHT, Cost
+from sensorless.evaluation.rates import Bools
 from sensorless.evaluation.rollout import Floats, are_feasible, rollouts, with_twin_to_the_end
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy

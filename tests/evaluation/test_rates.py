@@ -1,0 +1,66 @@
+"""Intervals of rates, against textbook formulas, published figures, and their own coverage."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sensorless.evaluation.rates import Bools, difference_interval, rate_interval
+
+
+def wilson(hits: int, n: int, z: float = 1.959964) -> tuple[float, float]:
+    """Textbook formula (doi 10.1080/01621459.1927.10502953)."""
+    p = hits / n
+    centre = (p + z * z / (2 * n)) / (1 + z * z / n)
+    half = z / (1 + z * z / n) * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
+    return centre - half, centre + half
+
+
+@pytest.mark.parametrize(("hits", "n"), [(0, 1), (0, 50), (3, 50), (25, 50), (50, 50), (7, 1000)])
+def test_rate_interval_is_wilsons(hits: int, n: int) -> None:
+    assert rate_interval(np.arange(n) < hits) == pytest.approx(wilson(hits, n), abs=1e-6)
+
+
+def pairs(both: int, here: int, there: int, neither: int) -> tuple[Bools, Bools]:
+    first = np.repeat([True, True, False, False], [both, here, there, neither])
+    return first, np.repeat([True, False, True, False], [both, here, there, neither])
+
+
+@pytest.mark.parametrize(
+    ("counts", "interval"),
+    [((36, 12, 2, 0), (0.0569, 0.3404)), ((20, 12, 2, 16), (0.0562, 0.3292))],
+)
+def test_differences_are_those_of_the_paper(
+    counts: tuple[int, int, int, int], interval: tuple[float, float]
+) -> None:
+    """Method 10, table II, of Newcombe 1998."""
+    assert difference_interval(*pairs(*counts)) == pytest.approx(interval, abs=5e-5)
+
+
+def test_nothing_lost_is_not_certainty() -> None:
+    """With no loss in n pairs either rate may be Wilson's upper bound of 0 of n."""
+    low, high = difference_interval(*pairs(0, 0, 0, 400))
+    assert -low == high == pytest.approx(wilson(0, 400)[1], abs=1e-6)
+
+
+def test_the_same_losses_are_closer_than_as_many_others() -> None:
+    same, others = (difference_interval(*pairs(*x)) for x in ((20, 0, 0, 80), (0, 20, 20, 60)))
+    assert 0.0 < same[1] < 0.25 * others[1]
+
+
+@pytest.mark.parametrize(
+    ("here", "there", "both"), [(0.01, 0.005, 0.0), (0.05, 0.03, 0.02), (0.2, 0.1, 0.1)]
+)
+def test_95_of_100_intervals_hold_the_truth(here: float, there: float, both: float) -> None:
+    rng, held, n = np.random.default_rng(1), 0, 500
+    for _ in range(n):
+        counts = rng.multinomial(200, [both, here, there, 1.0 - both - here - there])
+        low, high = difference_interval(*pairs(*counts))
+        held += low <= here - there <= high
+    assert held / n >= 0.93
+
+
+def test_no_scenario_has_no_interval() -> None:
+    nothing = np.zeros(0, dtype=np.bool_)
+    for interval in (rate_interval(nothing), difference_interval(nothing, nothing)):
+        assert np.isnan(interval).all()
