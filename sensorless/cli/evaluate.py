@@ -231,7 +231,6 @@ def print_tables(results: "Results", *, machines: bool, details: bool, given: st
             console.print(paired_table(results, columns))
         for name, entry in results.policies.items():
             console.print(place_table(name, entry))
-    console.print(worst_table(results, WORST if details else 3, given))
-    noticed = lock_table(results)
-    if noticed is not None:
-        console.print(noticed)
+    for table in (worst_table(results, WORST if details else 3, given), lock_table(results)):
+        if table is not None:
+            console.print(table)

@@ -15,11 +15,14 @@ PLACE_COLUMNS = (
 """Columns of a table by place: name, heading, factor, decimals."""
 
 
-def worst_table(results: Results, count: int, given: str = "") -> PlainTable:
+def worst_table(results: Results, count: int, given: str = "") -> PlainTable | None:
     """The ``count`` worst scenarios of each policy, named for ``simulate --scenario``.
 
-    Bounds, which know the truth, are left out. ``given``: options that chose motor and drive.
+    Bounds, which know the truth, are left out; None if there is nothing else. ``given``: options
+    that chose motor and drive.
     """
+    if all(policy["bound"] for policy in results.policies.values()):
+        return None
     again = " ".join(filter(None, (given, "--policy POLICY --scenario SCENARIO")))
     table = PlainTable(title="worst cases", caption=f"replay one with: sensorless simulate {again}")
     table.add_column("policy", overflow="fold")

@@ -6,7 +6,8 @@ as the command asks, or else the default.
 """
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -21,6 +22,11 @@ from sensorless.policy import Policy
 DEFAULT_MOTOR = "paper"
 WHY = "see docs/what-a-run-carries.md"
 """End of a note on what has changed."""
+OF_ONE = re.compile(r"(smo|L_q|error|flux|coupled)_(?!floor|table)")
+"""Beginning of the names of settings that one observer has."""
+SMO = ("smo", "unwrapped", "errors")
+USERS = {"smo": SMO, "L_q": SMO, "error": ("errors",), "flux": ("flux",), "coupled": ("coupled",)}
+"""Estimators that have them."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +97,13 @@ def bench(
         for spec in specs if asked else ():
             if spec not in brought:
                 refuse_settings(make_policy(spec, machine).settings, asked, spec)
-    notes = (_changed(spec, known, asked) for spec, known in brought.items())
     design = dataclasses.replace(DriveDesign(), **asked)
+    notes = [_changed(spec, known, asked) for spec, known in brought.items()]
+    if any(OF_ONE.match(name) for name in asked):
+        own = (make_policy(spec, machine, override=override).settings for spec in specs)
+        run = {str({**x, **asked}.get("estimator", design.estimator)) for x in own}
+        run = run or {design.estimator}
+        notes += [_idle(name, asked, run) for name in asked]
     return Bench(machine, design, asked, override, tuple(filter(None, notes)))
 
 
@@ -108,6 +119,16 @@ def _machine(brought: Mapping[str, Carried]) -> Motor:
                 "numbers: give its file with --motor"
             )
     return Motor.load(DEFAULT_MOTOR)
+
+
+def _idle(name: str, asked: Mapping[str, Any], run: Set[str]) -> str:
+    """A setting of an observer on which no policy runs; empty for others."""
+    known = OF_ONE.match(name)
+    users = USERS[known[1]] if known else ()
+    ran = run | ({"coupled"} if asked.get("lost_lock") == "restart" else set())
+    if not users or ran & set(users):
+        return ""
+    return f"{name} is for estimator={' or '.join(users)}; it is {' and '.join(sorted(run))}"
 
 
 def _changed(spec: str, known: Carried, asked: Mapping[str, Any]) -> str:

@@ -1,6 +1,7 @@
 """The tables behind ``evaluate --details``."""
 
 import io
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -74,13 +75,17 @@ def test_places_of_a_policy(results: Results) -> None:
 
 
 def test_worst_cases_of_every_policy_but_bounds(results: Results) -> None:
-    text = text_of(worst_table(results, 2))
+    table = worst_table(results, 2)
+    assert table is not None
+    text = text_of(table)
     assert max(map(len, text.splitlines())) <= 80
     listed: list[dict[str, Any]] = results.policies["smo"]["worst"]
     assert all(case["scenario"] in text for case in listed[:2])
     assert cells(text, "smo")[1] == listed[0]["scenario"]
     assert "sensored" not in text
     assert "[s]" in text, "a unit, not a style of rich"
+    bounds = {name: x for name, x in results.policies.items() if x["bound"]}
+    assert bounds and worst_table(replace(results, policies=bounds), 2) is None
 
 
 def test_pairs_are_differences_to_the_first(results: Results) -> None:

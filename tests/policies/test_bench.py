@@ -235,3 +235,30 @@ def test_a_machine_without_settings_is_named(tmp_path: Path) -> None:
     Tuned("linear", {"lo": 0.1, "hi": 0.5}, {"machine": known["machine"]}).save(tmp_path / "a.json")
     with pytest.raises(UserError, match=r"a\.json: set, design: missing beside the machine"):
         bench([str(tmp_path / "a.json")])
+
+
+@pytest.mark.parametrize(
+    ("specs", "words", "said"),
+    [
+        (
+            [],
+            ["smo_gain=0.5"],
+            ["smo_gain is for estimator=smo or unwrapped or errors; it is coupled"],
+        ),
+        (["eq25"], ["flux_gain=0.3"], ["flux_gain is for estimator=flux; it is coupled"]),
+        (["sliding_mode"], ["L_q_bias=0.8"], []),
+        (["sliding_mode", "eq25"], ["coupled_flux_hz=30"], []),
+        (
+            ["sliding_mode"],
+            ["coupled_flux_hz=30"],
+            ["coupled_flux_hz is for estimator=coupled; it is smo"],
+        ),
+        ([], ["coupled_flux_hz=30", "estimator=smo", "lost_lock=restart"], []),
+        (["eq25"], ["error_pll_hz=20", "estimator=errors"], []),
+        (["eq25"], ["smo_floor_rpm=30", "L_q_table=false", "speed_hz=3"], []),
+    ],
+)
+def test_a_setting_of_an_observer_that_does_not_run_is_told(
+    specs: list[str], words: list[str], said: list[str]
+) -> None:
+    assert list(bench(specs, None, words).notes) == said
