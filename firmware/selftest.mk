@@ -33,10 +33,10 @@ build/foreign_drive: $(HOOK) example/foreign_drive.c
 	@$(CC) $(FLAGS) $(CFLAGS) $(WARNINGS) -o $@ $^
 
 # One object with everything but your start-up file. SHAFT_ANGLE: where an aligned shaft stands [rad].
-cortex_m4: build/cortex_m4.o
-build/cortex_m4.o: $(wildcard core/*.c) params.c ks_table_data.c example/cortex_m4.c
-	@mkdir -p $(@D)
-	@$(CROSS)gcc $(FLAGS) $(CFLAGS) $(M4) $(WARNINGS) -r -nostdlib -o $@ $^
+cortex_m4: $(wildcard core/*.c) params.c ks_table_data.c example/cortex_m4.c
+	@mkdir -p build
+	@$(CROSS)gcc $(FLAGS) $(CFLAGS) $(if $(SHAFT_ANGLE),-DSHAFT_ANGLE=$(SHAFT_ANGLE)) $(M4) $(WARNINGS) \
+	 -r -nostdlib -o build/cortex_m4.o $^
 
 build/%.o: %.c Makefile
 	@mkdir -p $(@D)

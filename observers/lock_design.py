@@ -59,8 +59,9 @@ E_LEAST = 0.75
 ACTS = 0.1
 """Least share of the machine's injected voltage that acts, with any dead time."""
 CURRENT_SHARE = 0.1
-"""Distance of the torque current from its reference, over rated current, beyond what the slope of
-the reference makes."""
+"""Distance of the torque current from its reference, over rated current, beyond the lag that the
+slope of the reference makes. A mean of the current is half an evaluation older than the reference:
+where the slope makes more than half of this share of that, it counts besides."""
 ALARM, ACT, CLEAR, CALM = 2e-3, 2.0 * TAU, 10e-3, 1.0
 """Times [s] from the first failed test to the alarm and until the drive acts, and of passed tests
 after which the alarm ends, and after which restarts are forgotten. A drive acts when what a swing
@@ -199,6 +200,8 @@ def design_lock(
     lost = motor.dead_time_voltage + threshold_voltage(motor)
     unknown = LEFT_DEAD_TIME * lost + UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
     floor, lag = SPEED_LAG * emf + unknown, 2.0 * speed_hz / current_hz
+    later = 2.0 * math.pi * speed_hz * step  # reference at the end of a mean over i_rated, by slope
+    share = max(CURRENT_SHARE, 0.5 * CURRENT_SHARE + later)
     return {
         "alpha": -math.expm1(-step / TAU),
         "inv_t": 1.0 / step,
@@ -212,7 +215,7 @@ def design_lock(
         "e_late": LATE * emf + lost,
         "R_warm": UNKNOWN_RESISTANCE * motor.R_s,
         "jump": SPEED_SHARE * rated_acceleration(motor) * TAU + SLIP,
-        "i_off": (CURRENT_SHARE + lag) * motor.i_rated,
+        "i_off": (share + lag) * motor.i_rated,
         **answer_bounds(motor),
         "i_loaded": LOADED * motor.i_rated,
         "leads": 0.0 if one_axis else LEADS,

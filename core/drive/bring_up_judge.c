@@ -101,6 +101,9 @@ static map_t steps(const bring_up_params_t *p, bring_up_state_t *x) {
 
 /* Faults of a wiring, whose steps may be inverted on top. */
 static int32_t wiring_fault(int32_t wiring, int inverted) {
+    if (wiring == WIRING_UNKNOWN) {
+        return BRING_UP_FAULT_WIRING;
+    }
     int channel = wiring == WIRING_CHANNEL_A || wiring == WIRING_CHANNEL_B;
     int32_t y =
         channel ? BRING_UP_FAULT_CHANNEL : (wiring == WIRING_RIGHT ? 0 : BRING_UP_FAULT_PHASES);

@@ -17,7 +17,8 @@ enum {
     BRING_UP_FAULT_CHANNEL = 64,    /* one current channel has the wrong sign: see wiring */
     BRING_UP_FAULT_SCALE = 128,     /* wrong scale of the voltage or a current: see scale */
     BRING_UP_FAULT_DEAD_TIME = 256, /* dead time is compensated already: see lost */
-    BRING_UP_FAULT_STATE = 512      /* damaged, or without bring_up_init: the check was cut short */
+    BRING_UP_FAULT_STATE = 512,     /* damaged, or without bring_up_init: the check was cut short */
+    BRING_UP_FAULT_WIRING = 1024 /* no swap and no sign explains the currents: a channel is dead */
 };
 
 /* What the steps of the current look like. */

@@ -124,7 +124,8 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
 }
 
 void drive_find_rotor(drive_state_t *x) {
-    if (x->begun != DRIVE_BEGUN || x->start.phase == START_STOPPED) {
+    if (x->begun != DRIVE_BEGUN || x->start.phase == START_STOPPED ||
+        (x->fault & FAULT_STOPPED) != 0) {
         x->fault |= FAULT_COMMAND;
     } else {
         start_begin(&x->start);
@@ -141,8 +142,8 @@ CORE_COLD ab_t drive_mend(const drive_params_t *p, drive_state_t *x) {
     int stopped = x->start.phase == START_STOPPED || (fault & FAULT_STOPPED) != 0;
     int stop = p->lock.action == LOCK_STOP || stopped;
     drive_init(p, x, 0.0f, 0.0f, 1.0f);
-    x->fault = fault | FAULT_STATE | (stop ? FAULT_STOPPED : 0);
     drive_find_rotor(x);
+    x->fault = fault | FAULT_STATE | (stop ? FAULT_STOPPED : 0);
     x->start.phase = stop ? START_STOPPED : x->start.phase;
     return x->u_1;
 }

@@ -26,7 +26,9 @@ ab_t drive_lock(const drive_params_t *p, drive_state_t *x, ab_t u) {
     }
     int begun = x->begun == DRIVE_BEGUN;
     drive_judge(p, x);
-    if (drive_acts(p, x)) {
+    if ((x->fault & FAULT_STOPPED) != 0) { /* drive_trip came within a period */
+        start_enter(&x->start, START_STOPPED);
+    } else if (drive_acts(p, x)) {
         drive_act(p, x);
     }
     return drive_unless(begun && drive_lock_counts(x) && drive_loops_sound(p, x), &p->guard, u);

@@ -278,8 +278,9 @@ CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive
     if (!drive_seek_sound(x)) {
         return drive_unless(0, &p->guard, u);
     }
-    if (x->start.phase == START_STOPPED) {
-        x->fault |= FAULT_STOPPED; /* also if the application has lost it */
+    if (x->start.phase == START_STOPPED || (x->fault & FAULT_STOPPED) != 0) {
+        start_enter(&x->start, START_STOPPED); /* also if drive_trip came within a period, */
+        x->fault |= FAULT_STOPPED;             /* or the application has lost the bit */
         x->u_2 = x->u_1;
         x->u_1 = u;
     } else if (x->start.phase == START_FLY) {

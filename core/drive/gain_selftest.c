@@ -51,6 +51,9 @@ uint32_t gain_drive_selftest(const drive_params_t *p, drive_params_t *live,
             float_of(v[j].i_a),       float_of(v[j].i_b),     float_of(v[j].u_dc),
             float_of(v[j].omega_ref), float_of(v[j].k_s_ref),
         };
+        if (j == start->find[0] || j == start->find[1]) {
+            drive_find_rotor(&x);
+        }
         float k_s_ref = gain_schedule_step(schedule, &s, p, live, &x.signal);
         ab_t u = drive_step(live, &x, &in);
         if (differs(k_s_ref, v[j].k_s_ref) || differs(u.a, v[j].u_a) || differs(u.b, v[j].u_b) ||

@@ -43,6 +43,9 @@ uint32_t drive_selftest(const drive_params_t *p, const ks_schedule_params_t *sch
             float_of(v[j].i_a),       float_of(v[j].i_b),     float_of(v[j].u_dc),
             float_of(v[j].omega_ref), float_of(v[j].k_s_ref),
         };
+        if (j == start->find[0] || j == start->find[1]) {
+            drive_find_rotor(&x);
+        }
         float k_s_ref = ks_schedule_step(schedule, &s, &p->signal, &x.signal);
         ab_t u = drive_step(p, &x, &in);
         if (differs(k_s_ref, v[j].k_s_ref) || differs(u.a, v[j].u_a) || differs(u.b, v[j].u_b) ||

@@ -21,11 +21,13 @@ typedef struct {
     uint32_t u_a, u_b, theta, omega;
 } drive_vector_t;
 
-/* Arguments of drive_init before the first period. */
+/* Arguments of drive_init before the first period, and the periods that drive_find_rotor is called
+ * before. */
 typedef struct {
     float theta; /* [rad] */
     float omega; /* electrical [rad/s] */
     float k_s;
+    uint32_t find[2];
 } drive_start_t;
 
 #ifdef __cplusplus

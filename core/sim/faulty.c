@@ -98,7 +98,9 @@ static int period(sim_t *s, const faulty_t *f, const ks_schedule_params_t *sched
             u = drive_step_inline(&s->control, x, &in);
         }
     }
-    float truth = in.u_dc > 0.0f ? s->now.u_dc / in.u_dc : 1.0f;
+    const guard_params_t *g = &s->control.guard; /* the duty formula of an export */
+    int divides = in.u_dc >= 0.5f * g->u_dc_min && in.u_dc <= g->u_dc_max;
+    float truth = divides ? s->now.u_dc / in.u_dc : 0.0f;
     ab_t act = late(loop, u, kind == FAULTY_LATE ? (int32_t)f->size : 0);
     act.a *= kind == FAULTY_LINK ? truth : 1.0f;
     act.b *= kind == FAULTY_LINK ? truth : 1.0f;

@@ -21,6 +21,7 @@ from sensorless.envs.scenarios.load_steps import (
 )
 from sensorless.envs.scenarios.low_speed import braking_scenarios, crawl_scenarios, hold_scenarios
 from sensorless.envs.scenarios.published import paper_scenarios
+from sensorless.envs.scenarios.reversal import reversal_scenarios
 from sensorless.envs.scenarios.sag import sag_scenarios
 from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.envs.scenarios.starts import starts_scenarios
@@ -145,6 +146,7 @@ SUITES: dict[str, Callable[[Motor, Seeds, Indices, int], Scenarios]] = {
     "unload": unload_scenarios,
     "braking": braking_scenarios,
     "sag": sag_scenarios,
+    "reversal": reversal_scenarios,
     "envelope": envelope_scenarios,
     "motors": motors_scenarios,
     "starts": starts_scenarios,

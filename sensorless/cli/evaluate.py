@@ -67,7 +67,7 @@ SuiteOption = Annotated[
         help="Judge on this suite of scenarios: stress and stress-1 (everything at random), hold "
         "and crawl (loads at and near standstill), impact (rated load steps at all speeds), stop "
         "(rated speed to zero under load), unload (loads taken off), braking (held at low speed), "
-        "sag (of the DC link under load), "
+        "sag (of the DC link under load), reversal (steps through zero), "
         "handoff (crossings between the estimators), mismatch (wrong parameters), "
         "low-inertia (15 to 50 % of the design's), hard and hard-train (what a search found), "
         "starts (unknown rotor angle), envelope (a grid of speed and load), nominal "

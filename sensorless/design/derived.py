@@ -49,8 +49,8 @@ TOO_MUCH = 0.2
 """Voltage that may be compensated too much, over the EMF at the hand-over."""
 SIGNAL_HZ, SIGNAL_LAG = 30.0, 0.25
 """Least bandwidth of the signals that a schedule sees [Hz], and the most that the speed among them
-lags at rated torque and no load, over rated speed: a shaft that crosses zero within the lag does so
-without injection."""
+lags, over rated speed, where the largest current and a rated load brake: a shaft that crosses zero
+within the lag does so without injection."""
 FLOOR_MOST = 0.1
 """Largest speed floor over rated speed: half of the speed at which Eq. 25 leaves injection."""
 
@@ -146,7 +146,8 @@ def signal_bandwidth(motor: Motor) -> float:
 
     A speed that rises by a rad/s^2 is a / (2 pi f) ahead of its low-pass.
     """
-    fast = rated_acceleration(motor) / (SIGNAL_LAG * motor.omega_rated)
+    braked = (1.0 + motor.i_max / motor.i_rated) * rated_acceleration(motor)
+    fast = braked / (SIGNAL_LAG * motor.omega_rated)
     return max(SIGNAL_HZ, fast / (2.0 * math.pi))
 
 

@@ -18,10 +18,11 @@ from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 
 WRONG_FILE = "mismatch"
 """The suite in which the machine is not as its file says."""
-SUITES = ("stress", "handoff", "hold", "unload", "braking", "stop", WRONG_FILE)
+SUITES = ("stress", "handoff", "hold", "unload", "braking", "stop", "reversal", WRONG_FILE)
 SEED, SIZE = 1, 100
 """Scenarios of a quick run: all that is uncertain, the way between injection and observer, loads at
-rest and at low speed that go or drive, rated speed, and a motor file that is wrong."""
+rest and at low speed that go or drive, rated speed, steps through zero, and a motor file that is
+wrong."""
 LOST = (0.05, 0.2)
 """Lost share of a quick run above which the drive is limited, or unable: with a wrong file limited
 only, since a right one is the cure. A smaller share is noted."""
@@ -135,14 +136,16 @@ def _quick_run(
 def judged(runs: Sequence[QuickRun]) -> list[Finding]:
     """What quick runs under one schedule add to the verdict."""
     found = [finding for run in runs for finding in _judged(run)]
-    loose = [run for run in runs if run.not_held > 0.0 and run.lost + run.not_held > LOOSE]
-    if loose:
-        text = f"the drive under {loose[0].under} keeps its angle, but swings or stays off its "
-        text += "speed in " + ", ".join(map(_not_held, loose))
-        alone = [run.suite for run in loose if run.not_held > LOOSE]
-        text += MORE_INERTIA if any(suite != WRONG_FILE for suite in alone) else ""
-        text += MEASURE if alone == [WRONG_FILE] else ""
-        found.append(Finding(LIMIT, "run", text))
+    swung = [run for run in runs if run.not_held > 0.0]
+    for weight in (LIMIT, NOTE):
+        here = [r for r in swung if (r.lost + r.not_held > LOOSE) == (weight == LIMIT)]
+        if here:
+            text = f"the drive under {here[0].under} keeps its angle, but swings or stays off its "
+            text += "speed in " + ", ".join(map(_not_held, here))
+            alone = [run.suite for run in here if run.not_held > LOOSE]
+            text += MORE_INERTIA if any(suite != WRONG_FILE for suite in alone) else ""
+            text += MEASURE if alone == [WRONG_FILE] else ""
+            found.append(Finding(weight, "run", text))
     return found
 
 
@@ -178,9 +181,8 @@ def _judged(run: QuickRun) -> list[Finding]:
         text += MEASURE if wrong else ""
         found.append(Finding(LIMIT if run.slipped > LOOSE else NOTE, "run", text))
     if run.alarms > 0.0:
-        text = (
-            f"the drive under {run.under} takes itself for lost {100.0 * run.alarms:.2g} times in "
-        )
+        times = f"{100.0 * run.alarms:.{'0f' if run.alarms >= 0.1 else '2g'}}"
+        text = f"the drive under {run.under} takes itself for lost {times} times in "
         text += f"100 scenarios of {run.suite} that it holds: lost_lock = restart or stop would act"
         found.append(Finding(LIMIT if run.alarms > LOOSE else NOTE, "run", text))
     return found

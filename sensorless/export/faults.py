@@ -10,8 +10,9 @@ _BIT = re.compile(r"\b(\w*FAULT_\w+) = (\d+),?\s*(?:\};\s*)?/\*(.*?)\*/", re.DOT
 
 DO = {
     "FAULT_CURRENT": "look for a broken wire, a wrong range, missed interrupts; stop if it repeats",
-    "FAULT_U_DC": "look at the measurement of the link; below its least value do not start; above "
-    "its largest control gives no voltage, injection and compensation go on: open the bridge",
+    "FAULT_U_DC": "look at the measurement of the link; below its least value do not start, below "
+    "half of it open the bridge; above its largest control gives no voltage, injection and "
+    "compensation go on: open the bridge",
     "FAULT_COMMAND": "correct what the application passes; the drive held a safe value meanwhile",
     "FAULT_POLE": "stop and start again at less load; if it repeats, start from a known angle",
     "FAULT_OVER_CURRENT": "open the bridge at once, find out why, then start as after a trip",
@@ -32,6 +33,7 @@ DO = {
     "BRING_UP_FAULT_SIGN": "invert both current channels, or the duties; with "
     "`BRING_UP_FAULT_PHASES`: look for one duty alone that is inverted",
     "BRING_UP_FAULT_PHASES": "exchange phases in the currents or in the duties, not in both",
+    "BRING_UP_FAULT_WIRING": "look for a dead current channel, one of another gain, an open phase",
     "BRING_UP_FAULT_CHANNEL": "invert that channel, or the duty of its phase",
     "BRING_UP_FAULT_SCALE": "check the duty formula of each leg, scale of each current and of the "
     "link, and L_d; a shaft that turns slowly shows like this, too",

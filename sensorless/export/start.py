@@ -35,7 +35,7 @@ iron saturates little or not along d, so north and south respond alike to a puls
 `DRIVE_FINDS_ROTOR` in `params.h` is 0. Do not call `drive_find_rotor`: it would keep the pole
 nearer to its first angle and set `FAULT_POLE`. Pass `drive_init` the angle of a shaft at rest
 within 60 degrees, from an alignment by direct current or from a sensor; `example/cortex_m4.c` takes
-it as `SHAFT_ANGLE` (`make cortex_m4 CFLAGS=-DSHAFT_ANGLE=0.0f`). Half a turn off, a drive may stand
+it as `SHAFT_ANGLE` (`make cortex_m4 SHAFT_ANGLE=0.0f`). Half a turn off, a drive may stand
 or run slowly for good. A shaft that spins needs its exact speed and angle:
 near rated speed a wrong one drives a current that trips. `sensorless simulate --start` refuses this
 machine for the same reason.

@@ -103,11 +103,13 @@ const ks_vector_t ks_vectors_{form}[KS_VECTORS_{form.upper()}] = {{
 def drive_vectors_header(vectors: DriveVectors) -> str:
     """``test/drive_vectors.h``."""
     rows = "\n".join(f"    {{{hex_words(v)}}}," for v in vectors.words)
+    start = ", ".join(c_float(x) for x in vectors.start)
+    find = ", ".join(f"{j}u" for j in vectors.find)
     return f"""{NOTE}#include "../core/ks_selftest.h"
 
 #define DRIVE_VECTORS {len(vectors.words)}
 
-static const drive_start_t drive_start = {{{", ".join(c_float(x) for x in vectors.start)}}};
+static const drive_start_t drive_start = {{{start}, {{{find}}}}};
 
 /* i_a, i_b, u_dc, omega_ref, k_s_ref; u_a, u_b, theta, omega. */
 static const drive_vector_t drive_vectors[DRIVE_VECTORS] = {{

@@ -28,13 +28,15 @@ Words = NDArray[np.uint32]
 
 SEGMENTS = (
     (0.00, 0.00, 9.0, 0.0),
-    (0.04, 0.36, 2.0, 0.0),
-    (0.50, 0.36, 2.0, 0.5),
-    (0.60, 0.10, 2.0, 0.3),
+    (0.14, 0.36, 2.0, 0.0),
+    (0.60, 0.36, 2.0, 0.5),
+    (0.70, 0.10, 2.0, 0.3),
 )
 """Closed loop: start [s], speed target [rated], its rate [rated/s], load [rated]; through the usual
 band and back, with a load step in between."""
-DURATION = 0.9
+DURATION = 1.0
+FIND = (0.0, 0.5)
+"""The drive finds its rotor at rest, and once more while it spins [s]."""
 NOISE_SEED = 2025
 
 
@@ -80,6 +82,8 @@ class DriveVectors:
     """(n, 9): i_a, i_b, u_dc, omega_ref, k_s_ref in; u_a, u_b, theta, omega out."""
     start: tuple[float, float, float]
     """Angle [rad], electrical speed [rad/s] and k_s before the first one."""
+    find: tuple[int, ...]
+    """Periods before which the drive is told to find its rotor."""
 
 
 def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: int) -> DriveVectors:
@@ -102,7 +106,10 @@ def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: in
     s = drives[0]
     x, u = s.drive.x, s.drive.u
     start = (x.est.theta, x.est.omega, x.k_s)
+    find = tuple(round(t / motor.T_s) for t in FIND)
     for j in range(n):
+        if j in find:
+            lib.drive_find_rotor(ffi.addressof(x))
         k_s_ref = schedule.step(s.control, x)
         if table.gains:
             if j % periods == 0:
@@ -114,7 +121,7 @@ def drive_vectors(table: KsTable, motor: Motor, design: DriveDesign, periods: in
             break
         given = row[i_a], row[i_b], row[u_dc], s.now.omega_ref, k_s_ref
         out[j] = (*given, u.a, u.b, x.est.theta, x.est.omega)
-    return DriveVectors(as_words(out), start)
+    return DriveVectors(as_words(out), start, find)
 
 
 class Schedule:

@@ -35,6 +35,8 @@ OTHER = 2.5
 """Factor between the same from which on they describe two machines."""
 LEAST_LIMIT, MOST_TRIP = 0.1, 10.0
 """Least i_max over rated current that turns the shaft; largest i_trip over i_max that protects."""
+MUCH_IRON = (0.1, 0.5)
+"""Iron loss at rated speed over rated power, above which it is unusual, or no machine."""
 
 
 def plausible(motor: Motor) -> Iterator[Finding]:
@@ -197,6 +199,11 @@ def _inverter(m: Motor) -> Iterator[Finding]:
         text = f"u_inj = {m.u_inj:g} V is below {least:.3g} V, which "
         text += f"dead_time, {MOST_DEAD_TIME:g} times the file's, and the switches may take"
         yield Finding(LIMIT, "u_inj", text)
+    power = m.tau_rated * m.omega_m_rated
+    if m.p_iron > MUCH_IRON[0] * power:
+        weight = NO if m.p_iron > MUCH_IRON[1] * power else LIMIT
+        text = f"p_iron = {m.p_iron:g} W is {m.p_iron / power:.0%} of rated power, {power:.4g} W"
+        yield Finding(weight, "p_iron", text + (": wrong unit?" if weight == NO else ""))
     if m.dead_time > 0.1 * m.T_s:
         weight = NO if m.dead_time > 0.5 * m.T_s else LIMIT
         text = f"dead_time = {m.dead_time:g} s is {m.dead_time / m.T_s:.0%} of T_s"

@@ -7,6 +7,7 @@ import numpy as np
 
 from sensorless.machine.magnetics import Floats, cross_angle
 from sensorless.machine.motor import Motor
+from sensorless.machine.rated_point import rated_point
 from sensorless.observers.injection_signal import (
     RIPPLE_SHARE,
     InjectionSignal,
@@ -63,7 +64,11 @@ def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
             continue
         upto = float(size[max(beyond[0] - 1, 0)])
         weight = NO if worst > bad else LIMIT
-        where = "within rated current" if worst > limit else f"above {upto:.3g} A: lower i_max"
+        needed = rated_point(motor).current
+        cure = ": lower i_max"
+        if upto < needed:
+            cure = ", less than rated torque needs: rate the machine for less"
+        where = "within rated current" if worst > limit else f"above {upto:.3g} A{cure}"
         top = worst if worst > limit else float(values.max())
         bound = "at least" if field == "L_q" else "at most"
         text = f"{what} {abs(top):.3g}{unit} {where}; needed: {bound} {abs(limit):.3g}"

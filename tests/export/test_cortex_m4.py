@@ -14,6 +14,7 @@ from sensorless.machine.motor import Motor
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 
 RIG = r"""
+#include <math.h>
 #include <stdio.h>
 #define main example_main
 #include "example/cortex_m4.c"
@@ -29,6 +30,14 @@ int main(void) {
     printf("link %.9g\n", (double)(4096.0f * VOLTS_PER_STEP));
     converter();
     printf("clock %u\n", (unsigned)ADC_CCR);
+    float limits[] = {0.5f * drive_params.guard.u_dc_min, drive_params.guard.u_dc_max};
+    float links[] = {0.999f * limits[0], limits[0], limits[1], 1.001f * limits[1], 0.0f, NAN};
+    for (int j = 0; j < 6; j++) {
+        ab_t u = {0.2f * limits[0], 0.0f};
+        pwm_set_next(u, links[j]);
+        double apart = ((double)TIM1_CCR(0) - (double)TIM1_CCR(1)) / (double)TIM1_ARR;
+        printf("duty %d %.9g\n", j, j < 5 ? apart * (double)links[j] / (double)limits[0] : apart);
+    }
     int faults[] = {0, FAULT_LOCK, FAULT_OVER_CURRENT, FAULT_STOPPED};
     control_start();
     drive.start.phase = START_DONE;
@@ -87,6 +96,8 @@ def test_dead_time_range_and_bridge(copied: Path, motor: Motor) -> None:
     assert float(re.search(r"link (\S+)", said)[1]) >= guarded  # type: ignore[index]
     by = 2 * (1 + (int(re.search(r"clock (\d+)", said)[1]) >> 16 & 3))  # type: ignore[index]
     assert 84e6 / by <= 36e6  # of APB2; by the datasheet of the STM32F405
+    volts = [float(x) for x in re.findall(r"duty \d (\S+)", said)]
+    assert volts == pytest.approx([0.0, 0.3, 0.3, 0.0, 0.0, 0.0], abs=0.02)
     assert re.findall(r"bridge (\d+) (\d)", said) == [
         ("0", "1"), ("32", "1"), ("16", "0"), ("64", "0"),
     ]  # fmt: skip

@@ -82,12 +82,12 @@ def test_the_verdict_of_a_real_one(tmp_path: Path) -> None:
     last = done.stdout.splitlines()[-1].removeprefix("verdict: ")
     assert last.startswith("the same as Eq. 25") and "lost 0 of 8 scenarios of nominal" in last
     assert f"**Verdict:** {last}." in (tmp_path / "out/README.md").read_text()
-    suites = ("stress", "handoff", "hold", "unload", "braking", "stop", "mismatch")
+    suites = ("stress", "handoff", "hold", "unload", "braking", "stop", "reversal", "mismatch")
     told = ", ".join(f"{suite} 0 %" for suite in suites)
     assert last.endswith(f"motor check with it: yes, lost {told}")
     known = KsTable.load(tmp_path / "out/ks_table.json").provenance["judged"]
     assert known["nominal"]["lost"] == 0 and known["eq25"]["same"]
-    assert known["motor_check"]["suitable"] == "yes" and len(known["motor_check"]["runs"]) == 7
+    assert known["motor_check"]["suitable"] == "yes" and len(known["motor_check"]["runs"]) == 8
 
 
 def test_a_machine_that_the_simulation_of_its_check_refuses(

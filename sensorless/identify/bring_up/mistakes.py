@@ -85,7 +85,7 @@ def _all() -> Iterator[tuple[str, Mistake]]:
     yield "voltage-phases-shifted", Mistake(("phases",), voltage=turned(THIRD))
     yield "channel-a-sign", Mistake(("channel",), current=gains(-1.0, 1.0))
     yield "channel-b-sign", Mistake(("channel",), current=gains(1.0, -1.0))
-    shows = ("scale", "current", "deaf")
+    shows = ("scale", "current", "deaf", "wiring")
     for gain in (0.5, 1.5):
         yield f"channel-a-gain-{gain:g}", Mistake(shows, current=gains(gain, 1.0))
         yield f"channel-b-gain-{gain:g}", Mistake(shows, current=gains(1.0, gain))

@@ -11,7 +11,7 @@ WIRING = {
     "previous": "current channel a shows phase c, b shows a",
     "channel_a": "i_a has the wrong sign",
     "channel_b": "i_b has the wrong sign",
-    "unknown": "no swap and no sign explains the currents: is a channel dead, or of another scale?",
+    "unknown": "no swap and no sign explains the currents",
 }
 """By the names of WIRING_*."""
 CURE = {
@@ -24,6 +24,7 @@ CURE = {
     "period",
     "sign": "invert both currents, or the duties (an active-low gate driver)",
     "phases": "exchange the phases in the current channels or in the duties, not in both",
+    "wiring": "look for a dead current channel, one of another gain, or an open phase",
     "channel": "invert that current channel, or the duty of its phase",
     "scale": "check the duty formula 0.5 + u / u_dc of each leg, the scale of currents and DC "
     "link, and L_d; a shaft that turns slowly shows like this, too",

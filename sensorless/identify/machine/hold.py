@@ -178,11 +178,17 @@ def fit_resistance(means: Floats, sensors: Sensors, plate: Nameplate) -> Resista
     Raises
     ------
     UserError
-        The resistance found is not above zero.
+        The resistance found is not above zero, or a current has the wrong sign.
     """
     u = means[:, 0]
     a, b = means[:, 1] - sensors.offset[0], means[:, 2] - sensors.offset[1]
-    sensors = Sensors(sensors.offset, float(-2.0 * (a @ b) / (a @ a)))
+    ratio = float(-2.0 * (a @ b) / (a @ a))
+    if not ratio > 0.0:
+        raise UserError(
+            "resistance: with the voltage along phase a, i_b should be half of -i_a, and has the "
+            "sign of i_a: one current has the wrong sign"
+        )
+    sensors = Sensors(sensors.offset, ratio)
     i = a * np.sqrt(sensors.ratio)
     best = None
     for share in ZEROS:

@@ -102,7 +102,7 @@ def test_wrong_wiring(params: Array) -> None:
         (SWAP_AB, {"phases"}, "swapped_ab"),
         (-SWAP_AB, {"phases", "sign"}, "swapped_ab"),
         (np.diag([1.0, -1.0]), {"phases"}, "swapped_bc"),
-        (np.diag([1.0, 0.0]), {"phases"}, "unknown"),
+        (np.diag([1.0, 0.0]), {"wiring"}, "unknown"),
     ):
         coil = Coil(params, 0.4)
         coil.run(sensor=sensor)

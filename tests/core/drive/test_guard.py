@@ -221,6 +221,22 @@ def test_a_trip_of_the_hardware_is_a_stop(motor: Motor) -> None:
         assert drive.x["fault"][0] & (OVER | lib.FAULT_STOPPED) == OVER | lib.FAULT_STOPPED
 
 
+@pytest.mark.parametrize("phase", ["START_SCAN", "START_FLY", "START_DONE"])
+def test_a_trip_that_a_period_wrote_over_is_a_stop_within_a_millisecond(
+    motor: Motor, phase: str
+) -> None:
+    """An interrupt that calls drive_trip within drive_step; the phase is lost, the bit is not."""
+    drive = Drive(motor)
+    drive.step()
+    drive.x["fault"] = OVER | lib.FAULT_STOPPED
+    drive.x["start"]["phase"] = getattr(lib, phase)
+    for _ in range(round(1e-3 / motor.T_s) + 2):
+        last = drive.step()
+    assert last == (0.0, 0.0) and drive.x["start"]["phase"][0] == lib.START_STOPPED
+    lib.drive_find_rotor(pointer(drive.x, "drive_state_t[]"))
+    assert drive.x["start"]["phase"][0] == lib.START_STOPPED
+
+
 @pytest.mark.parametrize(
     ("argument", "value", "becomes"),
     [

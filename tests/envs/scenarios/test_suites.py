@@ -59,7 +59,9 @@ def test_help_names_every_suite() -> None:
     assert all(f"`{name}`" in document for name in SUITES)
 
 
-@pytest.mark.parametrize("name", ["hold", "crawl", "impact", "stop", "unload", "braking", "sag"])
+@pytest.mark.parametrize(
+    "name", ["hold", "crawl", "impact", "stop", "unload", "braking", "sag", "reversal"]
+)
 @pytest.mark.parametrize("motor", ["paper", "ipmsm_2200w"])
 def test_inertia_is_drawn_and_speeds_scale(name: str, motor: str) -> None:
     machine = Motor.load(motor)
