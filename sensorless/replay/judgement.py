@@ -15,11 +15,14 @@ NONE = (
     "speed on with --speed and --angle of the first row"
 )
 CONSTANT = {
-    "hfi": "cross-coupling that the drive does not compensate: sensorless identify cross-coupling",
-    "smo": "a wrong resistance, inductance or dead time in the motor's file",
-    "blend": "a wrong resistance, inductance or dead time in the motor's file, or a voltage "
-    "measured at the terminals, of which no inverter takes any more: --set dead_time_share=0",
-    "ekf": "the voltage that the inverter loses, which it takes no account of",
+    "hfi": "cross-coupling that the drive does not compensate (sensorless identify "
+    "cross-coupling), or at speed a sample that is late",
+    "smo": "the inductance that the drive takes on purpose (coupled_L_q_bias, flux_L_q_bias, "
+    "L_q_bias), or a wrong resistance, inductance or dead time in the motor's file",
+    "blend": "the same as of the observer, or a voltage measured at the terminals, of which no "
+    "inverter takes any more: --set dead_time_share=0",
+    "ekf": "the voltage that the inverter loses, which it takes no account of, or a wrong flux, "
+    "resistance, inductance or scale of the voltage",
 }
 """What turns an estimate by a constant angle, by estimator."""
 SCATTER = {

@@ -120,7 +120,7 @@ def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
     angle = abs(float(np.degrees(np.angle(most))))
     if max(mirrored) > abs(most) + BETTER:
         yield f"voltage and current turn opposite ways: {mirrored_by(*apart(du, bend, 0))}"
-    elif ASIDE < angle < 180.0 - ASIDE:
+    elif ASIDE < angle < 180.0 - ASIDE and not _turns(du):
         yield (
             f"the current answers {angle:.0f} degrees beside the voltage: the phases of one are in "
             "another order; rename them with --map"
@@ -130,6 +130,14 @@ def of_voltage(u: Floats, i: Floats, delay: int) -> Iterator[str]:
         if ways[0] != (1, delay):
             cures = " or ".join(_cure(*way, delay) for way in ways)
             yield f"the current does not answer the voltage as it should: {cures}"
+
+
+def _turns(du: Array) -> bool:
+    """Whether steps of the voltage follow each other in direction, as without injection and noise.
+
+    Then they and those of the current turn with the rotor, at an angle that tells nothing.
+    """
+    return complex(np.vdot(du[:-1], du[1:])).real > 0.5 * float(np.linalg.norm(du)) ** 2
 
 
 def _cure(sign: int, right: int, delay: int) -> str:

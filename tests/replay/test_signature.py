@@ -42,6 +42,15 @@ def recorded() -> dict[str, Pair]:
     return out
 
 
+def test_a_voltage_that_turns_without_noise_tells_no_order_of_phases() -> None:
+    """Of a right log at constant speed without injection, where both turn with the rotor."""
+    turn = np.exp(1j * 0.09 * np.arange(4000))
+    noise = np.random.default_rng(2).normal(0.0, 1e-3, (4000, 2))
+    u, i = 180.0 * turn, 9.0 * turn * np.exp(-0.77j)
+    pair = np.stack([u.real, u.imag], axis=-1), np.stack([i.real, i.imag], axis=-1) + noise
+    assert not any("another order" in note for note in of_voltage(*pair, 0))
+
+
 def told(pair: Pair, sign: int, rows: int, delay: int = 0) -> list[str]:
     """The cures for a log with this mistake, read with ``delay``."""
     u = np.roll(pair[0], 1 + delay - rows, axis=0)
