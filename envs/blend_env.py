@@ -66,7 +66,8 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     **Reward**
     The sum of named terms, none above 0, each also in ``info``: torque_deviation, torque_ripple,
     speed_deviation, angle, activity, injection (running costs, together at most 1.08 per 1 ms) and
-    lost_penalty (-1000, once). ``sensorless.envs.reward`` has the formulas.
+    lost_penalty (-1000, once). ``sensorless.envs.reward`` has the formulas. With decisions of 1 ms,
+    the default, ripple hardly counts: give ``decision_period=5e-3``, or take ``Blend-v1``.
 
     **Info**
     The terms, ``lost`` (bool), ``alarm`` (bool: the drive's own tests tell lost lock), and
@@ -78,7 +79,7 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     between machine and controller. ``reset(seed=...)`` starts a stream of scenarios, and every
     reset takes the next one. By default they are `stress_1_scenarios`: everything at random, from
     rest or on a spinning shaft. ``scenarios="handoff"`` draws those of a suite instead (not
-    ``envelope``). ``reset(options={"scenario": s})`` runs a `Scenarios` of one row.
+    ``envelope`` or ``machines``). ``reset(options={"scenario": s})`` runs a `Scenarios` of one row.
     It does not know which machine it was drawn for: draw it for the one of this environment.
 
     **End**

@@ -57,7 +57,7 @@ FAULTS: dict[str, tuple[float, ...]] = {
     "saturated": (0.1, 0.3, 0.5),
     "swapped": (0.0,),
     "reversed": (0.0,),
-    "link": (0.0, 0.6, 1.3, 3.0),
+    "link": (0.0, 0.4, 0.6, 1.3, 3.0),
     "missed": (0.1, 0.5, 0.9),
     "doubled": (0.1, 0.5, 1.0),
     "late": (1.0, 2.0, 3.0),

@@ -186,7 +186,7 @@ def reopen(folder: Path) -> tuple[TrainConfig, Carried, KsTable]:
         )
     try:
         data = document(folder / CONFIG)
-        config = TrainConfig(**_trained(data, folder / CONFIG))
+        config = _config(_trained(data, folder / CONFIG), folder / CONFIG)
         known = carried(data, str(folder / CONFIG))
         if config.machines:
             known = dataclasses.replace(known, made_for=(data["motor"], data["machines"]["digest"]))
@@ -195,6 +195,21 @@ def reopen(folder: Path) -> tuple[TrainConfig, Carried, KsTable]:
         if isinstance(error, UserError):
             raise
         raise UserError(f"{folder / CONFIG}: {error}; restore the file, or train anew") from None
+
+
+def _config(found: Mapping[str, Any], path: Path) -> TrainConfig:
+    """All settings of a run, each named as it is known today."""
+    known = settings_of(TrainConfig)
+    for what, names in (
+        ("unknown", [name for name in found if name not in known]),
+        ("missing", [name for name in known if name not in found]),
+    ):
+        if names:
+            raise UserError(
+                f"{path}: train: {names[0]}: {what}; restore the file, or train anew: another "
+                "version may have made it"
+            )
+    return TrainConfig(**found)
 
 
 def save_schedule(

@@ -62,6 +62,9 @@ def _read(path: Path) -> Curve:
     try:
         with path.open(encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
+        for at, row in enumerate(rows, 2):
+            if None in row or None in row.values():
+                raise ValueError(f"line {at}: another number of values than of columns")
         curve = {key: np.array([float(row[key]) for row in rows]) for key in (rows or [{}])[0]}
         for key, values in curve.items():
             for line in 2 + np.flatnonzero(~np.isfinite(values)):

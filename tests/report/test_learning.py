@@ -73,6 +73,7 @@ def test_the_panels_have_the_run_the_levels_and_what_was_kept(run: Path) -> None
         ("config.json", '{"train": {"motor": 3}}', r"config\.json: train: motor: 3"),
         ("config.json", '{"train": {"motor": "paper"}}', "train: validate_size: missing"),
         ("progress.csv", "seconds\nmany\n", r"progress\.csv: .*many"),
+        ("progress.csv", "steps,seconds\n1,2\n3\n", "line 3: another number of values"),
         ("progress.csv", "seconds\n0\n", r"progress\.csv .*objective: no such column"),
     ],
 )

@@ -216,6 +216,22 @@ def test_a_damaged_curve_is_refused_in_one_line(
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("name", "said"), [("gamma", "train: gamma: missing"), ("foo", "train: foo: unknown")]
+)
+def test_settings_of_another_version_are_named(
+    name: str, said: str, tmp_path: Path, finished: Path
+) -> None:
+    """A default of today would change a run unnoticed."""
+    run = shutil.copytree(finished, tmp_path / "run")
+    config = json.loads((run / "config.json").read_text())
+    if config["train"].pop(name, None) is None:
+        config["train"][name] = 1
+    (run / "config.json").write_text(json.dumps(config))
+    with pytest.raises(UserError, match=rf"config\.json: {said}; restore the file"):
+        resume(ON, run)
+
+
 @pytest.mark.parametrize("validation", [None, {"lost_rate": "x"}, {"more": 1}])
 def test_a_schedule_without_its_validation_is_refused(
     validation: dict[str, object] | None, tmp_path: Path, finished: Path
