@@ -74,6 +74,7 @@ static volatile int mode;        /* MODE_* */
 static volatile float speed_rpm; /* reference, set by the application */
 static volatile int reported;    /* drive.fault, for the application */
 static volatile int scheduled;   /* fault of the schedule, for the application */
+static volatile int restart;     /* set by the application after a trip, once its cause is gone */
 static float offset_a, offset_b; /* of the current channels [steps] */
 static int32_t offset_samples;
 
@@ -165,6 +166,14 @@ void adc_interrupt(void) {
                 bridge_on();
             }
         }
+    } else if (mode == MODE_TRIPPED && restart != 0) { /* with the bridge open */
+        restart = 0;
+        reported = 0;
+        TIM1_SR = ~(1u << 7); /* BIF */
+        control_start();
+        pwm_set_next(u, u_dc); /* no voltage */
+        bridge_on();
+        mode = MODE_RUN;
     } else if (mode == MODE_RUN) {
         u = control(i_a, i_b, u_dc);
         if ((TIM1_SR & 1u << 7) != 0) { /* BIF: the break input has opened the bridge */
@@ -224,7 +233,7 @@ int main(void) {
     timer();
     converter();
     TIM1_CR1 |= 1u;
-    for (;;) { /* the application: speed_rpm in, reported and drive.est out */
+    for (;;) { /* the application: speed_rpm and restart in, reported and drive.est out */
         speed_rpm = reported == 0 ? 150.0f : 0.0f;
     }
 }

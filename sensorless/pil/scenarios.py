@@ -17,7 +17,7 @@ PLANS: dict[str, tuple[tuple[float, float, float], ...]] = {
     "rated speed": ((0.0, 1.0, 0.0), (1.2, 1.0, 0.5)),
     "unknown angle": ((0.0, 0.0, 0.3), (0.1, 0.5, 0.3)),
     "spinning shaft": ((0.0, -0.6, 0.0), (0.3, 0.3, 0.0)),
-    "lost": ((0.0, 0.3, 0.0), (0.6, 0.3, 0.5)),
+    "broken sensor": ((0.0, 0.3, 0.0), (0.6, 0.3, 0.5)),
 }
 """Start [s], speed target [rated], load [rated]. Two drives find their rotor first; the last one
 has a broken current sensor."""

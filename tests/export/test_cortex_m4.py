@@ -49,6 +49,9 @@ int main(void) {
         adc_interrupt();
         printf("bridge %d %d\n", faults[j], (TIM1_BDTR & 1u << 15) != 0);
     }
+    restart = 1;
+    adc_interrupt();
+    printf("again %d %d %d\n", mode == MODE_RUN, (TIM1_BDTR & 1u << 15) != 0, drive.fault);
     return 0;
 }
 """
@@ -101,6 +104,7 @@ def test_dead_time_range_and_bridge(copied: Path, motor: Motor) -> None:
     assert re.findall(r"bridge (\d+) (\d)", said) == [
         ("0", "1"), ("32", "1"), ("16", "0"), ("64", "0"),
     ]  # fmt: skip
+    assert "again 1 1 0" in said
 
 
 @pytest.mark.parametrize(

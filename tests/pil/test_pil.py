@@ -30,8 +30,8 @@ def test_the_scenarios_are_what_they_say(report: Report) -> None:
     """Hand-over both ways: the weight reaches both ends; one drive, and only that, gets lost."""
     found = {s["name"]: s for s in report["scenarios"]}
     assert found["hand-over both ways"]["k_s"] == [0.0, 1.0]
-    assert found["lost"]["lost"] is not None
-    assert [name for name in PLANS if found[name]["lost"]] == ["lost"]
+    assert found["broken sensor"]["lost"] is not None
+    assert [name for name in PLANS if found[name]["lost"]] == ["broken sensor"]
 
 
 def test_every_test_on_the_target_passes(report: Report) -> None:
