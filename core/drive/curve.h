@@ -26,8 +26,8 @@ CORE_INLINE curve_pos_t curve_locate(float i_q, float inv_step) {
         return inside;
     }
     t = min_f(t, (float)(CURVE_N - 1)); /* NaN: the last */
-    int j =
-        SHORTCUT(1) || (int)t > CURVE_N - 2 ? CURVE_N - 2 : (int)t; /* which it leaves no other */
+    /* the shortcut leaves no other */
+    int j = SHORTCUT(1) || (int)t > CURVE_N - 2 ? CURVE_N - 2 : (int)t;
     curve_pos_t pos = {j, t - (float)j};
     return pos;
 }
