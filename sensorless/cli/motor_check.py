@@ -40,9 +40,10 @@ def check_command(
     The check looks for implausible numbers, compares the rated point with current and voltage,
     follows saliency and cross-coupling over the current, compares injection's signal with noise,
     and suggests settings. Unless the answer is no already, it then simulates Eq. 25, the source
-    paper's rule, on as many scenarios of each of the suites stress, handoff, hold, unload, braking,
-    stop, reversal, and mismatch, in which the motor is not as its file says. Exit status 1: the
-    answer is no.
+    paper's rule, on scenarios of the suite stress, and on as many of the suite handoff, of the
+    suite hold, of the suite unload, of the suite braking, of the suite stop, of the suite reversal,
+    and of the suite mismatch, in which the motor is not as its file says. Exit status 1: the answer
+    is no.
 
     For example:
 
