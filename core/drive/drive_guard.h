@@ -9,6 +9,13 @@ CORE_INLINE float guard_speed(float omega, float most) {
     return finite_f(omega) ? bound_f(omega, most) : 0.0f;
 }
 
+/* 1 / u_dc of the duty formula [1/V], u_dc: sample of the link [V]. Down to half of the least one that
+ * sets no fault the drive goes on, and rides through a sag; where it is 0, for a lower or an impossible
+ * link, all duties are one half. */
+CORE_INLINE float guard_inv_link(const guard_params_t *p, float u_dc) {
+    return u_dc >= 0.5f * p->u_dc_min && u_dc <= p->u_dc_max ? 1.0f / u_dc : 0.0f;
+}
+
 /* Replaces bad values and sets their fault bits. */
 CORE_INLINE drive_in_t drive_guard(const guard_params_t *p, drive_state_t *x,
                                    const drive_in_t *in) {

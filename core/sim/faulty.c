@@ -98,9 +98,7 @@ static int period(sim_t *s, const faulty_t *f, const ks_schedule_params_t *sched
             u = drive_step_inline(&s->control, x, &in);
         }
     }
-    const guard_params_t *g = &s->control.guard; /* the duty formula of an export */
-    int divides = in.u_dc >= 0.5f * g->u_dc_min && in.u_dc <= g->u_dc_max;
-    float truth = divides ? s->now.u_dc / in.u_dc : 0.0f;
+    float truth = s->now.u_dc * guard_inv_link(&s->control.guard, in.u_dc);
     ab_t act = late(loop, u, kind == FAULTY_LATE ? (int32_t)f->size : 0);
     act.a *= kind == FAULTY_LINK ? truth : 1.0f;
     act.b *= kind == FAULTY_LINK ? truth : 1.0f;

@@ -91,9 +91,7 @@ static void pwm_set_next(ab_t u, float u_dc) {
     };
     float high = max_f(leg[0], max_f(leg[1], leg[2]));
     float low = min_f(leg[0], min_f(leg[1], leg[2]));
-    const guard_params_t *sane = &drive_params.guard; /* else, or without a link: no voltage */
-    int fine = u_dc >= 0.5f * sane->u_dc_min && u_dc <= sane->u_dc_max;
-    float scale = fine ? 1.0f / u_dc : 0.0f;
+    float scale = guard_inv_link(&drive_params.guard, u_dc);
     for (int j = 0; j < 3; j++) {
         float duty = clamp_f(0.5f + (leg[j] - 0.5f * (high + low)) * scale, 0.0f, 1.0f);
         TIM1_CCR(j) = (uint32_t)(duty * (float)TIM1_ARR + 0.5f);

@@ -128,7 +128,8 @@ def _idle(name: str, asked: Mapping[str, Any], run: Set[str]) -> str:
     ran = run | ({"coupled"} if asked.get("lost_lock") == "restart" else set())
     if not users or ran & set(users):
         return ""
-    return f"{name} is for estimator={' or '.join(users)}; it is {' and '.join(sorted(run))}"
+    own = " and ".join(sorted(run))
+    return f"{name} is for estimator={' or '.join(users)}; the drive has {own}"
 
 
 def _changed(spec: str, known: Carried, asked: Mapping[str, Any]) -> str:

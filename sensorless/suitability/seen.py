@@ -7,7 +7,6 @@ import numpy as np
 
 from sensorless.machine.magnetics import Floats, cross_angle
 from sensorless.machine.motor import Motor
-from sensorless.machine.rated_point import rated_point
 from sensorless.observers.injection_signal import (
     RIPPLE_SHARE,
     InjectionSignal,
@@ -49,8 +48,11 @@ def look(motor: Motor, pll_hz: float) -> Seen:
     return Seen(signal, np.rad2deg(cross_angle(motor, signal.i)), last)
 
 
-def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
-    """Limits of injection within rated current and up to ``i_max``."""
+def objections(motor: Motor, seen: Seen, needed: float) -> Iterator[Finding]:
+    """Limits of injection within rated current and up to ``i_max``.
+
+    ``needed``: least current of rated torque [A].
+    """
     s, size = seen.signal, np.hypot(*seen.signal.i.T)
     for field, values, (limit, bad), unit, what in (
         ("L_q", -s.ratio, (-RATIO[0], -RATIO[1]), "", "inductance ratio"),
@@ -64,7 +66,6 @@ def objections(motor: Motor, seen: Seen) -> Iterator[Finding]:
             continue
         upto = float(size[max(beyond[0] - 1, 0)])
         weight = NO if worst > bad else LIMIT
-        needed = rated_point(motor).current
         cure = ": lower i_max"
         if upto < needed:
             cure = ", less than rated torque needs: rate the machine for less"

@@ -33,6 +33,14 @@ def held(R: float, u_lost: float, gain: float = 1.0, ratio: float = 1.0) -> np.n
     return np.stack([u, gain * i, -0.5 * gain * ratio * i], axis=-1)
 
 
+@pytest.mark.parametrize("channel", [1, 2])
+def test_a_current_with_the_wrong_sign_is_named(channel: int) -> None:
+    means = held(2.5, 6.0)
+    means[:, channel] *= -1.0
+    with pytest.raises(UserError, match="one current has the wrong sign"):
+        fit_resistance(means, Sensors(), PLATE)
+
+
 def test_resistance_and_lost_voltage_come_apart() -> None:
     found = fit_resistance(held(2.5, 6.0), Sensors(), PLATE)
     assert found.R_s == pytest.approx(2.5, rel=1e-9)

@@ -67,6 +67,12 @@ void check_guard(void) {
     check("weight in force beyond 1", drive_guard(g, &x, &in).k_s_ref == 1.0f);
     x.k_s = -0.5f;
     check("weight in force below 0", drive_guard(g, &x, &in).k_s_ref == 0.0f);
+    float least = 0.5f * g->u_dc_min;
+    check("link",
+          guard_inv_link(g, least) == 1.0f / least && guard_inv_link(g, 0.99f * least) == 0.0f);
+    check("link above", guard_inv_link(g, g->u_dc_max) == 1.0f / g->u_dc_max &&
+                            guard_inv_link(g, 1.01f * g->u_dc_max) == 0.0f);
+    check("no link", guard_inv_link(g, NAN) == 0.0f && guard_inv_link(g, 0.0f) == 0.0f);
     check("inputs", faults_inputs(&PARAMS[4]) == 0);
     check("angles", faults_angles(&PARAMS[4]) == 0);
     check("weights", faults_weights(&PARAMS[4]) == 0);

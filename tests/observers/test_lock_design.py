@@ -97,3 +97,16 @@ def test_limits_lie_between_noise_and_what_can_be_measured(name: str) -> None:
     assert 0.5 * lock["e_floor"] < lock["e_least"] < lock["e_floor"]
     assert 0.05 * motor.L_d < lock["d_share"] / motor.omega_rated < 0.2 * motor.L_q
     assert 1 <= lock["n_alarm"] < lock["n_act"] < lock["n_calm"]
+
+
+def test_a_fast_speed_loop_has_room_for_a_mean_of_the_current() -> None:
+    """The reference moves 2 w i_rated in a second, so a mean of 1 ms is w ms i_rated behind it."""
+    motor = Motor.load("paper")
+    fast, slow = (
+        control_record(motor, DriveDesign(speed_hz=hz, current_hz=20.0 * hz))["lock"]["i_off"]
+        for hz in (25.0, 5.0)
+    )
+    step = decision_periods(motor) * motor.T_s
+    assert slow == pytest.approx((0.1 + 0.1) * motor.i_rated, rel=1e-6)
+    behind = 2.0 * math.pi * 25.0 * step
+    assert fast == pytest.approx((0.05 + behind + 0.1) * motor.i_rated, rel=1e-6)

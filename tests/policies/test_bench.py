@@ -243,15 +243,15 @@ def test_a_machine_without_settings_is_named(tmp_path: Path) -> None:
         (
             [],
             ["smo_gain=0.5"],
-            ["smo_gain is for estimator=smo or unwrapped or errors; it is coupled"],
+            ["smo_gain is for estimator=smo or unwrapped or errors; the drive has coupled"],
         ),
-        (["eq25"], ["flux_gain=0.3"], ["flux_gain is for estimator=flux; it is coupled"]),
+        (["eq25"], ["flux_gain=0.3"], ["flux_gain is for estimator=flux; the drive has coupled"]),
         (["sliding_mode"], ["L_q_bias=0.8"], []),
         (["sliding_mode", "eq25"], ["coupled_flux_hz=30"], []),
         (
             ["sliding_mode"],
             ["coupled_flux_hz=30"],
-            ["coupled_flux_hz is for estimator=coupled; it is smo"],
+            ["coupled_flux_hz is for estimator=coupled; the drive has smo"],
         ),
         ([], ["coupled_flux_hz=30", "estimator=smo", "lost_lock=restart"], []),
         (["eq25"], ["error_pll_hz=20", "estimator=errors"], []),

@@ -125,6 +125,26 @@ def test_cross_coupling_beyond_a_current_asks_for_a_lower_limit() -> None:
     assert np.interp(at, size, np.abs(e.seen.cross_deg)) == pytest.approx(25.0, abs=4.0)
 
 
+def test_a_current_that_rated_torque_needs_is_no_limit_to_set() -> None:
+    """Turned axes from below the current of rated torque on: a lower ``i_max`` would not do."""
+    steep = replace(PAPER.saturation, a_qq=1.0, T=4)
+    motor = replace(PAPER, saturation=steep, i_max=14.0, i_trip=60.0, adc_range=40.0)
+    point = examine(motor, 15.0).point
+    assert point is not None
+    more = replace(motor, tau_rated=motor.tau_rated * 13.0 / point.current)
+    (found,) = (
+        f for f in examine(more, 15.0).findings if f.text.startswith("turn by cross-coupling")
+    )
+    assert "less than rated torque needs: rate the machine for less" in found.text
+
+
+@pytest.mark.parametrize(("share", "weight"), [(0.09, None), (0.11, LIMIT), (0.6, NO)])
+def test_iron_loss_over_rated_power_weighs(share: float, weight: str | None) -> None:
+    power = PAPER.tau_rated * PAPER.omega_m_rated
+    found = examine(replace(PAPER, p_iron=share * power), 15.0).findings
+    assert [f.weight for f in found if f.field == "p_iron"] == ([weight] if weight else [])
+
+
 @pytest.mark.parametrize(("ratio", "weight"), [(1.04, NO), (1.1, LIMIT), (1.2, LIMIT), (1.3, None)])
 def test_weak_saliency_weighs(ratio: float, weight: str | None) -> None:
     """At every current of a linear machine: a lower ``i_max`` helps none."""

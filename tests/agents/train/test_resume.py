@@ -10,7 +10,6 @@ import sys
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,6 @@ import pytest
 from sensorless.agents.loading import TABLE
 from sensorless.agents.train.alone import alone
 from sensorless.agents.train.config import TrainConfig
-from sensorless.agents.train.env import stream
 from sensorless.agents.train.run_folder import LATEST, PROGRESS, fresh
 from sensorless.agents.train.train import TablePPO, resume, train
 from sensorless.design.drive import DriveDesign
@@ -291,19 +289,3 @@ def test_a_name_with_spaces_is_quoted_in_the_way_on(tmp_path: Path, finished: Pa
     run = shutil.copytree(finished, tmp_path / "a b")
     with pytest.raises(UserError, match=f"--resume '{run}'"):
         train(SMALL, DriveDesign(), run, START)
-
-
-def test_a_mistake_leaves_no_folder(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="not a node"):
-        train(
-            replace(SMALL, start="linear:310,400", axes="speed:0:1:16"),
-            DriveDesign(),
-            tmp_path / "run",
-            table_named("linear:310,400", Motor.load("paper")),
-        )
-    assert not (tmp_path / "run").exists()
-
-
-def test_runs_share_no_scenarios() -> None:
-    starts = sorted(stream(seed, step) for seed in range(40) for step in (0, 4096))
-    assert min(b - a for a, b in pairwise(starts)) > 65536

@@ -14,6 +14,7 @@ from torch.optim import Adam
 from sensorless.agents.loading import load_run
 from sensorless.agents.table.module import TableModule
 from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.env import stream
 from sensorless.agents.train.train import resume, train
 from sensorless.agents.validation import validate_all
 from sensorless.baselines.linear import EQ25_BAND, linear_table
@@ -175,3 +176,19 @@ def test_a_folder_in_use_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="exists"):
         train(SMALL, DriveDesign(), tmp_path, START)
     assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+def test_a_mistake_leaves_no_folder(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="not a node"):
+        train(
+            replace(SMALL, start="linear:310,400", axes="speed:0:1:16"),
+            DriveDesign(),
+            tmp_path / "run",
+            table_named("linear:310,400", Motor.load("paper")),
+        )
+    assert not (tmp_path / "run").exists()
+
+
+def test_runs_share_no_scenarios() -> None:
+    starts = sorted(stream(seed, step) for seed in range(40) for step in (0, 4096))
+    assert min(b - a for a, b in itertools.pairwise(starts)) > 65536

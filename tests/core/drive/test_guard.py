@@ -5,63 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from sensorless.core.api import CONTROL, Array, lib, pointer, struct_dtype
+from sensorless.core.api import lib
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
 from sensorless.machine.motor import MOTORS, Motor
-from tests.helpers.lock import unwatched
+from tests.helpers.controller import GOOD, Drive
 
-STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")
 CURRENT, U_DC, OVER = lib.FAULT_CURRENT, lib.FAULT_U_DC, lib.FAULT_OVER_CURRENT
 COMMAND, POLE = lib.FAULT_COMMAND, lib.FAULT_POLE
-GOOD = {"i_a": 0.5, "i_b": -0.2, "u_dc": 540.0, "omega_ref": 60.0, "k_s_ref": 0.5}
 MACHINES = sorted(path.stem for path in MOTORS.glob("*.toml"))
 DENORMAL = 1e-42
 WILD = [math.nan, math.inf, -math.inf, 3e38, -3e38, DENORMAL, -DENORMAL, 1e30, 0.0, -0.0]
-
-
-class Drive:
-    """One controller, called as firmware calls it."""
-
-    def __init__(
-        self,
-        motor: Motor,
-        omega: float = 50.0,
-        *,
-        theta: float = 0.3,
-        k_s: float = 1.0,
-        seek: bool = False,
-        estimator: str = "coupled",
-    ) -> None:
-        self.params = np.zeros(1, dtype=CONTROL)
-        self.params[0] = control_record(motor, DriveDesign(estimator=estimator))
-        unwatched(self.params)
-        self.x = np.zeros(1, dtype=STATE)
-        lib.drive_init(
-            pointer(self.params, "drive_params_t[]"),
-            pointer(self.x, "drive_state_t[]"),
-            theta,
-            omega,
-            k_s,
-        )
-        if seek:
-            lib.drive_find_rotor(pointer(self.x, "drive_state_t[]"))
-
-    def step(self, **values: float) -> tuple[float, float]:
-        signal = np.zeros(1, dtype=INPUT)
-        for name, value in {**GOOD, **values}.items():
-            signal[name] = value
-        u = lib.drive_step(
-            pointer(self.params, "drive_params_t[]"),
-            pointer(self.x, "drive_state_t[]"),
-            pointer(signal, "drive_in_t[]"),
-        )
-        return u.a, u.b
-
-    def numbers(self) -> Array:
-        """Every float of the state."""
-        words = self.x.view(np.uint8)[: STATE.itemsize].copy().view(np.float32)
-        return words[: STATE.fields["fault"][1] // 4] if STATE.fields else words
 
 
 def test_good_inputs_set_no_fault(motor: Motor) -> None:
@@ -209,76 +163,6 @@ def test_samples_move_as_far_as_voltage_drives_them(
             drive.step(i_a=share * step[0], i_b=share * step[1])
             told = not seek and share == -0.7
             assert drive.x["fault"][0] == (CURRENT if told else 0), (at, share)
-
-
-def test_a_trip_of_the_hardware_is_a_stop(motor: Motor) -> None:
-    """No voltage from then on, whatever the samples say; drive_init starts anew."""
-    drive = Drive(motor)
-    assert drive.step() != (0.0, 0.0)
-    lib.drive_trip(pointer(drive.x, "drive_state_t[]"))
-    for i in (0.5, -0.5, 9.0):
-        assert drive.step(i_a=i) == (0.0, 0.0)
-        assert drive.x["fault"][0] & (OVER | lib.FAULT_STOPPED) == OVER | lib.FAULT_STOPPED
-
-
-@pytest.mark.parametrize("phase", ["START_SCAN", "START_FLY", "START_DONE"])
-def test_a_trip_that_a_period_wrote_over_is_a_stop_within_a_millisecond(
-    motor: Motor, phase: str
-) -> None:
-    """An interrupt that calls drive_trip within drive_step; the phase is lost, the bit is not."""
-    drive = Drive(motor)
-    drive.step()
-    drive.x["fault"] = OVER | lib.FAULT_STOPPED
-    drive.x["start"]["phase"] = getattr(lib, phase)
-    for _ in range(round(1e-3 / motor.T_s) + 2):
-        last = drive.step()
-    assert last == (0.0, 0.0) and drive.x["start"]["phase"][0] == lib.START_STOPPED
-    lib.drive_find_rotor(pointer(drive.x, "drive_state_t[]"))
-    assert drive.x["start"]["phase"][0] == lib.START_STOPPED
-
-
-@pytest.mark.parametrize(
-    ("argument", "value", "becomes"),
-    [
-        ("theta", math.nan, 0.0),
-        ("theta", math.inf, 0.0),
-        ("theta", -math.inf, 0.0),
-        ("theta", 3e38, 0.0),
-        ("theta", -1.1e4, 0.0),
-        ("omega", math.nan, 0.0),
-        ("omega", math.inf, 0.0),
-        ("omega", -math.inf, 0.0),
-        ("omega", 3e38, 753.016),
-        ("omega", -800.0, -753.016),
-        ("k_s", math.nan, 1.0),
-        ("k_s", math.inf, 1.0),
-        ("k_s", -math.inf, 0.0),
-        ("k_s", 1.001, 1.0),
-        ("k_s", -1e-30, 0.0),
-    ],
-)
-def test_drive_init_mends_its_arguments(
-    motor: Motor, argument: str, value: float, becomes: float
-) -> None:
-    """Each bad argument becomes a good one, sets its bit, and no voltage is out of bounds."""
-    start = {"theta": 0.3, "omega": 50.0, "k_s": 1.0, argument: value}
-    drive = Drive(motor, start["omega"], theta=start["theta"], k_s=start["k_s"])
-    found = {"theta": drive.x["est"]["theta"], "omega": drive.x["est"]["omega"]}
-    found["k_s"] = drive.x["k_s"]
-    assert found[argument][0] == pytest.approx(becomes, rel=1e-5)
-    assert drive.x["fault"][0] == COMMAND
-    assert np.all(np.isfinite(drive.numbers()))
-    for _ in range(100):
-        assert math.hypot(*drive.step()) < motor.u_dc
-    assert drive.x["fault"][0] == COMMAND
-
-
-@pytest.mark.parametrize("turns", [-1000, -3, -2, -1, 0, 1, 2, 3, 1000])
-def test_drive_init_takes_any_number_of_turns(motor: Motor, turns: int) -> None:
-    for at in (-3.1, -0.3, 0.0, 2.9):
-        drive = Drive(motor, theta=at + 2.0 * math.pi * turns)
-        assert drive.x["est"]["theta"][0] == pytest.approx(at, abs=1e-3)
-        assert drive.x["fault"][0] == 0
 
 
 @pytest.mark.parametrize(

@@ -131,6 +131,18 @@ def test_crawls_reverse_three_times() -> None:
     assert (s.t[:, 3] - s.t[:, 2] > took + 0.5).all()
 
 
+def test_reversal_steps_through_zero_at_once_under_every_load() -> None:
+    s = suite("reversal", MOTOR, 5, 400)
+    before, after = s.omega_0, s.omega[:, 2]
+    rated = MOTOR.omega_m_rated
+    for speed in (before, after):
+        assert 0.3 <= np.abs(speed / rated).min() < 0.32 and 0.98 < np.abs(speed / rated).max() <= 1
+    assert (before * after < 0.0).all() and (s.omega_rate[:, 0] * MOTOR.T_s > rated).all()
+    assert (s.tau[:, 1] == s.tau[:, 2]).all() and np.abs(s.tau).max() <= MOTOR.tau_rated
+    signs = {(a, b) for a, b in zip(np.sign(before), np.sign(s.tau[:, 1]), strict=True)}
+    assert signs == {(1, 1), (1, -1), (-1, 1), (-1, -1)}
+
+
 def test_unload_draws_speeds_and_errors() -> None:
     s = suite("unload", MOTOR, 5, 400)
     rpm = np.abs(s.omega_0) / RPM_TO_RAD_S
