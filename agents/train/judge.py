@@ -13,7 +13,8 @@ from stable_baselines3.common.save_util import load_from_zip_file
 from sensorless.agents.loading import TABLE, VERDICT, load_run
 from sensorless.agents.table.module import TableModule
 from sensorless.agents.train.config import TrainConfig
-from sensorless.agents.train.run_folder import LATEST, reopen, rows
+from sensorless.agents.train.curve import rows
+from sensorless.agents.train.run_folder import LATEST, reopen
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
 from sensorless.envs.scenarios.scenario import SimFactory

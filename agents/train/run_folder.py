@@ -1,14 +1,11 @@
 """What a training run leaves on disk, and what it needs to resume."""
 
-import csv
 import dataclasses
 import json
-import math
 import shlex
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +13,7 @@ from sensorless.agents.loading import CONFIG, MLP, TABLE, document
 from sensorless.agents.mlp.schedule import MlpSchedule
 from sensorless.agents.train.alone import alone
 from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.curve import rows
 from sensorless.design.carried import Carried, carried, record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines import Machines
@@ -29,13 +27,13 @@ from sensorless.versions import versions
 
 LIBRARIES = ("numpy", "torch", "stable-baselines3", "gymnasium")
 """What a trained schedule depends on."""
-PROGRESS = "progress.csv"
 START = "start.json"
 """File of the schedule that training started from."""
-COLUMNS = ("steps", "seconds", "lost_rate", "torque_dev", "torque_ripple", "objective", "best")
-"""Columns of ``progress.csv``."""
 LATEST = "checkpoints/latest.zip"
-ORIGIN = ("command", "motor", "motor_digest", "machines", "machine", "set", "design", "gains")
+ORIGIN = (
+    *("command", "resumed", "motor", "motor_digest", "machines", "machine"),
+    *("set", "design", "gains"),
+)
 """What a schedule takes over from the configuration of its run, beside ``versions``."""
 
 
@@ -44,13 +42,34 @@ def describe(
 ) -> dict[str, Any]:
     """Content of ``config.json``."""
     return {
-        "command": " ".join(["sensorless", *sys.argv[1:]]),
+        "command": _command(),
         **machines.origin(),
         "start_digest": start.digest,
         "train": dataclasses.asdict(config),
         **record(design, machines.one),
         "versions": versions(LIBRARIES),
     }
+
+
+def _command() -> str:
+    return shlex.join(["sensorless", *sys.argv[1:]])
+
+
+def note_resumed(folder: Path, steps: int) -> None:
+    """Add to the configuration of a run that it goes on, after how many decisions and by what.
+
+    Such a run is not repeated by its first command, nor made by the versions of its start alone.
+
+    Raises
+    ------
+    UserError
+        The folder cannot be written to.
+    """
+    data = document(folder / CONFIG)
+    before = data.get("resumed")
+    here = {"steps": steps, "command": _command(), "versions": versions(LIBRARIES)}
+    data["resumed"] = [*(before if isinstance(before, list) else []), here]
+    write_atomic(folder / CONFIG, json.dumps(data, indent=1) + "\n")
 
 
 def create(
@@ -190,11 +209,17 @@ def reopen(folder: Path) -> tuple[TrainConfig, Carried, KsTable]:
         known = carried(data, str(folder / CONFIG))
         if config.machines:
             known = dataclasses.replace(known, made_for=(data["motor"], data["machines"]["digest"]))
-        return config, known, KsTable.load(folder / START)
+        start = KsTable.load(folder / START)
     except (ValueError, KeyError, TypeError) as error:
         if isinstance(error, UserError):
             raise
         raise UserError(f"{folder / CONFIG}: {error}; restore the file, or train anew") from None
+    if start.digest != data.get("start_digest"):
+        raise UserError(
+            f"{folder / START}: not the start of this run, digest {start.digest[:16]} instead of "
+            f"{shown(str(data.get('start_digest'))[:16])}; restore the file, or train anew"
+        )
+    return config, known, start
 
 
 def _config(found: Mapping[str, Any], path: Path) -> TrainConfig:
@@ -222,65 +247,3 @@ def save_schedule(
         policy.table.save(folder / TABLE, {**origin, **facts})
     else:
         policy.save(folder / MLP, {**origin, **facts})
-
-
-def rows(folder: Path) -> list[dict[str, Any]]:
-    """Learning curve of a run so far.
-
-    Raises
-    ------
-    UserError
-        The file is damaged; the message names line and column.
-    """
-    path = folder / PROGRESS
-    if not path.is_file():
-        return []
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            head, *lines = list(csv.reader(file)) or [[]]
-    except (OSError, ValueError, csv.Error) as error:
-        raise UserError(f"{path}: {error}; restore the file, or train anew") from None
-    if tuple(head) != COLUMNS:
-        raise UserError(
-            f"{path}: line 1: {shown(','.join(head))}, not the columns {','.join(COLUMNS)}; "
-            "restore the file, or train anew"
-        )
-    return [_row(line, f"{path}: line {n}") for n, line in enumerate(lines, 2) if line]
-
-
-def _row(line: Sequence[str], where: str) -> dict[str, Any]:
-    """One validation by column; ``steps`` is a whole number, the others are texts of numbers."""
-    if len(line) != len(COLUMNS):
-        raise UserError(
-            f"{where}: {len(line)} values, not {len(COLUMNS)}; restore the file, or train anew"
-        )
-    row: dict[str, Any] = dict(zip(COLUMNS, line, strict=True))
-    for name, text in row.items():
-        try:
-            value = int(text) if name == "steps" else float(text)
-            if not math.isfinite(value):
-                raise ValueError
-        except ValueError:
-            raise UserError(
-                f"{where}: {name}: {shown(text)} is no finite number; restore the file, or train "
-                "anew"
-            ) from None
-        row[name] = value if name == "steps" else text
-    return row
-
-
-def write_rows(folder: Path, curve: Sequence[Mapping[str, Any]]) -> None:
-    """Write the learning curve of a run."""
-    text = StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(curve)
-    write_atomic(folder / PROGRESS, text.getvalue())
-
-
-def cut_back(folder: Path, steps: int) -> None:
-    """Remove what the learning curve has beyond the checkpoint that a run resumes from."""
-    known = rows(folder)
-    kept = [row for row in known if row["steps"] <= steps]
-    if len(kept) < len(known):
-        write_rows(folder, kept)

@@ -19,8 +19,15 @@ from sensorless.agents.pairs import PairedRolloutBuffer
 from sensorless.agents.table.policy import TableActorCritic
 from sensorless.agents.train.alone import alone
 from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.curve import cut_back
 from sensorless.agents.train.env import training_env
-from sensorless.agents.train.run_folder import LATEST, create, cut_back, fresh, reopen
+from sensorless.agents.train.run_folder import (
+    LATEST,
+    create,
+    fresh,
+    note_resumed,
+    reopen,
+)
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.agents.train.watch import Progress, Watch
 from sensorless.design.carried import refuse_settings
@@ -136,6 +143,7 @@ def resume(
         if (folder / LATEST).is_file():  # else the run ended before its first checkpoint
             _restore(model, folder / LATEST)
         cut_back(folder, model.num_timesteps)
+        note_resumed(folder, model.num_timesteps)
         return _learn(model, folder, config, design, machines, report)
 
 

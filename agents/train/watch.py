@@ -17,8 +17,9 @@ from sensorless.agents.mlp.policy import MlpActorCritic
 from sensorless.agents.pairs import restart
 from sensorless.agents.table.policy import TableActorCritic
 from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.curve import rows, write_rows
 from sensorless.agents.train.env import stream
-from sensorless.agents.train.run_folder import LATEST, rows, save_schedule, write_rows
+from sensorless.agents.train.run_folder import LATEST, save_schedule
 from sensorless.agents.validation import validate_all
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.stress import DURATION
@@ -63,6 +64,8 @@ class Watch(BaseCallback):
     def _on_training_start(self) -> None:
         self._first_step = self.model.num_timesteps
         self._steps = self.actor.steps()
+        if self._rows and self._rows[-1]["steps"] == self._first_step and self.best is not None:
+            self._judged = self._updates  # a resumed run has its row of this actor
         self.judge()
 
     @property

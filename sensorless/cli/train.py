@@ -165,8 +165,8 @@ def run_training(
     """
     from sensorless.agents.loading import CONFIG
     from sensorless.agents.train import train as training
+    from sensorless.agents.train.curve import rows
     from sensorless.agents.train.judge import judge
-    from sensorless.agents.train.run_folder import rows
     from sensorless.design.drive import DriveDesign
     from sensorless.evaluation.objective import Cost
     from sensorless.machine.motor import Motor

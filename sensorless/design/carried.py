@@ -28,6 +28,15 @@ BELONGS = ("k_s_slew",)
 RESTORE = "restore the file, or make it anew"
 
 
+def commands_of(origin: Mapping[str, Any]) -> list[str]:
+    """Every command that made a schedule, in order: the first, and those that went on with it."""
+    more = origin.get("resumed")
+    known = [origin, *(more if isinstance(more, list) else [])]
+    return [
+        str(part["command"]) for part in known if isinstance(part, Mapping) and part.get("command")
+    ]
+
+
 @dataclass(frozen=True)
 class Carried:
     """Machine and settings that a file brings along."""

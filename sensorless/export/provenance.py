@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from sensorless.core.api import ffi, lib
-from sensorless.design.carried import chosen, plain, record
+from sensorless.design.carried import chosen, commands_of, plain, record
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import KsTable
@@ -74,7 +74,8 @@ def provenance_text(
     verdict: str,
 ) -> str:
     """``PROVENANCE.txt``: the same for people, who may keep it with a released firmware."""
-    made = [f"  {key}: {origin[key]}" for key in ("command", "seed") if key in origin]
+    made = [f"  command: {text}" for text in commands_of(origin)]
+    made += [f"  seed: {origin['seed']}"] if "seed" in origin else []
     settings = [f"  {name} = {value}" for name, value in chosen(design).items()]
     return "\n".join(
         [

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from sensorless.agents.loading import CONFIG
-from sensorless.agents.train.run_folder import PROGRESS, design_and_motor, setting_of
+from sensorless.agents.train.curve import PROGRESS
+from sensorless.agents.train.run_folder import design_and_motor, setting_of
 from sensorless.agents.validation import validate
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError

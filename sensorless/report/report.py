@@ -9,6 +9,7 @@ from typing import Any
 
 from sensorless.agents.loading import verdict_of
 from sensorless.baselines.linear import eq25_band, linear_table
+from sensorless.design.carried import commands_of
 from sensorless.evaluation.evaluate import PolicyProgress
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
@@ -252,8 +253,10 @@ class Report:
         self, command: str, results: Sequence[Results], mapped: Sequence[str], points: int
     ) -> list[tuple[str, str]]:
         out = [("This page:", command)]
-        if isinstance(self.policy, TablePolicy) and self.policy.table.provenance.get("command"):
-            out.insert(0, ("The policy:", str(self.policy.table.provenance["command"])))
+        if isinstance(self.policy, TablePolicy):
+            made = commands_of(self.policy.table.provenance)
+            names = ("The policy:", *["And then:"] * (len(made) - 1))
+            out = [*zip(names, made, strict=False), *out]
         judged, sides = (
             [word for name in names for word in ("--policy", name)]
             for names in ((self.run, *self.others), mapped)

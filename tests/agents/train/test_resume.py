@@ -18,7 +18,8 @@ import pytest
 from sensorless.agents.loading import TABLE
 from sensorless.agents.train.alone import alone
 from sensorless.agents.train.config import TrainConfig
-from sensorless.agents.train.run_folder import LATEST, PROGRESS, fresh
+from sensorless.agents.train.curve import PROGRESS
+from sensorless.agents.train.run_folder import LATEST, fresh
 from sensorless.agents.train.train import TablePPO, resume, train
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError

@@ -1,0 +1,60 @@
+"""What a resumed run tells of itself: when it went on, by what command, from which start."""
+
+import csv
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from sensorless.agents.loading import TABLE
+from sensorless.agents.train.config import TrainConfig
+from sensorless.agents.train.curve import PROGRESS
+from sensorless.agents.train.run_folder import START
+from sensorless.agents.train.train import resume, train
+from sensorless.baselines.linear import linear_table
+from sensorless.design.carried import commands_of
+from sensorless.design.drive import DriveDesign
+from sensorless.errors import UserError
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import table_named
+from sensorless.table.ks_table import KsTable
+from tests.helpers.scenarios import briefly
+
+SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=0, validate_size=16)
+
+pytestmark = pytest.mark.usefixtures("brief")
+
+
+@pytest.fixture(scope="module")
+def twice(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a short run that went on once, its best table being the last."""
+    folder = tmp_path_factory.mktemp("runs") / "twice"
+    last = TrainConfig(**{**SMALL.__dict__, "last": True})
+    with briefly():
+        train(last, DriveDesign(), folder, table_named("eq25", Motor.load("paper")))
+        resume({"steps": 512}, folder)
+    return folder
+
+
+def test_the_curve_has_one_row_for_a_number_of_decisions(twice: Path) -> None:
+    with (twice / PROGRESS).open() as file:
+        steps = [int(row["steps"]) for row in csv.DictReader(file)]
+    assert steps == [0, 512, 1024]
+
+
+def test_configuration_and_schedule_say_that_the_run_went_on(twice: Path) -> None:
+    (more,) = json.loads((twice / "config.json").read_text())["resumed"]
+    assert more["steps"] == 512 and more["versions"]["torch"]
+    known = KsTable.load(twice / TABLE).provenance
+    assert known["resumed"] == [more]
+    assert commands_of(known) == [known["command"], more["command"]]
+
+
+def test_another_start_is_refused(twice: Path, tmp_path: Path) -> None:
+    """What was learned would be compared with a start that it never had."""
+    run = shutil.copytree(twice, tmp_path / "run")
+    start = KsTable.load(run / START)
+    linear_table(0.6, 0.9).save(run / START, start.provenance)
+    with pytest.raises(UserError, match=r"start\.json: not the start of this run, digest .*anew"):
+        resume({"steps": 512}, run)
