@@ -1,6 +1,8 @@
 /* The step of one period as a linkable function, and the initial state. */
 #include "drive.h"
 
+#include "drive_stop.h"
+
 ab_t drive_step(const drive_params_t *p, drive_state_t *x, const drive_in_t *in) {
     return drive_step_inline(p, x, in);
 }
@@ -84,8 +86,9 @@ static float init_angle(float theta) {
     return wrap_pi(t - TWO_PI_F * (float)(int32_t)(t / TWO_PI_F));
 }
 
-void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float omega_0,
-                float k_s_0) {
+/* All words but the one that tells a trip. */
+static void drive_clear(const drive_params_t *p, drive_state_t *x, float theta_0, float omega_0,
+                        float k_s_0) {
     float at = init_angle(theta_0);
     float omega = guard_speed(omega_0, p->guard.omega);
     float k_s = ks_limit(k_s_0);
@@ -118,14 +121,18 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float 
     x->signal.omega_ref = omega;
     x->signal.k_s = k_s;
     control_ready(&p->control, &x->control, omega);
-    x->begun = DRIVE_BEGUN;
     start_begin(&x->start);
     x->start.phase = START_DONE;
 }
 
+void drive_init(const drive_params_t *p, drive_state_t *x, float theta_0, float omega_0,
+                float k_s_0) {
+    drive_clear(p, x, theta_0, omega_0, k_s_0);
+    x->begun = DRIVE_BEGUN;
+}
+
 void drive_find_rotor(drive_state_t *x) {
-    if (x->begun != DRIVE_BEGUN || x->start.phase == START_STOPPED ||
-        (x->fault & FAULT_STOPPED) != 0) {
+    if (x->begun != DRIVE_BEGUN || x->start.phase == START_STOPPED || drive_is_to_stop(x)) {
         x->fault |= FAULT_COMMAND;
     } else {
         start_begin(&x->start);
@@ -133,17 +140,20 @@ void drive_find_rotor(drive_state_t *x) {
 }
 
 CORE_COLD void drive_trip(drive_state_t *x) {
-    x->fault |= FAULT_OVER_CURRENT | FAULT_STOPPED;
-    start_enter(&x->start, START_STOPPED);
+    x->begun = DRIVE_TRIPPED;
+    drive_stop(x);
 }
 
 CORE_COLD ab_t drive_mend(const drive_params_t *p, drive_state_t *x) {
     int fault = x->fault & FAULT_ALL; /* the word itself may be damaged */
-    int stopped = x->start.phase == START_STOPPED || (fault & FAULT_STOPPED) != 0;
+    int stopped = x->start.phase == START_STOPPED || drive_is_to_stop(x);
     int stop = p->lock.action == LOCK_STOP || stopped;
-    drive_init(p, x, 0.0f, 0.0f, 1.0f);
+    drive_clear(p, x, 0.0f, 0.0f, 1.0f);
+    x->begun = x->begun == DRIVE_TRIPPED ? DRIVE_TRIPPED : DRIVE_BEGUN;
     drive_find_rotor(x);
-    x->fault = fault | FAULT_STATE | (stop ? FAULT_STOPPED : 0);
-    x->start.phase = stop ? START_STOPPED : x->start.phase;
+    x->fault = fault | FAULT_STATE;
+    if (stop) {
+        drive_stop(x);
+    }
     return x->u_1;
 }

@@ -78,8 +78,8 @@ void drive_init(const drive_params_t *p, drive_state_t *x, float theta, float om
 void drive_find_rotor(drive_state_t *x);
 
 /* Tells the drive that hardware opened the bridge, which samples need not show: no voltage any more,
- * FAULT_OVER_CURRENT and FAULT_STOPPED, until drive_init. Call it between two calls of drive_step: one
- * that it interrupts may write over it, and then it may take effect a millisecond late or not at all. */
+ * FAULT_OVER_CURRENT and FAULT_STOPPED, until drive_init. It takes effect with the next drive_step; with
+ * that within a millisecond if it interrupts one, which may write over all but begun. */
 void drive_trip(drive_state_t *x);
 
 #ifdef __cplusplus

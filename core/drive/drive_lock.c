@@ -3,6 +3,7 @@
 
 #include "drive_check.h"
 #include "drive_start.h"
+#include "drive_stop.h"
 
 CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
     if (p->lock.action == LOCK_RESTART && drive_can_change(p, x)) {
@@ -10,8 +11,7 @@ CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
         return;
     }
     if (p->lock.action == LOCK_STOP || x->lock.restarts >= p->lock.restarts) {
-        x->fault |= FAULT_STOPPED;
-        start_enter(&x->start, START_STOPPED);
+        drive_stop(x);
     } else {
         x->lock.restarts += 1;
         drive_find_again(x);
@@ -24,10 +24,10 @@ ab_t drive_lock(const drive_params_t *p, drive_state_t *x, ab_t u) {
         drive_watch(p, x);
         return drive_unless(drive_start_counts(x) && drive_angles_sound(x), &p->guard, u);
     }
-    int begun = x->begun == DRIVE_BEGUN;
+    int begun = x->begun == DRIVE_BEGUN || x->begun == DRIVE_TRIPPED;
     drive_judge(p, x);
-    if ((x->fault & FAULT_STOPPED) != 0) { /* drive_trip came within a period */
-        start_enter(&x->start, START_STOPPED);
+    if (drive_is_to_stop(x)) { /* drive_trip came within a period */
+        drive_stop(x);
     } else if (drive_acts(p, x)) {
         drive_act(p, x);
     }

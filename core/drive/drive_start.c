@@ -4,6 +4,7 @@
 #include "drive_actuate.h"
 #include "drive_check.h"
 #include "drive_observe.h"
+#include "drive_stop.h"
 
 /* Stages that several places call, kept once in the memory of a target. */
 CORE_APART rot_t unit(float theta) { return rot_of(theta); }
@@ -278,9 +279,9 @@ CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive
     if (!drive_seek_sound(x)) {
         return drive_unless(0, &p->guard, u);
     }
-    if (x->start.phase == START_STOPPED || (x->fault & FAULT_STOPPED) != 0) {
-        start_enter(&x->start, START_STOPPED); /* also if drive_trip came within a period, */
-        x->fault |= FAULT_STOPPED;             /* or the application has lost the bit */
+    if (x->start.phase == START_STOPPED || drive_is_to_stop(x)) {
+        drive_stop(
+            x); /* also if drive_trip came within a period, or the application lost the bits */
         x->u_2 = x->u_1;
         x->u_1 = u;
     } else if (x->start.phase == START_FLY) {

@@ -30,8 +30,9 @@ enum {
     FAULT_ALL = 255     /* all of these */
 };
 
-/* What memory that was never begun does not hold. */
-enum { DRIVE_BEGUN = 0x1DEA5EED };
+/* What drive_init writes, and drive_trip after it: memory that was never begun holds neither. A period
+ * does not write this word, so it cannot write over a trip that interrupts it. */
+enum { DRIVE_BEGUN = 0x1DEA5EED, DRIVE_TRIPPED = 0x5709BED1 };
 
 /* What inputs of a period may be. */
 typedef struct {
@@ -77,7 +78,7 @@ typedef struct {
     float theta_hfi; /* compensated angle of injection at k; coupled: est plus err_hfi [rad] */
     float theta_smo; /* angle of the observer in use at k; coupled: est plus eps [rad] */
     float k_s;       /* weight in force */
-    int32_t begun;   /* DRIVE_BEGUN, from drive_init on */
+    int32_t begun;   /* DRIVE_BEGUN from drive_init on, DRIVE_TRIPPED from drive_trip on */
     int fault;       /* FAULT_* bits, kept until the caller clears them */
 } drive_state_t;
 

@@ -42,8 +42,8 @@ static void control(int j) {
     double want = (double)p.k_p_speed * ((double)p.weight_ref * ref - w) + (double)was.i_int;
     double most = sqrt(fmax(pow((double)p.i_max, 2.0) - pow((double)was.i_ref.d, 2.0), 0.0));
     double held = fabs((double)was.i_ref.q);
-    held = was.i_ref.d > was.i_d_end ? held
-                                     : fmax(held - (double)p.i_q_step, (double)was.i_q_least);
+    held =
+        was.i_ref.d > was.i_d_end ? held : fmax(held - (double)p.i_q_step, (double)was.i_q_least);
     most = was.u_abs > was.u_max ? fmin(most, held) : most;
     double i_q = (double)was.i_ref.q;
     i_q = bounded(i_q + bounded(want - i_q, (double)p.i_q_step), most);

@@ -36,8 +36,8 @@ static void learn(int j) {
     float k_s = j % 5 < 2 ? draw_f(0, 0.02) : draw_f(0, 1);
     rot_t r = {(float)cos(theta), (float)sin(theta)};
 
-    match_gain(&p, &x, 1, i_ab, r, aux_dq, (float)(1.0 / size), (float)L_d, (float)L_qq, err,
-               omega, k_s);
+    match_gain(&p, &x, 1, i_ab, r, aux_dq, (float)(1.0 / size), (float)L_d, (float)L_qq, err, omega,
+               k_s);
     vec_t n = conj(i) * (1.0 + I / sqrt(3.0)) * cexp(-I * theta); /* of negative sequence */
     double slope = (L_d * creal(n) * creal(aux) + L_qq * cimag(n) * cimag(aux)) / size;
     double swing = bounded((double)(err - was.mean), 0.3);

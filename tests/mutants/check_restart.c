@@ -136,22 +136,26 @@ static void mend(void) {
     }
 }
 
-/* Either of the two, phase and bit, is enough to stop, and neither goes back to seeking. */
+/* Phase, bit or trip: each is enough to stop, and none goes back to seeking. */
 static void stopped(void) {
     const drive_in_t in = {0.0f, 0.0f, PARAMS[4].guard.u_dc_max, 0.0f, 1.0f};
-    for (int j = 0; j < 4; j++) {
+    for (int j = 0; j < 6; j++) {
         drive_state_t x;
         drive_init(&PARAMS[4], &x, 0.0f, 0.0f, 1.0f);
-        x.start.phase = j == 0 ? START_STOPPED : j == 1 ? START_SCAN : START_DONE;
-        x.fault = j == 0 || j == 3 ? 0 : FAULT_STOPPED;
-        x.begun = j == 3 ? 0 : x.begun;
+        x.start.phase = j == 0 ? START_STOPPED : j % 4 == 1 ? START_SCAN : START_DONE;
+        x.fault = j == 1 || j == 2 ? FAULT_STOPPED : 0;
+        x.begun = j == 3 ? 0 : j > 3 ? DRIVE_TRIPPED : x.begun;
         int32_t before = x.start.phase;
         drive_find_rotor(&x);
         check("stopped: find", x.start.phase == before && (x.fault & FAULT_COMMAND) != 0);
-        if (j < 2) {
+        if (j != 3) {
+            x.lock.wait = j % 4 == 1 ? x.lock.wait : 1; /* in control: with the lock's next test */
+            int32_t over = j > 3 ? FAULT_OVER_CURRENT : 0;
+            drive_step(&PARAMS[4], &x, &in);
             ab_t u = drive_step(&PARAMS[4], &x, &in);
             check("stopped: step", x.start.phase == START_STOPPED && u.a == 0.0f && u.b == 0.0f);
-            check("stopped: bit", (x.fault & FAULT_STOPPED) != 0);
+            check("stopped: bits", (x.fault & (FAULT_STOPPED | over)) == (FAULT_STOPPED | over));
+            check("stopped: trip", x.begun == (j > 3 ? DRIVE_TRIPPED : DRIVE_BEGUN));
         }
     }
 }

@@ -10,6 +10,7 @@ from sensorless.machine.motor import Motor
 from tests.helpers.controller import Drive
 
 OVER, COMMAND = lib.FAULT_OVER_CURRENT, lib.FAULT_COMMAND
+STOP = OVER | lib.FAULT_STOPPED
 
 
 def test_a_trip_of_the_hardware_is_a_stop(motor: Motor) -> None:
@@ -22,20 +23,36 @@ def test_a_trip_of_the_hardware_is_a_stop(motor: Motor) -> None:
         assert drive.x["fault"][0] & (OVER | lib.FAULT_STOPPED) == OVER | lib.FAULT_STOPPED
 
 
+@pytest.mark.parametrize(("word", "value"), [("fault", STOP), ("begun", lib.DRIVE_TRIPPED)])
 @pytest.mark.parametrize("phase", ["START_SCAN", "START_FLY", "START_DONE"])
 def test_a_trip_that_a_period_wrote_over_is_a_stop_within_a_millisecond(
-    motor: Motor, phase: str
+    motor: Motor, phase: str, word: str, value: int
 ) -> None:
-    """An interrupt that calls drive_trip within drive_step; the phase is lost, the bit is not."""
+    """An interrupt that calls drive_trip within drive_step: one of its words may be all left."""
     drive = Drive(motor)
     drive.step()
-    drive.x["fault"] = OVER | lib.FAULT_STOPPED
+    drive.x[word] = value
     drive.x["start"]["phase"] = getattr(lib, phase)
     for _ in range(round(1e-3 / motor.T_s) + 2):
         last = drive.step()
     assert last == (0.0, 0.0) and drive.x["start"]["phase"][0] == lib.START_STOPPED
+    assert drive.x["fault"][0] & STOP == STOP
     lib.drive_find_rotor(pointer(drive.x, "drive_state_t[]"))
     assert drive.x["start"]["phase"][0] == lib.START_STOPPED
+
+
+def test_no_period_writes_the_word_that_tells_a_trip(motor: Motor) -> None:
+    """Also none that damage makes a new start; drive_init alone ends a trip."""
+    drive = Drive(motor)
+    lib.drive_trip(pointer(drive.x, "drive_state_t[]"))
+    for damage in (0.0, math.nan):
+        drive.x["u_1"]["a"] = damage
+        drive.x["fault"] = 0
+        assert drive.step() == (0.0, 0.0)
+        assert drive.x["begun"][0] == lib.DRIVE_TRIPPED
+        assert drive.x["fault"][0] & STOP == STOP
+    drive = Drive(motor)
+    assert drive.x["begun"][0] == lib.DRIVE_BEGUN and drive.step() != (0.0, 0.0)
 
 
 @pytest.mark.parametrize(
