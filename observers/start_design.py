@@ -35,6 +35,9 @@ several times its noise while it is watched; below it, the injection estimator s
 POLE_SPEED = 0.08
 """Speed, over rated, above which the EMF shows the pole: several times the error of the injection
 estimator's speed at the end of LOCK."""
+FOUND_SHARE = 1.25
+"""Speed from which a start on a spinning shaft is promised, over the one at which the EMF shows the
+pole: what is left of its noise and of the speed's error."""
 PULSE_SHARE = 0.8
 """Largest pulse voltage, over the largest that the DC link allows."""
 POLE_SHARE = 0.08
@@ -93,6 +96,11 @@ def polarity_pulse(motor: Motor) -> tuple[float, float]:
 def knows_poles(motor: Motor) -> bool:
     """Whether saturation shows the north pole: peaks that differ by twice ``POLE_ERROR``."""
     return abs(polarity_pulse(motor)[1]) >= 2.0 * POLE_ERROR * motor.i_rated
+
+
+def spin_speed(motor: Motor) -> float:
+    """Speed [r/min] from which on the EMF of a spinning shaft shows the pole of every machine."""
+    return FOUND_SHARE * POLE_SPEED * motor.n_rated_rpm
 
 
 def alike(motor: Motor) -> str:

@@ -19,7 +19,7 @@ static float signal_sum(const signal_state_t *x) {
 
 static float control_sum(const control_state_t *x) {
     float sum = x->u_sum.d + x->u_sum.q + x->i_sum.d + x->i_sum.q;
-    return sum + x->i_int + x->i_d_end + x->i_q_least;
+    return sum + x->i_int + x->i_d_end + x->i_q_least + x->u_abs; /* which has u_int in it */
 }
 
 static float drift_sum(const drift_state_t *x) {
@@ -48,7 +48,9 @@ float drive_seek_sum(const drive_state_t *x) {
     const hfi_state_t *h = &x->hfi;
     const control_state_t *c = &x->control;
     float sum = h->pll.theta + h->pll.omega + h->i_1.d + h->i_1.q + h->sign_1 + h->sign_3;
-    sum += h->amplitude + h->answer + h->valid + x->emf.pll.theta;
+    sum += h->amplitude + h->answer + h->valid + x->emf.pll.theta + x->emf.pll.omega;
+    sum += x->emf.valid + x->coupled.match.offset_a + x->coupled.match.offset_b;
+    sum += x->est.theta + x->est.omega;
     sum += c->i_1.d + c->i_1.q + c->i.d + c->i_ref.d + c->i_ref.q;
     return sum + c->u_int.d + c->u_int.q + c->i_d_fw + c->u_max;
 }

@@ -59,8 +59,8 @@ CORE_INLINE int drive_seek_sound(const drive_state_t *x) {
     const start_state_t *s = &x->start;
     float from = x->u_1.a + x->u_1.b + x->u_2.a + x->u_2.b;
     from += x->smo.i_hat.a + x->smo.i_hat.b + x->smo.z.a + x->smo.z.b;
-    return s->phase > START_DONE && s->phase < START_END && drive_start_counts(x) &&
-           drive_lock_counts(x) && abs_f(from) <= CHECK_LIMIT;
+    return start_is_phase(s->phase) && drive_start_counts(x) && drive_lock_counts(x) &&
+           abs_f(from) <= CHECK_LIMIT;
 }
 
 /* Whether both estimators' angles, the weight and the torque current's sign are such as a drive

@@ -235,13 +235,14 @@ CORE_COLD static void take_over(const drive_params_t *p, drive_state_t *x, ab_t 
     release(p, x, next, i_ab);
 }
 
-/* The axis is known. After lost lock the shaft's EMF may tell the pole. Where pulses cannot, LOCK goes
- * on for as long as they would take: a load may make the shaft fast enough; then the guess decides. */
+/* The axis is known. If the shaft turns, its EMF may tell the pole. After lost lock, where pulses
+ * cannot, LOCK goes on for as long as they would take: a load may make the shaft fast enough; then the
+ * guess decides. */
 CORE_COLD static void leave_lock(const drive_params_t *p, drive_state_t *x, ab_t i_ab) {
     const start_params_t *q = &p->start;
     int32_t pulses = q->n_tries * start_pair(q);
     int again = x->start.again != 0;
-    int known = again && know_pole(p, x);
+    int known = know_pole(p, x);
     if (!known && (!again || abs_f(q->i_pole) >= q->i_pole_sure)) {
         enter_pole(p, x);
     } else if (known || x->start.n >= 2 * q->n_lock + pulses) {

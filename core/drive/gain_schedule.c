@@ -46,10 +46,21 @@ static void advance(const gain_schedule_params_t *p, gain_schedule_state_t *x,
     x->next = g + 1;
 }
 
+/* Takes the static gains where check is neither good nor what an init may have found. */
+CORE_COLD static void give_up(gain_schedule_state_t *x, const drive_params_t *drive,
+                              drive_params_t *live) {
+    if (x->check < KS_BAD_MAGIC || x->check > KS_BAD_MOTOR) {
+        *live = *drive;
+        x->check = KS_BAD_MAGIC;
+    }
+    x->ks.fault |= KS_FAULT_GAINS;
+}
+
 float gain_schedule_step(const gain_schedule_params_t *p, gain_schedule_state_t *x,
                          const drive_params_t *drive, drive_params_t *live,
                          const signal_state_t *signals) {
     if (x->check != KS_GOOD) {
+        give_up(x, drive, live);
         return ks_schedule_step(&p->ks, &x->ks, &drive->signal, signals);
     }
     if (x->ks.wait <= 0 || x->ks.wait > p->ks.periods) {

@@ -13,12 +13,12 @@ int ks_schedule_init(const ks_schedule_params_t *p, ks_schedule_state_t *x) {
     return found;
 }
 
-/* Decides without a good table. */
+/* Decides without a good table, also where check is damaged. */
 CORE_COLD static float by_rule(const ks_schedule_params_t *p, ks_schedule_state_t *x,
                                const signal_params_t *signal_params,
                                const signal_state_t *signals) {
     float speed = signal_at(signal_params, signals, 1.0f, SIGNAL_SPEED);
-    x->fault |= (finite_f(speed) ? 0 : KS_FAULT_INPUT) | (x->check != 0 ? 0 : KS_FAULT_TABLE);
+    x->fault |= KS_FAULT_TABLE | (finite_f(speed) ? 0 : KS_FAULT_INPUT);
     x->k_s_ref = ks_rule(&p->rule, speed);
     x->wait = p->periods - 1;
     return x->k_s_ref;

@@ -23,17 +23,17 @@
 #include "hf_injection.h"
 #include "sliding_mode.h"
 
+/* Two bits or more lie between any two phases: one flipped bit is no phase, and is told as damage. */
 enum {
     START_DONE = 0, /* the drive is in control */
-    START_CATCH,
-    START_FLY,
-    START_SCAN,
-    START_LOCK,
-    START_POLE,
-    START_SETTLE,
-    START_QUIET,
-    START_STOPPED, /* not in control any more, no voltage */
-    START_END      /* phases are below */
+    START_CATCH = 0x11,
+    START_FLY = 0x22,
+    START_SCAN = 0x33,
+    START_LOCK = 0x44,
+    START_POLE = 0x55,
+    START_SETTLE = 0x66,
+    START_QUIET = 0x77,
+    START_STOPPED = 0x88 /* not in control any more, no voltage */
 };
 
 typedef struct {
@@ -90,6 +90,11 @@ CORE_INLINE void start_begin(start_state_t *x) {
     x->omega = 0.0f;
     x->i_0 = 0.0f;
     x->i_pole = 0.0f;
+}
+
+/* Whether a number is a phase in which the drive is not in control. */
+CORE_INLINE int start_is_phase(int32_t phase) {
+    return phase > START_DONE && phase <= START_STOPPED && (phase & 15) == phase >> 4;
 }
 
 /* Enters a phase. */

@@ -14,8 +14,9 @@ from sensorless.envs.counter_random import Floats, Seeds
 from sensorless.errors import UserError
 from sensorless.machine.magnetics import iron_conductance
 from sensorless.machine.motor import Motor
-from sensorless.observers.start_design import alike, knows_poles
+from sensorless.observers.start_design import alike, knows_poles, spin_speed
 from sensorless.policy import NO_SETTINGS, Settings
+from sensorless.units import RPM_TO_RAD_S
 
 Bools = NDArray[np.bool_]
 
@@ -201,14 +202,15 @@ class SimFactory:
         Raises
         ------
         UserError
-            A start from an unknown angle, on a machine whose saturation does not tell its poles
-            apart.
+            A start from an unknown angle, at rest or nearly so, on a machine whose saturation does
+            not tell its poles apart.
         """
-        motor = self.motor
-        if np.any(s.seek) and not knows_poles(motor):
+        motor, slow = self.motor, spin_speed(self.motor)
+        if not knows_poles(motor) and np.any(s.seek & (np.abs(s.omega_0) < slow * RPM_TO_RAD_S)):
             raise UserError(
                 f"start: the poles of {motor.name} look alike: {alike(motor)}; start at a known "
-                "angle, or give the motor file a [saturation] in which L_d falls with i_d"
+                f"angle, or at {slow:.0f} r/min or more, or give the motor file a [saturation] in "
+                "which L_d falls with i_d"
             )
         sims = np.repeat(self.template, len(s))
         design = dataclasses.replace(self.design, **settings)

@@ -13,7 +13,7 @@ from sensorless.envs.counter_random import combine
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.machine.motor import Motor
 from sensorless.observers.lock_design import ACTIONS, RESTARTS
-from sensorless.observers.start_design import knows_poles
+from sensorless.observers.start_design import knows_poles, spin_speed
 from sensorless.units import RPM_TO_RAD_S
 
 FINDS = """\
@@ -30,15 +30,18 @@ Leave the call out if the shaft rests and you know its angle within 60 degrees: 
 angle turns the EMF, which then drives a current that trips.
 `FAULT_POLE` in `drive.fault` means that saturation was too weak to be sure of the north pole."""
 KNOWN_TEXT = """\
-**The drive cannot find the rotor of this machine from an unknown angle.** In the motor file, its
+**The drive cannot find the rotor of this machine at rest.** In the motor file, its
 iron saturates little or not along d, so north and south respond alike to a pulse, and
-`DRIVE_FINDS_ROTOR` in `params.h` is 0. Do not call `drive_find_rotor`: it would keep the pole
+`DRIVE_FINDS_ROTOR` in `params.h` is 0. Do not call `drive_find_rotor` there: it would keep the pole
 nearer to its first angle and set `FAULT_POLE`. Pass `drive_init` the angle of a shaft at rest
 within 60 degrees, from an alignment by direct current or from a sensor; `example/cortex_m4.c` takes
 it as `SHAFT_ANGLE` (`make cortex_m4 SHAFT_ANGLE=0.0f`). Half a turn off, a drive may stand
-or run slowly for good. A shaft that spins needs its exact speed and angle:
-near rated speed a wrong one drives a current that trips. `sensorless simulate --start` refuses this
-machine for the same reason.
+or run slowly for good. `sensorless simulate --start` refuses this machine for the same reason.
+
+The EMF of a shaft that spins shows its pole. If it turns at $least r/min or more, call
+`drive_find_rotor` behind `drive_init`; `FAULT_POLE` then says that it was too slow. An angle and a
+speed given to `drive_init` would have to be exact: near rated speed a wrong one drives a current
+that trips.
 With a measured [saturation] in the motor file, the drive may be able to find the pole."""
 
 FLYING = 0.9
@@ -70,20 +73,25 @@ def start_call(motor: Motor) -> str:
 
 def start_text(motor: Motor) -> str:
     """What the README says about these lines."""
-    return FINDS_TEXT if knows_poles(motor) else KNOWN_TEXT
+    least = f"{spin_speed(motor):.0f}"
+    return FINDS_TEXT if knows_poles(motor) else KNOWN_TEXT.replace("$least", least)
 
 
 def caught_share(motor: Motor, design: DriveDesign) -> float:
-    """Share of the voltage up to which the simulated drive catches a shaft.
+    """Share of the voltage up to which the simulated drive catches a shaft; 0: none.
 
-    Before the drive knows the EMF, the EMF drives a current, which a fast machine with little
-    inductance brings beyond the over-current limit. Where it does, or where the speed comes out
-    wrong, one step less is allowed.
+    A machine that does not show its pole at rest is tried from `spin_speed` on. Before the drive
+    knows the EMF, the EMF drives a current, which a fast machine with little inductance brings
+    beyond the over-current limit. Where it does, or where the speed comes out wrong, one step less
+    is allowed.
     """
-    n = STEPS * ANGLES
     shares = FLYING * np.arange(1, STEPS + 1) / STEPS
+    slow = 0.0 if knows_poles(motor) else spin_speed(motor) / _full_speed(motor)
+    below = int(np.searchsorted(shares, slow))
+    shares = shares[below:]
+    n = len(shares) * ANGLES
     s = Scenarios.nominal(motor, combine(1, np.arange(n)), 1.0)
-    s.seek[:], s.theta_0 = True, np.tile(np.pi * np.arange(ANGLES) / ANGLES, STEPS)
+    s.seek[:], s.theta_0 = True, np.tile(np.pi * np.arange(ANGLES) / ANGLES, len(shares))
     s.omega_0 = np.repeat(shares * _full_speed(motor), ANGLES) * RPM_TO_RAD_S
     s.omega[:] = s.omega_0[:, None]
     sims = SimFactory(motor, design).build(s)
@@ -92,9 +100,9 @@ def caught_share(motor: Motor, design: DriveDesign) -> float:
     x, full = sims["drive"]["x"], _full_speed(motor) * RPM_TO_RAD_S
     trips = (x["fault"] & lib.FAULT_OVER_CURRENT) != 0
     wrong = np.abs(x["est"]["omega"] / motor.n_p - s.omega_0) > WRONG * full
-    bad = (trips | wrong).reshape(STEPS, ANGLES).any(axis=1)
-    steps = max(int(bad.argmax()) - 1, 0) if bad.any() else STEPS
-    return FLYING * steps / STEPS
+    bad = (trips | wrong).reshape(-1, ANGLES).any(axis=1)
+    steps = max(below + int(bad.argmax()) - 1, 0) if bad.any() else STEPS
+    return FLYING * steps / STEPS if steps > below or below == 0 else 0.0
 
 
 def _full_speed(motor: Motor) -> float:
@@ -104,14 +112,18 @@ def _full_speed(motor: Motor) -> float:
 
 def spin_text(motor: Motor, design: DriveDesign) -> str:
     """What the README says of a shaft that spins when the drive starts again."""
-    if not knows_poles(motor):
-        return "Let the shaft come to rest first: the drive cannot find its rotor."
     share = caught_share(motor, design)
-    rpm = share * _full_speed(motor)
+    rpm, least = share * _full_speed(motor), spin_speed(motor)
+    if share == 0.0:
+        return "Let the shaft come to rest first: the drive cannot find its rotor."
+    why = f"""where its EMF takes {share:.3g} of the voltage: the drive holds the current
+at zero while it seeks, and a faster shaft drives one that trips"""
+    if knows_poles(motor):
+        return f"The shaft may spin meanwhile, at up to\n{rpm:.0f} r/min, {why}."
     return f"""\
-The shaft may spin meanwhile, at up to
-{rpm:.0f} r/min, where its EMF takes {share:.3g} of the voltage: the drive holds the current at zero
-while it seeks, and a faster shaft drives one that trips."""
+Call `drive_find_rotor` for a shaft that
+spins at {least:.0f} to {rpm:.0f} r/min, {why}. Let a
+slower one come to rest, and start at its angle."""
 
 
 def lost_text(action: int, motor: Motor, estimator: str) -> str:

@@ -14,12 +14,13 @@ from sensorless.errors import UserError
 from sensorless.evaluation.trace import trace
 from sensorless.export.export import export, table_of
 from sensorless.machine.motor import Motor
+from sensorless.observers.start_design import spin_speed
 from sensorless.policies.registry import make_policy
 
 
-def starts(motor: Motor) -> bool:
-    """Whether ``simulate --start`` runs."""
-    plan = plan_from("0:100", "0:0", None, 0.1, motor, 0, start=True)
+def starts(motor: Motor, spin: float = 0.0) -> bool:
+    """Whether ``simulate --start --spin`` runs from a speed [r/min]."""
+    plan = plan_from("0:100", "0:0", None, 0.1, motor, 0, start=True, spin=spin)
     try:
         trace(make_policy("eq25", motor), plan, motor, DriveDesign())
     except UserError as error:
@@ -39,6 +40,7 @@ def test_all_files_say_the_same(name: str, finds: bool, tmp_path: Path) -> None:
     readme = (folder / "README.md").read_text(encoding="utf-8")
     params = (folder / "params.h").read_text(encoding="utf-8")
     assert starts(motor) is finds
+    assert starts(motor, spin_speed(motor) + 1.0)
     assert f"#define DRIVE_FINDS_ROTOR {int(finds)} " in params
     code = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)[0]
     assert ("drive_find_rotor(&drive)" in code) is finds

@@ -207,7 +207,7 @@ static void sums(void) {
         lock_answer(&p.lock, &answer, x.hfi.answer, x.hfi.valid, x.k_s);
         check("answer: of the drive", x.lock.answer == answer.answer);
         int short_of = x.control.u_abs > x.control.u_max;
-        double off = short_of ? 0.0 : fabs(i_q - (double)x.control.i_ref.q);
+        double off = short_of ? 0.0 : i_q - (double)x.control.i_ref.q;
         to = (double)was.i_off + alpha * (off - (double)was.i_off);
         check("tests: current", near((double)x.lock.i_off, to, 1e-5));
         check("sums: anew", x.control.u_sum.d == 0.0f && x.control.u_sum.q == 0.0f);

@@ -23,7 +23,6 @@ static void pole(void) {
             continue;
         }
         int told = fabs(by) >= (double)p->start.omega_pole && fabs(turns) >= 0.5 * fabs(by);
-        told = told && x.start.again;
         double south = told && by * turns < 0.0 ? M_PI : 0.0;
         check("pole: told", x.start.phase == (told ? START_DONE : START_POLE));
         check("pole: no fault", !told || x.fault == 0);

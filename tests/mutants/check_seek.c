@@ -175,7 +175,7 @@ static void unsound(void) {
         drive_find_rotor(&x);
         x.start.n = j == 1 ? -1 : x.start.n;
         x.start.tries = j == 2 ? -1 : x.start.tries;
-        x.start.phase = j == 3 ? START_END : x.start.phase;
+        x.start.phase = j == 3 ? START_CATCH ^ 1 : x.start.phase;
         ab_t u = drive_step(p, &x, &in);
         check("seeking: damaged", (x.fault == FAULT_STATE) == (j > 0));
         check("seeking: no voltage", j == 0 || (u.a == 0.0f && u.b == 0.0f));

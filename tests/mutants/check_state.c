@@ -63,9 +63,9 @@ static void state_loops(void) {
 /* A drive that seeks: phase, counters, and each word that its observer starts from. */
 static void state_seeks(void) {
     const drive_params_t *p = &PARAMS[4];
-    for (int32_t phase = -2; phase < START_END + 3; phase++) {
+    for (int32_t phase = -2; phase < START_STOPPED + 20; phase++) {
         drive_state_t x = seeking(p, phase, 0);
-        int sound = phase > START_DONE && phase < START_END;
+        int sound = phase > START_DONE && phase <= START_STOPPED && phase % 17 == 0;
         check("seeks: phase", drive_seek_sound(&x) == sound);
         x.start.n = -1;
         check("seeks: count", !drive_seek_sound(&x));
@@ -98,7 +98,7 @@ static void state_seeks(void) {
 
 /* Both sums have each of their words once, none that is the other's, and nothing else. */
 static void state_sums(void) {
-    enum { WORDS = sizeof(drive_state_t) / sizeof(float), IN_CONTROL = 73, SEEKING = 19 };
+    enum { WORDS = sizeof(drive_state_t) / sizeof(float), IN_CONTROL = 74, SEEKING = 25 };
     int ours = 0, besides = 0;
     for (int w = 0; w < WORDS; w++) {
         float words[WORDS] = {0.0f};

@@ -219,6 +219,17 @@ def test_a_refused_grid_leaves_gains_static(firmware: Firmware, motor: Motor) ->
     assert firmware.live.tobytes() == firmware.design.tobytes()
 
 
+@pytest.mark.parametrize("bit", range(31))
+def test_a_damaged_check_makes_gains_static(firmware: Firmware, motor: Motor, bit: int) -> None:
+    for _ in range(50):
+        firmware.step(signals_at(0.3, motor))
+    assert firmware.live.tobytes() != firmware.design.tobytes()
+    firmware.state.check ^= 1 << bit
+    firmware.step(signals_at(0.3, motor))
+    assert firmware.state.ks.fault == lib.KS_FAULT_GAINS
+    assert firmware.live.tobytes() == firmware.design.tobytes()
+
+
 def test_a_bad_signal_leaves_gains_as_they_are(firmware: Firmware, motor: Motor) -> None:
     for _ in range(50):
         firmware.step(signals_at(0.3, motor))

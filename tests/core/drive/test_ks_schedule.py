@@ -107,6 +107,14 @@ def test_a_damaged_counter_decides_at_once(wait: int) -> None:
     assert schedule(0.5) == pytest.approx(0.1)
 
 
+@pytest.mark.parametrize("bit", range(31))
+def test_a_damaged_check_gives_the_rule_and_a_fault(bit: int) -> None:
+    schedule = Schedule()
+    schedule.state.check ^= 1 << bit
+    assert schedule(0.25) == pytest.approx(0.5, abs=1e-5)
+    assert schedule.state.fault == lib.KS_FAULT_TABLE
+
+
 def test_a_table_that_was_never_checked_does_not_decide() -> None:
     """Static memory is zero: without ``ks_schedule_init`` the rule decides, and says so."""
     schedule = Schedule(fallback=0.5)

@@ -120,7 +120,45 @@ def test_a_state_of_arbitrary_bits_gives_no_voltage_beyond_the_limit(
         for k in range(48):
             assert abs(drive.step()) <= limit
             assert drive.sound() or k < drive.params["lock"]["n"][0]
-        assert 0 <= drive.x["start"]["phase"][0] < lib.START_END
+        assert 0 <= drive.x["start"]["phase"][0] <= lib.START_STOPPED
+
+
+@pytest.mark.parametrize(
+    "before", ["DONE", "CATCH", "FLY", "SCAN", "LOCK", "POLE", "SETTLE", "QUIET"]
+)
+@pytest.mark.parametrize("bit", range(32))
+def test_a_flipped_bit_of_the_phase_is_flagged_at_once(motor: Motor, before: str, bit: int) -> None:
+    """No phase is one bit from another: a drive in control does not seek its rotor unasked."""
+    drive = Drive(motor, "coupled", before != "DONE", 40)
+    drive.x["start"]["phase"] = np.uint32(getattr(lib, f"START_{before}") ^ 1 << bit).astype(
+        np.int32
+    )
+    assert drive.step() == 0.0 and drive.flagged()
+
+
+@pytest.mark.parametrize("word", ["d", "q"])
+@pytest.mark.parametrize("value", [1.01e15, -1e16, 1e20])
+def test_a_damaged_integrator_of_the_current_control_is_flagged_at_once(
+    motor: Motor, word: str, value: float
+) -> None:
+    drive = Drive(motor, "coupled", False, 100)
+    drive.x["control"]["u_int"][word] = value
+    assert drive.step() == 0.0 and drive.flagged()
+
+
+@pytest.mark.parametrize("value", BAD)
+def test_a_stopped_drive_holds_no_damage(motor: Motor, value: float) -> None:
+    drive = Drive(motor, "coupled", False, 100)
+    lib.drive_trip(drive.pointers[1])
+    drive.step()
+    drive.kept = drive.words.copy(), drive.k
+    for name, word in FLOATS.items():
+        drive.back()
+        drive.words[word] = value
+        for _ in range(3):
+            assert drive.step() == 0.0, name
+        assert drive.sound(), name
+        assert drive.x["start"]["phase"][0] == lib.START_STOPPED
 
 
 def test_a_damaged_drive_seeks_its_rotor_and_keeps_its_faults(motor: Motor) -> None:

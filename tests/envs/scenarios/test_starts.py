@@ -14,8 +14,8 @@ from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.evaluation.metrics.start import backward_excess_pct, start_err_deg, start_s
 from sensorless.evaluation.rollout import Rollout, rollout
-from sensorless.machine.motor import Motor
-from sensorless.observers.start_design import alike, knows_poles, peaks, polarity_pulse
+from sensorless.machine.motor import MOTORS, Motor
+from sensorless.observers.start_design import alike, knows_poles, peaks, polarity_pulse, spin_speed
 from sensorless.policies.registry import make_policy
 from sensorless.units import RPM_TO_RAD_S
 from tests.helpers.drives import Alone
@@ -217,6 +217,24 @@ def test_poles_that_pulses_hardly_tell_apart_are_not_sought() -> None:
     weak = replace(MOTOR, saturation=iron)
     assert knows_poles(MOTOR) and not knows_poles(weak)
     assert "differ by 3.0% of rated current, 4% are needed" in alike(weak)
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in MOTORS.glob("*.toml")))
+def test_the_emf_of_a_spinning_shaft_shows_the_pole_of_every_machine(name: str) -> None:
+    """From ``spin_speed`` on, from any angle and in both directions; no pulse is needed."""
+    motor, angles = Motor.load(name), np.tile(np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False), 6)
+    s = Scenarios.nominal(motor, np.arange(len(angles)), 1.0)
+    s.seek[:], s.theta_0 = True, angles
+    s.theta_err_0[:] = angles[::-1]
+    speed = np.repeat([-3.0, -1.5, -1.0, 1.0, 1.5, 3.0], 32) * spin_speed(motor)
+    s.omega_0 = speed * RPM_TO_RAD_S
+    s.omega[:] = s.omega_0[:, None]
+    sims = SimFactory(motor, DriveDesign()).build(s)
+    k_s, obs = np.ones(len(s), np.float32), np.zeros((len(s), SIGNAL_N), np.float32)
+    sim_run(sims, round(0.05 / motor.T_s), k_s, obs)
+    x, theta = sims["drive"]["x"], sims["drive"]["y"]["theta_e"]
+    assert (x["start"]["phase"] == DONE).all() and (x["fault"] == 0).all()
+    assert np.abs(np.angle(np.exp(1j * (theta - x["est"]["theta"])))).max() < np.deg2rad(30.0)
 
 
 def test_machines_without_saturation_are_refused() -> None:
