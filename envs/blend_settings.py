@@ -191,8 +191,8 @@ def checked_seeds(seed: object, n: int) -> list[int | None]:
             raise UserError(f"seed: {shown(seed)}; give a whole number from 0 to {most}")
         return list(range(first, first + n))
     if not isinstance(seed, Sequence | np.ndarray) or len(seed) != n:
-        wanted = f"or a list of {n}" if n > 1 else "such as 1"
-        raise UserError(f"seed: {shown(seed)}; give None, a whole number, {wanted}")
+        wanted = f"None, a whole number, or a list of {n}" if n > 1 else "None or a whole number"
+        raise UserError(f"seed: {shown(seed)}; give {wanted}")
     return [None if s is None else _seed(s) for s in seed]
 
 

@@ -15,6 +15,8 @@ from sensorless.errors import UserError
 
 LONGEST = 255
 """Bytes of a name on every usual file system, checked before parents are made."""
+MOST_BYTES = 2**28
+"""Largest file that is read: a log of some five minutes at 10 kHz."""
 OLD = 60.0
 """Age from which what a killed process left half-written is removed [s]."""
 PART = re.compile(r"\.(.+)\.(\d+)\.part(\.old)?")
@@ -59,18 +61,33 @@ def write_record(path: Path, record: object) -> None:
     write_atomic(path, json.dumps(short, separators=(",", ":")) + "\n")
 
 
+def read_bytes(path: Path) -> bytes:
+    """What a file holds.
+
+    Raises
+    ------
+    OSError
+        It cannot be read, or holds more than ``MOST_BYTES``, as what never ends does.
+    """
+    with path.open("rb") as file:
+        raw = file.read(MOST_BYTES + 1)
+    if len(raw) > MOST_BYTES:
+        raise OSError(errno.EFBIG, f"more than {MOST_BYTES >> 20} MiB", str(path))
+    return raw
+
+
 def read_json(path: Path) -> Any:
     """What a JSON file holds.
 
     Raises
     ------
     OSError
-        It cannot be read.
+        It cannot be read, or is too large.
     ValueError
         It is no JSON, or nested too deeply to be read.
     """
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(read_bytes(path).decode("utf-8"))
     except RecursionError:
         raise ValueError("nested too deeply") from None
 

@@ -234,7 +234,10 @@ def _config(found: Mapping[str, Any], path: Path) -> TrainConfig:
                 f"{path}: train: {names[0]}: {what}; restore the file, or train anew: another "
                 "version may have made it"
             )
-    return TrainConfig(**found)
+    try:
+        return TrainConfig(**found)
+    except UserError as error:
+        raise UserError(f"{path}: train: {error}; restore the file, or train anew") from None
 
 
 def save_schedule(

@@ -216,6 +216,16 @@ def new_model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
     )
 
 
+def _sound(model: TablePPO) -> bool:
+    """Whether all weights and moments are finite, and Adam's second moments not negative."""
+    moments = [x for state in model.policy.optimizer.state.values() for x in state.items()]
+    least = [x for name, x in moments if name == "exp_avg_sq"]
+    numbers = (*model.policy.state_dict().values(), *(x for _, x in moments))
+    return all(bool(x.isfinite().all()) for x in numbers) and all(
+        bool((x >= 0.0).all()) for x in least
+    )
+
+
 def _restore(model: TablePPO, path: Path) -> None:
     """Load weights, optimiser and counters of a checkpoint; nothing is unpickled.
 
@@ -231,6 +241,10 @@ def _restore(model: TablePPO, path: Path) -> None:
         model.set_parameters(parameters, exact_match=True, device="cpu")
         model.num_timesteps = int(known["num_timesteps"])
         model._n_updates = int(known["_n_updates"])
+        if not _sound(model):
+            raise ValueError(
+                "a weight or a moment of the optimiser is no number that training leaves"
+            )
     except UnpicklingError:  # of torch, whose own text is on settings that nobody has here
         raise UserError(f"{path}: damaged; restore this run's checkpoint, or train anew") from None
     except Exception as error:  # torch has one of its own for every way to be damaged

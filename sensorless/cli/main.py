@@ -15,7 +15,7 @@ TRACEBACK = "SENSORLESS_TRACEBACK"
 """Set this variable to see where an error of the program itself came from."""
 
 
-NO_MEMORY = "not enough memory; ask for less, with --size or --n-envs, or free some"
+NO_MEMORY = "not enough memory; free some, or ask for less: a smaller --size, --n-envs or file"
 UNMAPPED = "failed to map segment"
 """What the loader says of a library, such as that of torch, for which there is no memory."""
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sensorless.errors import UserError, shown
-from sensorless.files import decoded
+from sensorless.files import decoded, read_bytes
 from sensorless.machine.magnetics import Floats
 
 COLUMNS = ("i_d", "i_q", "psi_d", "psi_q")
@@ -66,7 +66,7 @@ def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tupl
 
 def _text(path: Path, columns: str | None) -> dict[str, Any]:
     """Columns by heading."""
-    text = decoded(path.read_bytes())
+    text = decoded(read_bytes(path))
     if "\0" in text:
         raise ValueError("not a text file; give CSV, or MATLAB under a name that ends in .mat")
     lines = text.splitlines()

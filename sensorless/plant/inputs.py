@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from sensorless.errors import UserError
-from sensorless.files import decoded
+from sensorless.files import decoded, read_bytes, reason
 from sensorless.machine.magnetics import Floats
 
 COLUMNS = ("u_alpha", "u_beta", "tau_L")
@@ -27,11 +27,11 @@ def read_inputs(path: str | Path) -> Floats:
         The file cannot be read; the message names file, line and column.
     """
     try:
-        lines = decoded(Path(path).read_bytes()).splitlines(keepends=True)
+        lines = decoded(read_bytes(Path(path))).splitlines(keepends=True)
         return _parse(lines, f"inputs {str(path)!r}")
     except OSError as error:
         raise UserError(
-            f"inputs {str(path)!r}: {error.strerror}; give a file that can be read"
+            f"inputs {str(path)!r}: {reason(error)}; give a file that can be read"
         ) from None
     except csv.Error as error:
         raise UserError(f"inputs {str(path)!r}: not a valid CSV file: {error}") from None

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sensorless.errors import UserError
-from sensorless.files import reason
+from sensorless.files import read_bytes, reason
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -35,7 +35,7 @@ def names_from(words: Sequence[str] | None) -> dict[str, str]:
 
 def _from_file(path: Path) -> dict[str, str]:
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        data = tomllib.loads(read_bytes(path).decode("utf-8-sig"))
     except OSError as error:
         raise UserError(f"map: {str(path)!r}: {reason(error)}") from None
     except (ValueError, RecursionError) as error:

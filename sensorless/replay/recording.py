@@ -17,7 +17,7 @@ import numpy as np
 
 from sensorless.core.api import Array
 from sensorless.errors import UserError
-from sensorless.files import decoded, reason
+from sensorless.files import decoded, read_bytes, reason
 from sensorless.machine.magnetics import Floats
 
 UNITS = {
@@ -59,7 +59,7 @@ def read_recording(
     try:
         if path.suffix.lower() == ".mat":
             return _matlab(path, wanted, names, where)
-        text = decoded(path.read_bytes())
+        text = decoded(read_bytes(path))
     except OSError as error:
         raise UserError(f"{where}: {reason(error)}; give a file that can be read") from None
     if "\0" in text:

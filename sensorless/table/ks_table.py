@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, TABLE, Array, lib
 from sensorless.core.gains import Gain, Values
 from sensorless.errors import UserError, shown
-from sensorless.files import reason, write_atomic
+from sensorless.files import read_bytes, reason, write_atomic
 from sensorless.table import gain_image
 from sensorless.table.axis import MAX_NODES, Axis, decimal, float32_in
 from sensorless.table.gain_grid import GainGrid, checked_grids
@@ -212,7 +212,7 @@ class KsTable:
             The file cannot be read, or is not a table.
         """
         try:
-            text = Path(path).read_text(encoding="utf-8")
+            text = read_bytes(Path(path)).decode("utf-8")
         except (OSError, UnicodeDecodeError) as error:
             raise UserError(f"{path}: {reason(error)}; give a table in JSON") from None
         return cls.from_json(text, str(path))

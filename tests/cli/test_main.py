@@ -8,7 +8,7 @@ from types import ModuleType
 
 import pytest
 
-from sensorless.cli.main import main
+from sensorless.cli.main import NO_MEMORY, main
 from sensorless.errors import StaleCoreError, UserError
 
 
@@ -40,12 +40,12 @@ class Raising(ModuleType):
         (
             MemoryError(),
             2,
-            "error: not enough memory; ask for less, with --size or --n-envs, or free some\n",
+            f"error: {NO_MEMORY}\n",
         ),
         (
             ImportError("libtorch_cpu.so: failed to map segment from shared object"),
             2,
-            "error: not enough memory; ask for less, with --size or --n-envs, or free some\n",
+            f"error: {NO_MEMORY}\n",
         ),
     ],
 )

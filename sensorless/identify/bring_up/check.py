@@ -15,7 +15,7 @@ from sensorless.design.records import bring_up_record
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.errors import UserError
-from sensorless.files import decoded, reason, write_atomic
+from sensorless.files import decoded, read_bytes, reason, write_atomic
 from sensorless.identify.bring_up.mistakes import RIGHT, Mistake
 from sensorless.identify.bring_up.pulses import shows_others
 from sensorless.machine.motor import Motor
@@ -94,7 +94,7 @@ def check_log(motor: Motor, path: Path) -> Found:
     try:
         with warnings.catch_warnings():  # of an empty file
             warnings.simplefilter("ignore")
-            text = io.StringIO(decoded(path.read_bytes()))
+            text = io.StringIO(decoded(read_bytes(path)))
             data: Array = np.genfromtxt(text, delimiter=",", names=True, dtype=np.float64)
         i_a, i_b = (np.atleast_1d(data[name]) for name in COLUMNS)
     except OSError as error:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from sensorless.errors import UserError
-from sensorless.files import decoded, reason, write_atomic
+from sensorless.files import decoded, read_bytes, reason, write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 
@@ -63,7 +63,7 @@ def read_log(path: Path) -> list[Part]:
         The file cannot be read, a column is missing, or a cell is no number.
     """
     try:
-        text = decoded(path.read_bytes())
+        text = decoded(read_bytes(path))
     except OSError as error:
         why = reason(error)
         raise UserError(f"log {str(path)!r}: {why}; give a CSV file that can be read") from None

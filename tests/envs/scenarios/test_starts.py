@@ -223,7 +223,7 @@ def test_poles_that_pulses_hardly_tell_apart_are_not_sought() -> None:
 def test_the_emf_of_a_spinning_shaft_shows_the_pole_of_every_machine(name: str) -> None:
     """From ``spin_speed`` on, from any angle and in both directions; no pulse is needed."""
     motor, angles = Motor.load(name), np.tile(np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False), 6)
-    s = Scenarios.nominal(motor, np.arange(len(angles)), 1.0)
+    s = Scenarios.nominal(motor, combine(1, np.arange(len(angles))), 1.0)
     s.seek[:], s.theta_0 = True, angles
     s.theta_err_0[:] = angles[::-1]
     speed = np.repeat([-3.0, -1.5, -1.0, 1.0, 1.5, 3.0], 32) * spin_speed(motor)
