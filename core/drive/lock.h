@@ -187,10 +187,9 @@ CORE_INLINE void lock_answer(const lock_params_t *p, lock_state_t *x, float seen
     x->answer += p->alpha * (more - x->answer);
 }
 
-/* Also in the first part: the current. off: mean torque current less its reference [A]. It is
- * low-passed with its sign, so that one that only swings with the rotor's harmonics counts little. */
+/* Also in the first part: the current. off: mean torque current less its reference [A]. */
 CORE_INLINE void lock_current(const lock_params_t *p, lock_state_t *x, float off) {
-    x->i_off += p->alpha * (off - x->i_off);
+    x->i_off += p->alpha * (abs_f(off) - x->i_off);
 }
 
 /* Second part, a period later: the speed, and the verdict. omega: estimated speed [rad/s];
@@ -201,8 +200,7 @@ CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega
     int32_t jumps = abs_f(omega - x->omega) > p->jump && !lock_emf_agrees(p, x);
     int32_t moves = jumps || abs_f(omega) >= omega_max;
     int32_t found = (lock_emf_fails(p, x, omega) ? LOCK_EMF : 0) | (moves ? LOCK_SPEED : 0) |
-                    (abs_f(x->i_off) > p->i_off ? LOCK_CURRENT : 0) |
-                    (x->answer < 0.0f ? LOCK_ANSWER : 0);
+                    (x->i_off > p->i_off ? LOCK_CURRENT : 0) | (x->answer < 0.0f ? LOCK_ANSWER : 0);
     int32_t failed = grace ? 0 : found;
     int32_t calm = x->calm < p->n_calm ? x->calm + 1 : x->calm;
     x->calm = failed != 0 ? 0 : calm;

@@ -98,11 +98,8 @@ def _find(path: Path, index: int) -> Find:
 
 
 def fig9(motor: Motor) -> str:
-    """Speeds of Fig. 9 of the source paper, or of a slower motor these shares of its rated speed.
-
-    Rated speed is 1500 r/min there.
-    """
-    share = 1.0 if motor.n_rated_rpm >= 600.0 else motor.n_rated_rpm / 1500.0
+    """Speeds of Fig. 9 of the source paper, as shares of rated speed, which is 1500 r/min there."""
+    share = motor.n_rated_rpm / 1500.0
     return ",".join(f"{t}:{share * n:.4g}" for t, n in enumerate((200.0, 350.0, 600.0)))
 
 

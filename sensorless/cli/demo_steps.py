@@ -27,8 +27,6 @@ SUITE = "stress-1"
 """Suite that the demo judges on."""
 RULES = ("sliding_mode", "eq25")
 """Eq. 25 on the paper's observers, and on the drive that the schedule is trained on."""
-FIG9 = ((0.0, 200.0), (1.0, 350.0), (2.0, 600.0))
-"""Times [s] and speeds of the paper's machine [r/min]; without load."""
 
 
 @contextmanager
@@ -84,9 +82,7 @@ def draw(folder: Path, run: str, motor: Motor, results: Results) -> list[Path]:
     design = DriveDesign()
     paper, learned = make_policy("sliding_mode", motor), make_policy(run, motor)
     paths = [folder / name for name in ("fig9.png", "schedules.png", "hand-over.png")]
-    share = motor.n_rated_rpm / Motor.load("paper").n_rated_rpm
-    speed = ",".join(f"{t:g}:{share * rpm:g}" for t, rpm in FIG9)
-    plan = plan_from(speed, "0:0", None, 3.0, motor, 0)
+    plan = plan_from(fig9(motor), "0:0", None, 3.0, motor, 0)
     run_9 = trace(paper, plan, motor, design)
     save(
         waveforms([wave("Fig. 9 under Eq. 25 on the paper's observers, no load", run_9)]), paths[0]

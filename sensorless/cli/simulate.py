@@ -36,8 +36,8 @@ def simulate_command(
         typer.Option(
             metavar="PLAN",
             help="Follow this plan of speeds, TIME:SPEED,...: from each time [s] on, the reference "
-            "is this speed [r/min]. Default: 0:200,1:350,2:600, or such shares of the rated speed "
-            "of a motor that is slower.",
+            "is this speed [r/min]. Default: 0:200,1:350,2:600 at a rated speed of 1500 r/min, "
+            "the same shares of any other.",
         ),
     ] = None,
     load: Annotated[
@@ -149,8 +149,8 @@ def simulate_command(
     Prints how the drive followed its speed reference, how far its angle was off, and whether it
     kept lock, narrowly or with an alarm of its own; if not, when the drive itself noticed and what
     it did. The run goes on after that, and all numbers of the table are up to there.
-    Without options it runs the speeds of Fig. 9 of the source paper under its Eq. 25: 200, 350 and
-    600 r/min without load, which crosses from injection to the observer.
+    Without options it runs the speeds of Fig. 9 of the source paper under its Eq. 25: 13, 23 and
+    40 % of rated speed without load, which crosses from injection to the observer.
     `--policy sliding_mode` puts that rule on the paper's observers.
 
     For example:

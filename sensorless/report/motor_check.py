@@ -11,8 +11,9 @@ from rich.console import Group
 from rich.text import Text
 
 from sensorless.design.drive import DriveDesign
-from sensorless.evaluation.machine_check import SIZE, Check, QuickRun
+from sensorless.evaluation.machine_check import LOST, SIZE, Check, QuickRun
 from sensorless.evaluation.machine_check import check as run_check
+from sensorless.evaluation.rates import rate_interval
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import RatedPoint
@@ -21,7 +22,8 @@ from sensorless.plain_table import PlainTable
 from sensorless.policies.registry import make_policy
 from sensorless.report.machine_curves import reach, signal
 from sensorless.report.page import UPLOT, render
-from sensorless.suitability.seen import Seen
+from sensorless.suitability.finding import NOTE
+from sensorless.suitability.seen import Seen, near, reaches
 
 Row = tuple[str, str, str]
 """Quantity, what was found, and what is suggested, in words."""
@@ -80,7 +82,7 @@ def _seen(m: Motor, seen: Seen, hint: Mapping[str, float]) -> list[Row]:
             "injection",
             f"{m.u_inj:g} V, {s.amplitude:.3g} A; one degree of error shows as "
             f"{1e3 * np.deg2rad(s.slope[: k + 1].min()):.3g} mA",
-            f"u_inj = {hint['u_inj']:g} V",
+            "" if near(hint["u_inj"], m.u_inj) else f"u_inj = {hint['u_inj']:g} V",
         ),
         (
             "angle noise to expect",
@@ -90,12 +92,14 @@ def _seen(m: Motor, seen: Seen, hint: Mapping[str, float]) -> list[Row]:
         ),
         ("start", "finds the rotor from any angle" if knows_poles(m) else
          f"from a known angle only: {alike(m)}", ""),
-        ("trip", f"{m.i_trip:g} A", f"i_trip of at least {hint['i_trip']:g} A"),
+        ("trip", f"{m.i_trip:g} A",
+         "" if reaches(m.i_trip, hint["i_trip"]) else f"i_trip of at least {hint['i_trip']:g} A"),
         ("converter", f"{m.adc_range:g} A, {m.adc_bits} bits",
+         "" if reaches(m.adc_range, hint["adc_range"]) else
          f"adc_range of at least {hint['adc_range']:g} A, for control"),
         ("PWM period", f"{1e6 * m.T_s:g} µs, "
          f"{2.0 * math.pi / (m.omega_rated * m.T_s):.0f} per electrical turn at rated speed",
-         f"T_s of at most {1e6 * hint['T_s']:g} µs"),
+         "" if m.T_s <= hint["T_s"] else f"T_s of at most {1e6 * hint['T_s']:g} µs"),
     ]  # fmt: skip
 
 
@@ -104,8 +108,19 @@ RUNS = ("scenarios of", "lost", "slipped", "not held", "alarms", "deviation", "i
 RUNS_SAY = (
     "shares of the feasible scenarios, those that a drive with an encoder can do: lost, slipped "
     "and back, speed not held, alarms of the drive itself where it holds; deviation of the torque "
-    "from that drive's. Of 100, 5% may be 2 to 11% of many (95%): --size 500 tells more"
+    "from that drive's"
 )
+
+
+def runs_say(c: Check) -> str:
+    """What the columns are, and how far a share may be from that of many scenarios."""
+    size = c.runs[0].size if c.runs else SIZE
+    hits = np.arange(size) < round(LOST[0] * size)
+    least, most = rate_interval(hits)
+    return (
+        f"{RUNS_SAY}. Of {size}, {hits.mean():.0%} may be {least:.0%} to {most:.0%} of many (95%): "
+        "a larger --size tells more"
+    )
 
 
 def run_rows(c: Check) -> list[tuple[str, ...]]:
@@ -146,6 +161,8 @@ def screen(c: Check) -> Group:
         table.add_row(what, found + (f"; suggested: {hint}" if hint else ""))
     notes = PlainTable(box=None, padding=(0, 1), show_header=False)
     for finding in c.examination.findings:
+        if finding.weight != NOTE:  # the others are the reasons below
+            continue
         notes.add_row(Text(f"{finding.weight}: {finding.field}", "bold"), finding.text)
     return Group(table, *_runs(c), notes)
 
@@ -160,7 +177,7 @@ def _runs(c: Check) -> Iterator[PlainTable | Text]:
     for cells in run_rows(c):
         runs.add_row(*cells)
     yield runs
-    yield Text(f" {RUNS_SAY}", "dim")
+    yield Text(f" {runs_say(c)}", "dim")
 
 
 def write_page(c: Check, path: Path, command: str) -> None:
@@ -173,7 +190,7 @@ def write_page(c: Check, path: Path, command: str) -> None:
         "motor.html.j2",
         {"maps": {}, "cases": {}, "curves": panels},
         motor=e.motor, verdict=e.verdict, word=e.verdict.word, rows=rows(c),
-        columns=RUNS, runs=run_rows(c), runs_say=RUNS_SAY,
+        columns=RUNS, runs=run_rows(c), runs_say=runs_say(c),
         findings=e.findings, reach=range(first), seen=range(first, len(panels)),
         labels=[panel["label"] for panel in panels], command=command, uplot=UPLOT,
     )  # fmt: skip

@@ -114,10 +114,20 @@ def suggestions(motor: Motor, seen: Seen, pll_hz: float) -> dict[str, float]:
     }
 
 
+def near(value: float, suggested: float) -> bool:
+    """Whether a value is the suggested one in two digits."""
+    return _two(value) == _two(suggested)
+
+
+def reaches(value: float, least: float) -> bool:
+    """Whether a value is as large as the least that is suggested, both in two digits."""
+    return _two(value) >= least
+
+
 def low_trip(motor: Motor, suggested: dict[str, float]) -> Iterator[Finding]:
     """A note if ``i_trip`` is below what is suggested, both in two digits."""
     least = suggested["i_trip"]
-    if _two(motor.i_trip) < least:
+    if not reaches(motor.i_trip, least):
         text = f"i_trip = {motor.i_trip:g} A is below {least:g} A, which the current may reach "
         text += "from i_max before control reacts: such a swing trips"
         yield Finding(NOTE, "i_trip", text)

@@ -32,8 +32,8 @@ static void agrees(void) {
     const struct {
         float emf, along, across; /* over a quarter of e_floor, over that EMF */
         int told;
-    } cases[] = {{1.01f, 0.0f, 0.0f, 0},  {0.99f, 0.0f, 0.0f, 1},  {2.0f, 0.39f, 0.0f, 0},
-                 {2.0f, 0.41f, 0.0f, 1},  {2.0f, -0.41f, 0.0f, 1}, {2.0f, -0.39f, 0.39f, 0},
+    } cases[] = {{1.01f, 0.0f, 0.0f, 0},  {0.99f, 0.0f, 0.0f, 1},   {2.0f, 0.39f, 0.0f, 0},
+                 {2.0f, 0.41f, 0.0f, 1},  {2.0f, -0.41f, 0.0f, 1},  {2.0f, -0.39f, 0.39f, 0},
                  {2.0f, 0.39f, 0.41f, 1}, {2.0f, 0.0f, -0.41f, 1}};
     for (int j = 0; j < 8; j++) {
         lock_state_t x;
@@ -142,7 +142,8 @@ static void direction(void) {
         double least = fmax(fabs((double)x.across), -along) - (double)p.e_least;
         double turned = beside - fmax(along, 0.0) * sqrt(3.0);
         double edge = 1e-3 * e;
-        if (fabs(size) < edge || fabs(least) < edge || fabs(turned) < edge || fabs(late) < edge) {
+        if (fabs(size) < edge || fabs(least) < edge || fabs(turned) < edge ||
+            fabs(late) < edge) {
             continue;
         }
         int by_size = size > 0, by_direction = least > 0 && turned > 0;
@@ -193,8 +194,7 @@ static void sums(void) {
         check("EMF: across", near((double)x.lock.across, to, 1e-4));
         to = (double)was.emf + alpha * (emf - (double)was.emf);
         check("EMF: expected", near((double)x.lock.emf, to, 1e-4));
-        double T = n * (double)p.T_s,
-               ahead = wrapped((double)x.est.theta - (double)was.theta - omega * T);
+        double T = n * (double)p.T_s, ahead = wrapped((double)x.est.theta - (double)was.theta - omega * T);
         double lasting = r - ahead / T * (psi_0 + L_d * i_d);
         double free = 0.5 * (double)x.lock.emf + (double)p.lock.R_warm * fabs(i_q);
         double rest = fmax(fabs(lasting) - free, 0.0) * sgn(lasting);
@@ -207,7 +207,7 @@ static void sums(void) {
         lock_answer(&p.lock, &answer, x.hfi.answer, x.hfi.valid, x.k_s);
         check("answer: of the drive", x.lock.answer == answer.answer);
         int short_of = x.control.u_abs > x.control.u_max;
-        double off = short_of ? 0.0 : i_q - (double)x.control.i_ref.q;
+        double off = short_of ? 0.0 : fabs(i_q - (double)x.control.i_ref.q);
         to = (double)was.i_off + alpha * (off - (double)was.i_off);
         check("tests: current", near((double)x.lock.i_off, to, 1e-5));
         check("sums: anew", x.control.u_sum.d == 0.0f && x.control.u_sum.q == 0.0f);
