@@ -1,4 +1,6 @@
-r"""Reward: the negative cost of a decision, as a sum of named terms.
+r"""Reward of ``Blend-v0``: the negative cost of a decision, as a sum of named terms.
+
+That of ``Blend-v1`` is in ``window_reward.py``.
 
 Running costs are integrated over time: their weights are per 1 ms, whatever the decision period. A
 return still depends on it, since v below is taken over a whole decision: in a longer one a short

@@ -3,7 +3,7 @@
     python examples/flash.py --out firmware_eq25
     cc -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -c firmware_eq25/core/*.c
 
-The README of the folder has the same five calls with its own numbers.
+The README of the folder has the same calls with its own numbers.
 """
 
 import argparse

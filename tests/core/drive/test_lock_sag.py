@@ -11,7 +11,7 @@ from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.evaluate import score
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
-from tests.core.drive.test_lost_lock import turn
+from tests.core.drive.test_lock_reaction import turn
 
 
 @pytest.mark.parametrize(
