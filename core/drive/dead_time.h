@@ -1,4 +1,5 @@
-/* The voltage lost by dead time, or the voltage that compensates it. */
+/* The voltage that dead time takes by the sign of each phase current: what the drive compensates, and
+ * what the inverter of core/sim loses. */
 #ifndef SENSORLESS_DEAD_TIME_H
 #define SENSORLESS_DEAD_TIME_H
 
@@ -6,7 +7,7 @@
 
 /* Share of the full dead-time voltage at current i of a leg [A], -1 ... 1; inv_i: slope of the
  * transition through zero current [1/A]. */
-CORE_INLINE float dead_time_share(float i, float inv_i) { return clamp_f(i * inv_i, -1.0f, 1.0f); }
+CORE_INLINE float dead_time_at(float i, float inv_i) { return clamp_f(i * inv_i, -1.0f, 1.0f); }
 
 /* Voltage u with the slope u_i through zero current [V/A] less voltage v with v_i, both with the
  * sign of the current i of a leg [V]; u, v at least 0. */
@@ -20,8 +21,8 @@ CORE_INLINE float dead_time_difference(float u, float u_i, float v, float v_i, f
 CORE_INLINE ab_t dead_time_voltage(float u_dt, float inv_i, ab_t i_ab) {
     float i_b = phase_b(i_ab);
     float i_c = phase_c(i_ab);
-    return legs_to_stator(u_dt, dead_time_share(i_ab.a, inv_i), dead_time_share(i_b, inv_i),
-                          dead_time_share(i_c, inv_i));
+    return legs_to_stator(u_dt, dead_time_at(i_ab.a, inv_i), dead_time_at(i_b, inv_i),
+                          dead_time_at(i_c, inv_i));
 }
 
 /* Voltage that a compensation u adds beyond a loss v [V], both of a leg, with slopes u_i and v_i

@@ -53,9 +53,9 @@ CORE_INLINE ab_t inverter_voltage(const sensor_params_t *p, ab_t u, float u_dc, 
     legs_t leg = inverter_legs(u);
     float u_dt = u_dc * p->dead_time_share;
     float half = 0.5f * u_dc;
-    leg.a -= u_dt * clamp_f(i_ab.a * p->inv_i_zero, -1.0f, 1.0f);
-    leg.b -= u_dt * clamp_f(phase_b(i_ab) * p->inv_i_zero, -1.0f, 1.0f);
-    leg.c -= u_dt * clamp_f(phase_c(i_ab) * p->inv_i_zero, -1.0f, 1.0f);
+    leg.a -= u_dt * dead_time_at(i_ab.a, p->inv_i_zero);
+    leg.b -= u_dt * dead_time_at(phase_b(i_ab), p->inv_i_zero);
+    leg.c -= u_dt * dead_time_at(phase_c(i_ab), p->inv_i_zero);
     leg.a = clamp_f(leg.a, -half, half);
     leg.b = clamp_f(leg.b, -half, half);
     leg.c = clamp_f(leg.c, -half, half);

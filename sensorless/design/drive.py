@@ -28,7 +28,9 @@ class DriveDesign:
         math.inf, "Hz", 1, math.inf, "low-pass on the EMF; inf: none", endless=True
     )
     L_q_bias: float = number(0.7, "1", 0.3, 1.5, "SMO's q inductance over the apparent one")
-    L_q_motoring: float = number(0.9, "1", 0.3, 1.5, "SMO's q inductance over the apparent one as a motor, if above that")
+    L_q_motoring: float = number(
+        0.9, "1", 0.3, 1.5, "SMO's q inductance over the apparent one as a motor, if above that"
+    )
     smo_floor_rpm: float | None = derived(
         "r/min", 0, 1e4, "speed below which the EMF is not used; 0: no warm start"
     )

@@ -22,9 +22,7 @@ def summary_table(t: Trace, policy: str) -> PlainTable:
     seeking = t["t"][t["starting"] > 0.0]
     if len(seeking):
         title += f", rotor found after {1e3 * seeking[-1]:.0f} ms"
-    caption = (
-        "settled: within 2 % of the step; overshoot: in % of it; both until the load changes"
-    )
+    caption = "settled: within 2 % of the step; overshoot: in % of it; both until the load changes"
     table = PlainTable(title=title, caption=caption)
     for heading in (
         "from [s]",
