@@ -7,8 +7,8 @@ judges Eq. 25 on it in ``nominal`` and ``stress``. Writes ``results/studies/data
 """
 
 import argparse
+import sys
 import tempfile
-import tomllib
 from pathlib import Path
 
 from rich.console import Console
@@ -26,6 +26,11 @@ from sensorless.files import ensure_writable, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.versions import versions
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 ROOT = Path(__file__).resolve().parents[1]
 SHEETS = ROOT / "tests" / "data" / "datasheets.toml"
@@ -60,9 +65,10 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for name, sheet in tomllib.loads(SHEETS.read_text(encoding="utf-8")).items():
             motor = file_of(name, sheet["options"], Path(folder))
-            counts = motor and {s: lost(motor, s, options.size, options.seed) for s in SUITES}
-            found[name] = counts
-            table.add_row(name, *(map(str, counts.values()) if counts else ("–", "–")))
+            found[name] = None
+            if motor is not None:
+                found[name] = {s: lost(motor, s, options.size, options.seed) for s in SUITES}
+            table.add_row(name, *map(str, (found[name] or dict.fromkeys(SUITES, "–")).values()))
     Console().print(table)
     record = {"size": options.size, "seed": options.seed, "versions": versions(), "lost": found}
     write_record(options.out, record)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from sensorless.agents.train.alone import alone
 from sensorless.design.drive import DriveDesign
-from sensorless.envs.scenarios.words import plan_from, scenario_from
+from sensorless.envs.scenarios.words import fig9, plan_from, scenario_from
 from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import PolicyProgress, evaluate
 from sensorless.evaluation.results import Results

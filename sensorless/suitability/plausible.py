@@ -76,14 +76,14 @@ def _per_unit(m: Motor) -> Iterator[Finding]:
     start = m.J * w / m.n_p / m.tau_rated
     # magnet and iron, each at its best angle: above what both make together
     most = 1.5 * m.n_p * m.i_rated * (m.psi_f + 0.5 * abs(m.L_q - m.L_d) * m.i_rated)
-    drop = "voltage that rated current drops across {} at rated speed over the DC link's"
+    drop = "voltage that rated current drops across {}{} over the DC link's"
     found = {
         field: (value, low, high, what)
         for field, value, low, high, what in (
             ("psi_f", w * m.psi_f / u, 0.1, 1.6, "no-load EMF at rated speed over the DC link's"),
-            ("R_s", m.R_s / z, 3e-4, 0.25, "voltage that rated current drops across R_s over the DC link's"),
-            ("L_d", w * m.L_d / z, 0.02, 1.5, drop.format("L_d")),
-            ("L_q", w * m.L_q / z, 0.03, 4.0, drop.format("L_q")),
+            ("R_s", m.R_s / z, 3e-4, 0.25, drop.format("R_s", "")),
+            ("L_d", w * m.L_d / z, 0.02, 1.5, drop.format("L_d", " at rated speed")),
+            ("L_q", w * m.L_q / z, 0.03, 4.0, drop.format("L_q", " at rated speed")),
             ("tau_rated", m.tau_rated / most, 0.05, 2.0, "rated torque over that of rated current"),
             ("J", start, 0.004, 15.0, "seconds from rest to rated speed at rated torque"),
         )

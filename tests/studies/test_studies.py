@@ -90,9 +90,9 @@ def test_a_mistake_is_told_in_one_line(
 
 
 OUT = ["any_machine", "axes_study", "best_schedules", "bring_up_study", "carrier_study",
-       "damage_campaign", "datasheet_study", "fault_campaign", "handover_study", "hard_suite", "identify_study",
-       "lock_study", "motors_study", "one_schedule", "ppo_search", "q15_study", "return_study",
-       "standstill_study", "zero_shot"]  # fmt: skip
+       "damage_campaign", "datasheet_study", "fault_campaign", "handover_study", "hard_suite",
+       "identify_study", "lock_study", "motors_study", "one_schedule", "ppo_search", "q15_study",
+       "return_study", "standstill_study", "zero_shot"]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", OUT)
