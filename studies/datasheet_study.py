@@ -68,7 +68,8 @@ def main() -> None:
             found[name] = None
             if motor is not None:
                 found[name] = {s: lost(motor, s, options.size, options.seed) for s in SUITES}
-            table.add_row(name, *map(str, (found[name] or dict.fromkeys(SUITES, "–")).values()))
+            counts = found[name]
+            table.add_row(name, *(map(str, counts.values()) if counts else "–" * len(SUITES)))
     Console().print(table)
     record = {"size": options.size, "seed": options.seed, "versions": versions(), "lost": found}
     write_record(options.out, record)

@@ -281,8 +281,7 @@ CORE_COLD ab_t drive_seek(const drive_params_t *p, drive_state_t *x, const drive
         return drive_unless(0, &p->guard, u);
     }
     if (x->start.phase == START_STOPPED || drive_is_to_stop(x)) {
-        drive_stop(
-            x); /* also if drive_trip came within a period, or the application lost the bits */
+        drive_stop(x); /* again: drive_trip came within a period, or the bits were cleared */
         x->u_2 = x->u_1;
         x->u_1 = u;
     } else if (x->start.phase == START_FLY) {
