@@ -41,7 +41,8 @@ def file_of(name: str, options: dict[str, str], folder: Path) -> Motor | None:
     """The motor that ``motor new`` makes of the options; None: it refuses them."""
     path = folder / f"{name}.toml"
     words = [word for key, value in options.items() for word in (f"--{key}", value)]
-    CliRunner().invoke(app, ["motor", "new", "--name", name, "--out", str(path), *words])
+    new = ["motor", "new", "--name", name, "--out", str(path), "--size", "0", *words]
+    CliRunner().invoke(app, new)
     return Motor.load(str(path)) if path.is_file() else None
 
 
