@@ -15,8 +15,8 @@ from sensorless.errors import UserError
 
 LONGEST = 255
 """Bytes of a name on every usual file system, checked before parents are made."""
-MOST_BYTES = 2**28
-"""Largest file that is read: a log of some five minutes at 10 kHz."""
+MOST_BYTES = 2**29
+"""Largest file that is read: a log of some ten minutes at 10 kHz."""
 OLD = 60.0
 """Age from which what a killed process left half-written is removed [s]."""
 PART = re.compile(r"\.(.+)\.(\d+)\.part(\.old)?")

@@ -21,13 +21,7 @@ from sensorless.agents.train.alone import alone
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.curve import cut_back
 from sensorless.agents.train.env import training_env
-from sensorless.agents.train.run_folder import (
-    LATEST,
-    create,
-    fresh,
-    note_resumed,
-    reopen,
-)
+from sensorless.agents.train.run_folder import LATEST, create, fresh, note_resumed, reopen
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.agents.train.watch import Progress, Watch
 from sensorless.design.carried import refuse_settings

@@ -39,10 +39,10 @@ it as `SHAFT_ANGLE` (`make cortex_m4 SHAFT_ANGLE=0.0f`). Half a turn off, a driv
 or run slowly for good. `sensorless simulate --start` refuses this machine for the same reason.
 
 The EMF of a shaft that spins shows its pole. If it turns at $least r/min or more, call
-`drive_find_rotor` behind `drive_init`; `FAULT_POLE` then says that it was too slow. An angle and a
+`drive_find_rotor` after `drive_init`; `FAULT_POLE` then says that it was too slow. An angle and a
 speed given to `drive_init` would have to be exact: near rated speed a wrong one drives a current
 that trips.
-With a measured [saturation] in the motor file, the drive may be able to find the pole."""
+With a measured [saturation] in the motor file, the drive may be able to find the pole at rest."""
 
 FLYING = 0.9
 """Share of the voltage that the EMF of a shaft may take when a drive catches it."""

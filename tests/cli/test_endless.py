@@ -23,7 +23,7 @@ ENDLESS = [
 def test_an_endless_file_is_refused_in_one_line(words: tuple[str, ...], tmp_path: Path) -> None:
     done = run(*words, cwd=tmp_path)
     assert done.returncode == 2 and done.stderr.startswith("error: "), done.stderr
-    assert "/dev/zero" in done.stderr and "more than 256 MiB" in done.stderr
+    assert "/dev/zero" in done.stderr and "more than 512 MiB" in done.stderr
     assert not list(tmp_path.iterdir())
 
 
