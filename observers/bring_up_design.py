@@ -9,6 +9,7 @@ import numpy as np
 from sensorless.machine.magnetics import currents, flux
 from sensorless.machine.motor import Motor
 from sensorless.observers.injection_signal import NOISE_AT, SENSOR_NOISE, adc_step
+from sensorless.observers.tracking import MOST_DEAD_TIME
 
 VOLTAGE = 0.4
 """Of a pulse over the link's, within the circle and with room for a sagging link."""
@@ -39,9 +40,8 @@ LEGS = 4.0 / 3.0
 SCALE, SENSORS = 0.16, 0.1
 """Most difference of the scale from 1, as L_d is not known much better; and what sensors and an
 L_d near the motor file's take of it."""
-MOST_LOST, MOST_THRESHOLD = 1.5, 1.1
-"""Largest voltage of a leg that dead time takes over the motor file's, and the middle of the
-largest thresholds [V]."""
+MOST_THRESHOLD = 1.1
+"""Middle of the largest thresholds of the switches [V]."""
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ def plan_bring_up(motor: Motor) -> Plan:
     push = _push(motor, u_lost, (HOLD[2],) * 3)  # the scale alone
     band = SCALE
     if push.short:  # the voltage lost, unknown, is missing in the scale
-        lost = LEGS * (MOST_LOST * u_lost + (MOST_THRESHOLD if bipolar else 0.0))
+        lost = LEGS * (MOST_DEAD_TIME * u_lost + (MOST_THRESHOLD if bipolar else 0.0))
         band = max(SCALE, SENSORS + lost * motor.T_s * push.rise / (push.reach * motor.L_d))
     if band > SCALE:
         limits.append(

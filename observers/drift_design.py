@@ -11,12 +11,16 @@ from sensorless.observers.hfi_design import hf_current
 from sensorless.observers.match_design import learning_time
 from sensorless.observers.q_inductance import learned_share
 from sensorless.observers.smo_design import low_pass
-from sensorless.observers.tracking import HAND_OVER, dead_time_noise, flux_noise, voltage_drift
+from sensorless.observers.tracking import (
+    HAND_OVER,
+    MOST_DEAD_TIME,
+    dead_time_noise,
+    flux_noise,
+    voltage_drift,
+)
 
 LEG_SHARE = 0.75
 """Dead-time voltage of a leg over that of the voltage vector: three legs make 4/3 of it."""
-MOST_DEAD_TIME = 1.5
-"""Largest dead time over the file's: drivers and switches add delays of their own."""
 R_S_ERROR = 0.5
 """Error of the resistance over the file's: copper has half as much again at +130 K."""
 LEARNED_R_S = 0.25

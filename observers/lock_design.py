@@ -14,7 +14,7 @@ from sensorless.machine.magnetics import flux, iron_conductance, mtpa
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import USABLE
 from sensorless.machine.saliency import principal
-from sensorless.observers.tracking import LEFT_DEAD_TIME, rated_acceleration
+from sensorless.observers.tracking import LEFT_DEAD_TIME, MOST_DEAD_TIME, rated_acceleration
 
 ACTIONS = {name: getattr(lib, f"LOCK_{name.upper()}") for name in ("report", "restart", "stop")}
 """Numbers of the C core by the name that the setting ``lost_lock`` takes."""
@@ -45,8 +45,6 @@ IRON = 0.03
 one: that of the suite ``stress``."""
 LOADED = 0.1
 """Torque current over rated from which dead time is compensated well enough to bound the answer."""
-MOST_DEAD_TIME = 1.5
-"""Dead time that a drive may have, over the file's: that of ``LEFT_DEAD_TIME``."""
 GAINED = 2.0
 """Bound on the answer over that of the d axis beyond which no channel with a wrong gain comes: one
 that reads 1.5 times as much makes 1.4 to 2.1."""
@@ -174,7 +172,7 @@ def design_lock(
     action: str,
     bias: float,
     one_axis: bool,
-    speed_hz: float,
+    i_q_slew: float,
     current_hz: float,
     weakening: float,
 ) -> dict[str, Any]:
@@ -188,9 +186,10 @@ def design_lock(
         Observer's q inductance over the apparent one.
     one_axis : bool
         Whether injection's axis is that of the estimate, at any weight.
-    speed_hz, current_hz : float
-        Natural frequency of the speed loop, whose reference may move by 4 pi speed_hz i_rated a
-        second, and bandwidth of the current loop [Hz].
+    i_q_slew : float
+        Largest slope of the torque current's reference [A/s].
+    current_hz : float
+        Bandwidth of the current loop [Hz].
     weakening : float
         Bandwidth of field weakening at rated speed [rad/s].
     """
@@ -199,8 +198,9 @@ def design_lock(
     emf = motor.omega_rated * motor.psi_f
     lost = motor.dead_time_voltage + threshold_voltage(motor)
     unknown = LEFT_DEAD_TIME * lost + UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
-    floor, lag = SPEED_LAG * emf + unknown, 2.0 * speed_hz / current_hz
-    later = 2.0 * math.pi * speed_hz * step  # reference at the end of a mean over i_rated, by slope
+    floor, slope = SPEED_LAG * emf + unknown, i_q_slew / motor.i_rated  # slope [1/s]
+    lag = slope / (2.0 * math.pi * current_hz)
+    later = 0.5 * slope * step  # reference at the end of a mean, less its mean, over i_rated
     share = max(CURRENT_SHARE, 0.5 * CURRENT_SHARE + later)
     return {
         "alpha": -math.expm1(-step / TAU),

@@ -21,9 +21,11 @@ SAMPLE_ERRORS = 3.0
 """Error of a current sample by noise, offset and gain, over ``sample_error``. Injection uses second
 differences, whose error is one of it."""
 
+MOST_DEAD_TIME = 1.5
+"""Largest dead time over the file's: drivers and switches add delays of their own."""
 LEFT_DEAD_TIME = 0.75
-"""What is not known of the dead time's voltage: it may be 1.5 times the file's and is
-compensated by 0.75."""
+"""What is not known of the dead time's voltage: it may be ``MOST_DEAD_TIME`` times the file's and
+is compensated by 0.75."""
 LEFT_RESISTANCE = 1.0 / 3.0
 """What is not known of the resistance, over the file's: a cold winding's to a hot one's."""
 CHANGING = 0.5
@@ -44,7 +46,10 @@ def rated_acceleration(motor: Motor) -> float:
 
 
 def voltage_drift(motor: Motor) -> float:
-    """Rate at which uncompensated dead time turns the flux [rad/s]."""
+    """Rate at which the uncompensated dead time of one leg turns the flux [rad/s].
+
+    Three legs make 4/pi of it on average, and 4/3 at most. The bandwidths were tried with one.
+    """
     return motor.u_dc * max(motor.dead_time / motor.T_s, LEAST_DEAD_TIME) / motor.psi_f
 
 
@@ -64,7 +69,7 @@ def flux_noise(motor: Motor) -> float:
 
 
 def dead_time_noise(motor: Motor) -> float:
-    """Angle [rad] by which a period's dead time turns the flux."""
+    """Angle [rad] by which a period's dead time of one leg turns the flux."""
     return motor.u_dc * motor.dead_time / motor.psi_f
 
 

@@ -31,7 +31,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SUITES, SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.lock import BACK_IN, BAND, IN_TIME, LOCK, STAYS, in_control, lock_summary
-from sensorless.evaluation.rollout import CAUSES, are_feasible, at_a_time, rollouts
+from sensorless.evaluation.rollout import are_feasible, at_a_time, rollouts
 from sensorless.files import check_writable, write_record
 from sensorless.machine.magnetics import torque
 from sensorless.machine.motor import Motor
@@ -166,7 +166,7 @@ def watched(
     }
     feasible = are_feasible(lost)
     held = float(time[feasible & (lost == 0)].sum())
-    row = {**lock_summary(lock, lost, time, CAUSES["twin"]), "held_s": round(held)}
+    row = {**lock_summary(lock, lost, time), "held_s": round(held)}
     return row, {**lock, "gone": feasible & (lost != 0)}
 
 

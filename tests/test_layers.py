@@ -14,7 +14,7 @@ TOP = ("agents", "baselines", "core", "envs", "observers")
 """Folders of the package that stand at the top; ``sensorless`` links to them."""
 
 LAYERS = (
-    ("errors", "files", "plain_json", "plain_table", "settings", "units"),
+    ("errors", "files", "matlab_file", "plain_json", "plain_table", "settings", "units"),
     ("core",),
     ("machine", "table", "versions"),
     ("observers",),
@@ -32,7 +32,12 @@ LAYERS = (
 )
 """Folders and single files of ``sensorless``, lowest first."""
 
-SIBLINGS = {("files", "errors"), ("settings", "errors"), ("pil", "export")}
+SIBLINGS = {
+    ("files", "errors"),
+    ("matlab_file", "files"),
+    ("settings", "errors"),
+    ("pil", "export"),
+}
 """Who may import whom inside a layer."""
 
 ABOVE_ALL = ("__init__", "__main__")

@@ -149,7 +149,9 @@ CORE_COLD ab_t drive_mend(const drive_params_t *p, drive_state_t *x) {
     int stopped = x->start.phase == START_STOPPED || drive_is_to_stop(x);
     int stop = p->lock.action == LOCK_STOP || stopped;
     drive_clear(p, x, 0.0f, 0.0f, 1.0f);
-    x->begun = x->begun == DRIVE_TRIPPED ? DRIVE_TRIPPED : DRIVE_BEGUN;
+    if (x->begun != DRIVE_BEGUN && x->begun != DRIVE_TRIPPED) { /* else a trip might be lost here */
+        x->begun = DRIVE_BEGUN;
+    }
     drive_find_rotor(x);
     x->fault = fault | FAULT_STATE;
     if (stop) {

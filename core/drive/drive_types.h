@@ -32,7 +32,7 @@ enum {
 
 /* What drive_init writes, and drive_trip after it: memory that was never begun holds neither. A period
  * does not write this word, so it cannot write over a trip that interrupts it; but one that mends a
- * damaged state does, at one place, and keeps a trip that came before. */
+ * damaged state does if it holds neither. */
 enum { DRIVE_BEGUN = 0x1DEA5EED, DRIVE_TRIPPED = 0x5709BED1 };
 
 /* What inputs of a period may be. */

@@ -204,7 +204,8 @@ CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega
     int32_t failed = grace ? 0 : found;
     int32_t calm = x->calm < p->n_calm ? x->calm + 1 : x->calm;
     x->calm = failed != 0 ? 0 : calm;
-    int32_t more = failed != 0 || (x->bad > 0 && x->calm < p->n_clear) ? count_i(x->bad, 1) : 0;
+    int32_t next = x->bad < LOCK_GRACE ? x->bad + 1 : LOCK_GRACE;
+    int32_t more = failed != 0 || (x->bad > 0 && x->calm < p->n_clear) ? next : 0;
     int32_t last = x->bad <= LOCK_GRACE + 1 || x->bad > LOCK_GRACE + p->n_grace;
     int32_t less = last ? 0 : x->bad - 1;
     x->bad = grace ? less : more;

@@ -129,7 +129,7 @@ def lock_block(motor: Motor, design: DriveDesign, by: Derived, bias: float) -> F
         action=design.lost_lock,
         bias=bias,
         one_axis=design.estimator in ("coupled", "errors"),
-        speed_hz=by.speed_hz,
+        i_q_slew=by.i_q_slew,
         current_hz=by.current_hz,
         weakening=weakening(by.speed_hz, by.current_hz),
     )

@@ -25,7 +25,6 @@ from sensorless.evaluation.metrics.place import QUADRANTS, SPEED_EDGES
 from sensorless.evaluation.metrics.place import by_place as sums_by_place
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.rollout import (
-    CAUSES,
     CHUNK,
     Floats,
     Rollout,
@@ -222,7 +221,7 @@ def _entry(s: Scores, seeds: Seeds, words: Sequence[str], seed: int, bound: bool
     return {
         "bound": bound,
         **summary(s.lost, s.metrics, seed),
-        **lock_summary(s.lock, s.lost, s.time, CAUSES["twin"]),
+        **lock_summary(s.lock, s.lost, s.time),
         "by_quadrant": {"place": QUADRANTS, **by_place(s.places["quadrant"], survived)},
         "by_speed": {"from_rated_speed": SPEED_EDGES, **by_place(s.places["speed"], survived)},
         "worst": _worst(s, words),

@@ -140,9 +140,7 @@ class LockWatch:
         return out | {name: n.astype(np.float64) for name, n in counts.items()}
 
 
-def lock_summary(
-    lock: dict[str, Floats], lost: NDArray[np.int32], time: Floats, twin: int
-) -> dict[str, Any]:
+def lock_summary(lock: dict[str, Floats], lost: NDArray[np.int32], time: Floats) -> dict[str, Any]:
     """Rates over scenarios that lasted long enough after the verdict; NaN of none.
 
     False alarms are those in scenarios that hold; ``early_alarms`` those in scenarios lost later.
@@ -151,10 +149,8 @@ def lock_summary(
     ----------
     lost : (n,) bits of ``CAUSES``
     time : (n,) time lived, up to the verdict [s]
-    twin : int
-        Bit of scenarios that are not feasible; they do not count.
     """
-    feasible = (lost & twin) == 0
+    feasible = (lost & lib.LOST_TWIN) == 0
     gone = feasible & (lost != 0)
     alarm, watched = lock["alarm_s"], lock["watched_s"]
     judged = gone & (watched >= IN_TIME)

@@ -35,18 +35,26 @@ class Judged:
     """With Eq. 25 on the same machine and drive."""
     machine: Check | None = None
     """What ``sensorless motor check`` says of the machine on this drive, with this schedule."""
+    suits: bool = False
+    """It says no, but under Eq. 25 it does not."""
 
     @property
     def unsuited(self) -> tuple[str, ...]:
         """Why it says no; empty unless it does."""
-        found = None if self.machine is None else self.machine.examination.verdict
-        return found.because if found is not None and found.word == "no" else ()
+        if self.machine is None or not _says_no(self.machine):
+            return ()
+        return self.machine.examination.verdict.because
 
     @property
     def objection(self) -> str:
         """Why it should not run a motor; empty if it may."""
         if self.unsuited:
-            return f"its machine does not suit, because {'; '.join(self.unsuited)}"
+            who = (
+                "its machine suits Eq. 25, but not it"
+                if self.suits
+                else "its machine does not suit"
+            )
+            return f"{who}, because {'; '.join(self.unsuited)}"
         if not self.nominal:
             return f"no scenario of {SUITE} is feasible on this machine"
         if self.lost > MOST_LOST * self.nominal:
@@ -83,13 +91,19 @@ def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
     factories = [SimFactory(motor, design)]
     nominal = outcomes(policy, factories, SUITE, SEED, SIZE)
     eq25 = TablePolicy("eq25", linear_table(*eq25_band(motor)), policy.settings)
+    machine = check(motor, design, policy, "the schedule", CHECKED)
     return Judged(
         int(nominal.lost.sum()),
         int(nominal.feasible.sum()),
         len(nominal.feasible),
         compare(policy, eq25, "Eq. 25", factories),
-        check(motor, design, policy, "the schedule", CHECKED),
+        machine,
+        _says_no(machine) and not _says_no(check(motor, design, eq25, "Eq. 25", CHECKED)),
     )
+
+
+def _says_no(machine: Check) -> bool:
+    return machine.examination.verdict.word == "no"
 
 
 def require_fit(judged: Judged, name: str) -> None:
@@ -100,7 +114,7 @@ def require_fit(judged: Judged, name: str) -> None:
     UserError
         Says why.
     """
-    if judged.unsuited:
+    if judged.unsuited and not judged.suits:
         mend = (
             "correct the motor file or the settings, or add --force; sensorless motor check, with "
             "the same --set, shows all"
@@ -108,7 +122,7 @@ def require_fit(judged: Judged, name: str) -> None:
         raise UserError(f"export: {name}: {judged.objection}: {mend}")
     if judged.objection:
         worse = judged.objection == f"it is {judged.eq25.sentence}"
-        better = "export eq25, or train" if worse else "train"
+        better = "export eq25, or train" if worse or judged.suits else "train"
         raise UserError(
             f"export: {name}: {judged.objection}: {better} or tune one for this machine, or add "
             "--force; sensorless motor check says whether the machine suits"

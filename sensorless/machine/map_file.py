@@ -10,6 +10,7 @@ import numpy as np
 from sensorless.errors import UserError, shown
 from sensorless.files import decoded, read_bytes
 from sensorless.machine.magnetics import Floats
+from sensorless.matlab_file import read_matlab
 
 COLUMNS = ("i_d", "i_q", "psi_d", "psi_q")
 UNITS = {"a": 1.0, "ma": 1e-3, "ka": 1e3, "vs": 1.0, "wb": 1.0, "mvs": 1e-3, "mwb": 1e-3}
@@ -39,7 +40,7 @@ def load_map(path: Path, columns: str | None = None, turn: bool = False) -> tupl
         The file cannot be read, or a column is missing or holds what is no finite number.
     """
     try:
-        raw = _matlab(path) if path.suffix.lower() == ".mat" else _text(path, columns)
+        raw = read_matlab(path) if path.suffix.lower() == ".mat" else _text(path, columns)
         found = _named(raw, path)
     except UserError:
         raise
@@ -121,29 +122,6 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _matlab(path: Path) -> dict[str, Any]:
-    from scipy.io import loadmat
-
-    try:
-        with path.open("rb") as file:
-            known = loadmat(file, squeeze_me=True)
-    except OSError:
-        raise
-    except NotImplementedError:
-        raise ValueError("MATLAB 7.3; save it with -v7, or as CSV") from None
-    except Exception as error:  # of a broken file SciPy raises whatever comes up
-        raise ValueError(f"not a MATLAB file ({error}); save it anew, or as CSV") from None
-    found: dict[str, Any] = {}
-    for name, value in known.items():
-        if name.startswith("__"):
-            continue
-        if getattr(value, "dtype", None) is not None and value.dtype.names:  # one struct of all
-            found |= {field: np.asarray(value[field].item()) for field in value.dtype.names}
-        else:
-            found[name] = np.asarray(value)
-    return found
 
 
 def _named(raw: Mapping[str, Any], path: Path) -> list[Floats]:

@@ -11,7 +11,6 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from sensorless.core.api import Array
 from sensorless.errors import UserError
 from sensorless.files import decoded, read_bytes, reason
 from sensorless.machine.magnetics import Floats
+from sensorless.matlab_file import read_matlab
 
 UNITS = {
     "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "a": 1.0, "ma": 1e-3, "ka": 1e3, "v": 1.0,
@@ -181,22 +181,11 @@ def _value(text: str, at: str, column: str) -> float:
 
 def _matlab(path: Path, wanted: Sequence[str], names: Mapping[str, str], where: str) -> Recording:
     """Vectors of a MATLAB file, or of the structures in it."""
-    from scipy.io import loadmat
-
-    with path.open("rb") as file:
-        try:
-            raw: dict[str, Any] = loadmat(file, squeeze_me=True)
-        except NotImplementedError:
-            raise UserError(f"{where}: a MATLAB file of version 7.3; save it with -v7") from None
-        except Exception as error:  # scipy has many for a damaged file
-            raise UserError(f"{where}: not a valid MATLAB file: {error}") from None
-    found: dict[str, Array] = {}
-    for name, value in raw.items():
-        fields = value.dtype.names if isinstance(value, np.ndarray) else None
-        parts = (
-            {f: value[f].item() for f in fields} if fields and value.ndim == 0 else {name: value}
-        )
-        found |= {k: np.asarray(v) for k, v in parts.items() if np.ndim(v) == 1}
+    try:
+        found = read_matlab(path)
+    except ValueError as error:
+        raise UserError(f"{where}: {error}") from None
+    found = {k: v for k, v in found.items() if v.ndim == 1}
     vectors = {k: v.astype(float) for k, v in found.items() if v.dtype.kind in "fiub"}
     used = _used(list(vectors), wanted, names, where, 1)
     columns = {name: sign * list(vectors.values())[j] for name, (j, sign) in used.items()}

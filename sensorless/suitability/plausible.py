@@ -12,8 +12,8 @@ from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import polar
 from sensorless.machine.saliency import LEAST, principal
 from sensorless.machine.sane import insane
-from sensorless.observers.drift_design import MOST_DEAD_TIME
 from sensorless.observers.injection_signal import LINK_SHARE
+from sensorless.observers.tracking import MOST_DEAD_TIME
 from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 
 BEYOND = 3.0
@@ -50,7 +50,10 @@ def plausible(motor: Motor) -> Iterator[Finding]:
     yield from _saturation(motor)
     yield from _correction(motor)
     yield from _resistance(motor)
-    yield from _inverter(motor)
+    yield from _pulses(motor)
+    yield from _limits(motor)
+    yield from _injection(motor)
+    yield from _losses(motor)
 
 
 def require_plausible(motor: Motor) -> None:
@@ -164,12 +167,19 @@ def _resistance(m: Motor) -> Iterator[Finding]:
         yield Finding(NOTE, "R_s", text)
 
 
-def _inverter(m: Motor) -> Iterator[Finding]:
+def _pulses(m: Motor) -> Iterator[Finding]:
     turn = 2.0 * math.pi / (m.omega_rated * m.T_s)
     if turn < TURN[0] * (1.0 - ROUNDING):
         weight = NO if turn < TURN[1] else LIMIT
         text = f"rated speed has {turn:.4g} PWM periods per electrical turn; needed: {TURN[0]:g}"
         yield Finding(weight, "T_s", text)
+    if m.dead_time > 0.1 * m.T_s:
+        weight = NO if m.dead_time > 0.5 * m.T_s else LIMIT
+        text = f"dead_time = {m.dead_time:g} s is {m.dead_time / m.T_s:.0%} of T_s"
+        yield Finding(weight, "dead_time", text + (": wrong unit?" if weight == NO else ""))
+
+
+def _limits(m: Motor) -> Iterator[Finding]:
     if m.i_max < LEAST_LIMIT * m.i_rated:
         text = f"i_max = {m.i_max:g} A is {m.i_max / m.i_rated:.2g} of i_rated = {m.i_rated:g} A"
         yield Finding(NO, "i_max", f"{text}, too little to turn the shaft: wrong unit?")
@@ -179,7 +189,7 @@ def _inverter(m: Motor) -> Iterator[Finding]:
     if m.i_max > m.adc_range:
         text = f"i_max = {m.i_max:g} A is above what the converter measures, {m.adc_range:g} A"
         yield Finding(NO, "adc_range", text)
-    elif m.i_trip > MOST_TRIP * m.i_max:
+    if m.i_trip > MOST_TRIP * m.i_max:
         text = f"i_trip = {m.i_trip:g} A is above {MOST_TRIP:g} times i_max = {m.i_max:g} A"
         yield Finding(LIMIT, "i_trip", f"{text} and protects nothing: wrong unit?")
     elif m.i_trip > m.adc_range:
@@ -189,6 +199,9 @@ def _inverter(m: Motor) -> Iterator[Finding]:
         text = f"a shorted motor that spins drives about psi_f / L_d = {m.psi_f / m.L_d:.4g} A, "
         text += f"above i_trip = {m.i_trip:g} A; zero voltage shorts it: open the bridge to stop"
         yield Finding(NOTE, "i_trip", text)
+
+
+def _injection(m: Motor) -> Iterator[Finding]:
     if m.u_inj >= m.u_dc / math.sqrt(3.0):
         text = f"u_inj = {m.u_inj:g} V is beyond {m.u_dc / math.sqrt(3.0):.4g} V, the most that a "
         text += f"DC link of {m.u_dc:g} V gives; give at most a fifth of it"
@@ -200,12 +213,11 @@ def _inverter(m: Motor) -> Iterator[Finding]:
         text = f"u_inj = {m.u_inj:g} V is below {least:.3g} V, which "
         text += f"dead_time, {MOST_DEAD_TIME:g} times the file's, and the switches may take"
         yield Finding(LIMIT, "u_inj", text)
+
+
+def _losses(m: Motor) -> Iterator[Finding]:
     power = m.tau_rated * m.omega_m_rated
     if m.p_iron > MUCH_IRON[0] * power:
         weight = NO if m.p_iron > MUCH_IRON[1] * power else LIMIT
         text = f"p_iron = {m.p_iron:g} W is {m.p_iron / power:.0%} of rated power, {power:.4g} W"
         yield Finding(weight, "p_iron", text + (": wrong unit?" if weight == NO else ""))
-    if m.dead_time > 0.1 * m.T_s:
-        weight = NO if m.dead_time > 0.5 * m.T_s else LIMIT
-        text = f"dead_time = {m.dead_time:g} s is {m.dead_time / m.T_s:.0%} of T_s"
-        yield Finding(weight, "dead_time", text + (": wrong unit?" if weight == NO else ""))

@@ -67,7 +67,7 @@ def test_alarms_of_scenarios_lost_later_are_counted_apart() -> None:
     rows = [seen([(0.2, 0.25)]), seen([(0.2, 0.25)], verdict=0.5), seen([])]
     lock = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     lost = np.array([0, lib.LOST_ANGLE, 0], dtype=np.int32)
-    found = lock_summary(lock, lost, np.array([END, 0.5, END]), lib.LOST_TWIN)
+    found = lock_summary(lock, lost, np.array([END, 0.5, END]))
     assert found["lock_counts"]["false_alarms"] == 1
     assert found["lock_counts"]["early_alarms"] == 1
     assert found["false_alarms_per_hour"] == pytest.approx(3600.0 / (2.0 * END))

@@ -24,6 +24,7 @@ from sensorless.suitability.finding import LIMIT, NO, Finding
 from sensorless.table.ks_table import KsTable
 from tests.helpers.command import run
 
+PAPER = Motor.load("paper")
 LEVEL = Comparison(
     "Eq. 25", 400, 400, Cost(0.0, 0.03, 0.01), Cost(0.0, 0.03, 0.01), 0.0, (-1e-3, 1e-3), False
 )
@@ -33,7 +34,7 @@ BETTER = replace(LEVEL, change=-1e-3, interval=(-2e-3, -1e-4))
 
 def suits(weight: str) -> Check:
     """A check of a machine with one finding."""
-    return Check(Examination(Motor.load("paper"), (Finding(weight, "psi_f", "psi_f = 8"),)), ())
+    return Check(Examination(PAPER, (Finding(weight, "psi_f", "psi_f = 8"),)), ())
 
 
 @pytest.mark.parametrize(
@@ -49,6 +50,10 @@ def suits(weight: str) -> Check:
         (
             Judged(0, 200, 200, LEVEL, suits(NO)),
             "its machine does not suit, because psi_f = 8",
+        ),
+        (
+            Judged(0, 200, 200, LEVEL, suits(NO), suits=True),
+            "its machine suits Eq. 25, but not it, because psi_f = 8",
         ),
         (Judged(0, 200, 200, LEVEL, suits(LIMIT)), ""),
     ],
@@ -105,6 +110,15 @@ def test_a_machine_that_the_simulation_of_its_check_refuses(
     told = module.verdict(judged)
     assert told.startswith("not fit to run a motor: its machine does not suit, because the drive")
     assert re.search(r"check with it: no, lost stress \d\d %, handoff \d+ %, hold", told)
+
+
+def test_a_schedule_that_loses_what_eq25_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its machine is not to blame."""
+    monkeypatch.setattr(module, "CHECKED", 20)
+    judged = module.judge_export(make_policy("constant:0", PAPER), PAPER, DriveDesign())
+    assert judged.suits and judged.objection.startswith("its machine suits Eq. 25, but not it")
+    with pytest.raises(UserError, match="export eq25, or train"):
+        module.require_fit(judged, "constant:0")
 
 
 def test_what_is_worse_than_eq25_is_told_to_be_replaced_by_it() -> None:

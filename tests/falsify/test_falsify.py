@@ -79,6 +79,12 @@ def test_a_search_climbs() -> None:
     assert 5.0 < worst[0] < worst[1]
 
 
+def test_a_search_leaves_the_generator_of_numpy_alone() -> None:
+    before = np.random.get_state()[1].tolist()  # type: ignore[index]
+    search(EQ25, SimFactory(PAPER, DriveDesign()), "stress", 3, 192)
+    assert np.random.get_state()[1].tolist() == before  # type: ignore[index]
+
+
 def test_the_shipped_finds_are_split_in_halves() -> None:
     """Later rows are neighbours of the first ones."""
     found = load(HARD)

@@ -110,3 +110,15 @@ def test_a_fast_speed_loop_has_room_for_a_mean_of_the_current() -> None:
     assert slow == pytest.approx((0.1 + 0.1) * motor.i_rated, rel=1e-6)
     behind = 2.0 * math.pi * 25.0 * step
     assert fast == pytest.approx((0.05 + behind + 0.1) * motor.i_rated, rel=1e-6)
+
+
+def test_a_steeper_reference_of_the_torque_current_may_lag_more() -> None:
+    """A ramp of slope s lags s / (2 pi f) behind in a loop of bandwidth f, and half a mean."""
+    motor = Motor.load("paper")
+    slow, fast = (
+        DriveDesign(current_hz=100.0, i_q_slew=1e4),
+        DriveDesign(current_hz=100.0, i_q_slew=2e4),
+    )
+    i_off = [float(control_record(motor, d)["lock"]["i_off"]) for d in (slow, fast)]
+    lag = 1e4 / (2.0 * math.pi * 100.0) + 0.5 * 1e4 * 1e-3
+    assert i_off[1] - i_off[0] == pytest.approx(lag, rel=1e-3)

@@ -217,6 +217,14 @@ def test_runaway_is_told(tmp_path: Path) -> None:
         run_case(case, np.full((400, 3), 1e60))
 
 
+def test_a_period_that_no_step_divides_finely_enough_is_told() -> None:
+    """30 turns in a period of 10 ms, at which 1024 steps are far off."""
+    data = changed(changed(HELD, "mechanics.w_M", 1e4), "init.w_M", 1e4)
+    case = case_from(changed(data, "T_s", 0.01), "x")
+    with pytest.raises(UserError, match=r"T_s = 0\.01 s is too long.*give more and shorter"):
+        run_case(case, np.full((3, 3), 100.0))
+
+
 @pytest.mark.parametrize("theta", [0.0, 2.5, -3.1, 9.0, -40.0])
 @pytest.mark.parametrize("data", [LINEAR, SATURATED], ids=["linear", "saturated"])
 def test_first_row_is_the_start(data: dict[str, Any], theta: float) -> None:

@@ -69,6 +69,8 @@ def test_random_machines_are_suitable() -> None:
         ({"i_max": 5.0}, "with limits", "i_max = 5 A is below i_rated"),
         ({"i_max": 9e-6}, "no", "i_max = 9e-06 A is 1.5e-06 of i_rated"),
         ({"i_trip": 1.8e10}, "with limits", "i_trip = 1.8e+10 A is above 10 times i_max"),
+        ({"adc_range": 5.0, "i_trip": 1e4}, "no", "i_trip = 10000 A is above 10 times i_max"),
+        ({"adc_range": 5.0, "i_trip": 1e4}, "no", "is above what the converter measures, 5 A"),
         ({"B": 1e9}, "no", "B = 1e+09 N m s/rad: friction"),
         ({"L_d": 3.6e-11}, "no", "L_d = 3.6e-11"),
         ({"psi_f": 5.45e8}, "no", "psi_f = 5.45e+08"),

@@ -221,3 +221,15 @@ def test_a_drive_that_takes_control_has_a_grace(c: Call) -> None:
         rows = np.array([without_current(1.0, np.pi)] * grace, dtype=np.float32)
         c("lock", PARAMS.reshape(1).copy(), state, rows, len(rows))
         assert state["alarm"][0] == told
+
+
+def test_an_alarm_lasts_as_long_as_its_cause(c: Call) -> None:
+    """After 65 s too, when its counter comes to where that of the grace begins."""
+    state = np.zeros(1, dtype=struct_dtype("lock_state_t"))
+    rows = np.array([without_current(1.0, np.pi)] * 40, dtype=np.float32)
+    c("lock", PARAMS.reshape(1).copy(), state, rows, len(rows))
+    assert state["alarm"][0] == 1
+    state["bad"] = 65536 - 5
+    for _ in range(10):
+        c("lock", PARAMS.reshape(1).copy(), state, rows[:1].copy(), 1)
+        assert state["alarm"][0] == 1
