@@ -78,7 +78,8 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
     A scenario is a profile of speed, load and DC-link voltage, a starting point, and the mismatch
     between machine and controller. ``reset(seed=...)`` starts a stream of scenarios, and every
     reset takes the next one. By default they are `stress_1_scenarios`: everything at random, from
-    rest or on a spinning shaft. ``scenarios="handoff"`` draws those of a suite instead (not
+    rest or on a spinning shaft, whose speed the drive knows at the start, with its angle up to
+    10 degrees off. ``scenarios="handoff"`` draws those of a suite instead (not
     ``envelope`` or ``machines``). ``reset(options={"scenario": s})`` runs a `Scenarios` of one row.
     It does not know which machine it was drawn for: draw it for the one of this environment.
 
@@ -154,7 +155,10 @@ class BlendEnv(gymnasium.Env[Observation, ArrayLike]):
         return self.batch.state()
 
     def restore(self, state: BatchState) -> None:
-        """Continue from a copy that `state` made with the same settings; errors otherwise."""
+        """Continue from a copy that `state` made with the same settings; errors otherwise.
+
+        Scenarios that a function draws are compared by its name alone.
+        """
         self.batch.restore(state)
         self._begun = True
         if self._film is not None:  # it shows what came after that

@@ -49,8 +49,8 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
 
     - ``NEXT_STEP`` (default): in the following step, whose action it ignores and whose reward is 0.
     - ``SAME_STEP``: at once. Observation and ``privileged`` are the first of the new episode; the
-      last of the old one are in ``info["final_obs"]`` and ``info["final_info"]``. Terms and
-      ``lost`` belong to the reward returned with them.
+      last of the old one are in ``info["final_obs"]`` and ``info["final_info"]``. Terms,
+      ``lost`` and ``alarm`` belong to the reward returned with them, so their masks are True.
 
     Parameters
     ----------
@@ -166,7 +166,10 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
         return self.batch.state()
 
     def restore(self, state: BatchState) -> None:
-        """Continue from a copy that `state` made with the same settings; errors otherwise."""
+        """Continue from a copy that `state` made with the same settings; errors otherwise.
+
+        Scenarios that a function draws are compared by its name alone.
+        """
         self.batch.restore(state)
         self._begun = True
 

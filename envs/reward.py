@@ -45,7 +45,6 @@ Term = NDArray[np.float32]
 Floats = NDArray[Any]
 """float32 or float64"""
 
-INF = math.inf
 
 SCALE_TORQUE = 0.20
 """Torque deviation at which the cost is one half [rated torque]."""
@@ -57,6 +56,8 @@ ANGLE_FREE = math.radians(20.0)
 """Largest angle error without cost [rad]; steady errors of a loaded drive are smaller."""
 ANGLE_LOST = math.radians(LOST_ANGLE_DEG)
 """Angle error at which the cost is one [rad]; beyond it, lock counts as lost."""
+MOST = 1e6
+"""Largest weight: a reward is a float32, and should be finite."""
 SCALE_ACTIVITY = 0.05
 """Movement of k_s in 1 ms at which the cost is one half."""
 
@@ -66,20 +67,24 @@ class RewardWeights:
     """Largest value of each cost."""
 
     torque_deviation: float = number(
-        0.050, "1/ms", 0, INF, "torque minus the sensored twin's, without the injection band"
+        0.050, "1/ms", 0, MOST, "torque minus the sensored twin's, without the injection band"
     )
     torque_ripple: float = number(
-        0.0045, "1/ms", 0, INF, "swing of the torque in a decision, without the injection band"
+        0.0045, "1/ms", 0, MOST, "swing of the torque in a decision, without the injection band"
     )
     speed_deviation: float = number(
-        0.020, "1/ms", 0, INF, "speed minus the twin's: overshoot and dips that the estimate caused"
+        0.020,
+        "1/ms",
+        0,
+        MOST,
+        "speed minus the twin's: overshoot and dips that the estimate caused",
     )
     angle: float = number(
-        1.0, "1/ms", 0, INF, "angle error of the blend near losing lock: the warning before"
+        1.0, "1/ms", 0, MOST, "angle error of the blend near losing lock: the warning before"
     )
-    activity: float = number(0.001, "1/ms", 0, INF, "movement of k_s")
-    injection: float = number(0.0002, "1/ms", 0, INF, "share of time with injection on")
-    lost: float = number(1000.0, "1", 0, INF, "once, when lock is lost")
+    activity: float = number(0.001, "1/ms", 0, MOST, "movement of k_s")
+    injection: float = number(0.0002, "1/ms", 0, MOST, "share of time with injection on")
+    lost: float = number(1000.0, "1", 0, MOST, "once, when lock is lost")
 
     def __post_init__(self) -> None:
         """Check every weight.

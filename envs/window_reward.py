@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from sensorless.core.api import Array
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.reward import (
-    INF,
+    MOST,
     SCALE_SPEED,
     SCALE_TORQUE,
     RewardWeights,
@@ -57,15 +57,15 @@ class WindowWeights(RewardWeights):
     """Largest value of each cost; those not named here are as in ``Blend-v0``."""
 
     torque_deviation: float = number(
-        0.050, "1/ms", 0, INF, "torque minus the sensored twin's over 20 ms"
+        0.050, "1/ms", 0, MOST, "torque minus the sensored twin's over 20 ms"
     )
     torque_ripple: float = number(
-        0.025, "1/ms", 0, INF, "the same difference about its mean over 20 ms"
+        0.025, "1/ms", 0, MOST, "the same difference about its mean over 20 ms"
     )
     angle: float = number(
-        0.200, "1/ms", 0, INF, "angle error of the blend near losing lock: the warning before"
+        0.200, "1/ms", 0, MOST, "angle error of the blend near losing lock: the warning before"
     )
-    lost: float = number(200.0, "1", 0, INF, "once, when lock is lost")
+    lost: float = number(200.0, "1", 0, MOST, "once, when lock is lost")
 
 
 class Window:

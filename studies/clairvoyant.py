@@ -30,6 +30,7 @@ from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.errors import in_one_line
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
+from sensorless.evaluation.over_seeds import half_width
 from sensorless.evaluation.rollout import Floats, Rollout, rollout
 from sensorless.files import write_record
 from sensorless.machine.motor import Motor
@@ -160,12 +161,14 @@ def share(ours: Floats, base: Floats, bound: Floats) -> dict[str, Any]:
     room = np.where(known, np.nan_to_num(base) - bound, 0.0)
     seeds, n = ours.shape
     rng = np.random.default_rng(0)
-    of_seeds = rng.multinomial(seeds, np.full(seeds, 1.0 / seeds), RESAMPLES)
     of_rows = rng.multinomial(n, np.full(n, 1.0 / n), RESAMPLES)
-    drawn = np.einsum("bs,sn,bn->b", of_seeds, gain, of_rows)
-    drawn = drawn / np.einsum("bs,sn,bn->b", of_seeds, room, of_rows)
+    drawn = (of_rows @ gain.sum(axis=0)) / (of_rows @ room.sum(axis=0))
     low, high = np.quantile(drawn, (0.025, 0.975))
-    return {"share": float(gain.sum() / room.sum()), "share_ci": [float(low), float(high)]}
+    found = float(gain.sum() / room.sum())
+    if seeds > 1:
+        half = half_width(gain.sum(axis=1) / room.sum(axis=1), float(drawn.std()), n)
+        low, high = found - half, found + half
+    return {"share": found, "share_ci": [float(low), float(high)]}
 
 
 def policies_on(estimator: str) -> list[str]:

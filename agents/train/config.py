@@ -40,8 +40,9 @@ class TrainConfig:
         "1",
         0,
         10**12,
-        "train for this many decisions, summed over all environments, whatever time that takes; "
-        "the result is repeatable to the bit; 0 trains for --minutes",
+        "train for this many decisions, summed over all environments, and the rest of the update "
+        "that they end in, whatever time that takes; the result is repeatable to the bit; 0 trains "
+        "for --minutes",
     )
     seed: int = number(
         1, "1", 0, 2**32 - 1, "draw scenarios, exploration and critic from this seed"

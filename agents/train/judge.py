@@ -68,7 +68,7 @@ def _why_start(folder: Path, config: TrainConfig, start: KsTable) -> str:
     steps, first = curve[-1]["steps"], config.warm_up + 1
     least = first * config.n_envs * config.n_steps
     on = f"go on with: sensorless train --resume {quote(str(folder))}"
-    if steps <= least:
+    if steps < least:
         return (
             f"the run never moved: it had {steps} decisions, and the table first moves after "
             f"{least}, with update {first} (--warm-up {config.warm_up}); {on}"

@@ -164,7 +164,8 @@ def _learn(
     factories = [SimFactory(motor, design) for motor in machines.motors]
     watch = Watch(folder, config, factories, report)
     try:
-        model.learn(10**15, callback=watch, log_interval=1, reset_num_timesteps=False)
+        steps = config.steps or 10**15
+        model.learn(steps, callback=watch, log_interval=1, reset_num_timesteps=False)
         watch.judge()
     except KeyboardInterrupt:
         watch.checkpoint()

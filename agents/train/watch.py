@@ -76,7 +76,11 @@ class Watch(BaseCallback):
         return policy
 
     def _on_step(self) -> bool:
-        return self.share < 1.0
+        return bool(self._config.steps) or self.share < 1.0  # PPO itself counts the steps
+
+    def _on_training_end(self) -> None:
+        if self._config.steps:
+            self._take_in()
 
     @property
     def share(self) -> float:
@@ -93,15 +97,19 @@ class Watch(BaseCallback):
         if self._updates % self._rollouts == 0:
             restart(self.model, stream(self._config.seed, self.model.num_timesteps))
         policy.learn_actor = self.model._n_updates >= self._config.warm_up * self._config.n_epochs
-        self._updates += 1
-        now = policy.vector()
-        window = min(self._updates, self._config.average)
-        mean = now if self._mean is None else self._mean
-        self._mean = mean + (now - mean) / window
+        self._take_in()
         if self.model.num_timesteps - self._last_step >= self._config.eval_freq:
             self.judge()
         elif self._report is not None:
             self._report(min(self.share, 1.0), self.model.num_timesteps, None)
+
+    def _take_in(self) -> None:
+        """Take the actor of now into the mean."""
+        self._updates += 1
+        now = self.actor.vector()
+        window = min(self._updates, self._config.average)
+        mean = now if self._mean is None else self._mean
+        self._mean = mean + (now - mean) / window
 
     def judge(self) -> None:
         """Validate the mean actor unless it just was, keep the best, and save a checkpoint."""

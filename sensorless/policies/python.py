@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from sensorless.core.gains import GAIN_N, GAIN_NAMES, RANGE, Gain, Values
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.signals import bounded
 from sensorless.errors import UserError, has_control, shown
 from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Settings, Signals, gains_of
@@ -33,6 +34,9 @@ ROUNDING = 1e-5
 
 class PythonPolicy:
     """A user's policy with the defaults filled in and every answer checked.
+
+    It gets a copy of the signals within their bounds, as an environment gives them: drives that are
+    lost run on beyond, and a policy may write into what it gets.
 
     Parameters
     ----------
@@ -93,13 +97,13 @@ class PythonPolicy:
     def act(self, obs: Signals) -> NDArray[np.float32]:
         """Weights (n,)."""
         with self._told("act"):
-            k_s = np.asarray(self._own.act(obs), dtype=np.float32)
+            k_s = np.asarray(self._own.act(bounded(obs)), dtype=np.float32)
         return self._checked(k_s, (len(obs),), 0.0, "act")
 
     def act_gains(self, obs: Signals) -> Values:
         """Values of the gains (n, GAIN_N)."""
         with self._told("act_gains"):
-            values = np.asarray(self._own.act_gains(obs), dtype=np.float32)
+            values = np.asarray(self._own.act_gains(bounded(obs)), dtype=np.float32)
         return self._checked(values, (len(obs), GAIN_N), -1.0, "act_gains")
 
     def _checked(

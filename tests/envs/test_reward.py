@@ -96,5 +96,7 @@ def test_a_broken_state_costs_no_more_than_the_worst(value: float) -> None:
 def test_bad_weight_is_named(name: str) -> None:
     with pytest.raises(UserError, match=f"{name}: nan: must be"):
         RewardWeights(**{name: float("nan")})
-    with pytest.raises(UserError, match=f"{name}: -1: must be at least 0"):
+    with pytest.raises(UserError, match=f"{name}: -1: must be between 0 and 1000000"):
         RewardWeights(**{name: -1})
+    with pytest.raises(UserError, match=r"1e\+39: must be between"):
+        RewardWeights(**{name: 1e39})

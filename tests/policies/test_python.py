@@ -8,6 +8,7 @@ import pytest
 from sensorless.core.api import SIGNAL_N
 from sensorless.core.gains import GAIN_N, Gain
 from sensorless.envs.blend_settings import GainSettings
+from sensorless.envs.signals import HIGH, LOW
 from sensorless.errors import UserError
 from sensorless.evaluation.certify import certify
 from sensorless.machine.motor import Motor
@@ -183,3 +184,19 @@ def test_it_may_set_gains() -> None:
     loud = own(ranges=ranges, act_gains=lambda self, obs: np.full((len(obs), GAIN_N), 2.0))
     with pytest.raises(UserError, match="act_gains gave 2 to 2; give -1 to 1"):
         loud.act_gains(OBS)
+
+
+def test_signals_are_a_copy_within_the_bounds_of_an_environment() -> None:
+    """A policy may write into them; drives that are lost run on beyond the bounds."""
+    seen = []
+
+    def act(self: object, obs: np.ndarray) -> np.ndarray:
+        seen.append(obs.copy())
+        obs[:] = 0.0
+        return np.ones(len(obs))
+
+    given = 50.0 * OBS
+    before = given.copy()
+    own(act=act).act(given)
+    assert given.tolist() == before.tolist()
+    assert (LOW <= seen[0]).all() and (seen[0] <= HIGH).all() and seen[0].min() < 0.0

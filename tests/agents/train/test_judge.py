@@ -42,7 +42,7 @@ def test_a_run_ends_with_its_verdict(tmp_path: Path) -> None:
     [
         (["--lr-nodes", "1e-6"], "the run never moved: in 1600 decisions no weight changed"),
         (["--lr-nodes", "1e-2"], "the run never moved k_s: its weights changed by up to"),
-        (["--lr-nodes", "1", "--lr-end", "1", "--margin", "0"], "its start, eq25: "),
+        (["--lr-nodes", "0.3", "--lr-end", "1", "--margin", "0"], "its start, eq25: "),
     ],
 )
 def test_whether_a_run_moved_is_told_by_its_weights(
