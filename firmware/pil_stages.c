@@ -27,6 +27,8 @@ pil_stages_t pil_stages(const drive_state_t *x, const ks_schedule_state_t *sched
                         const drive_in_t *in) {
     pil_stages_t y;
     drive_state_t d = *x;
+    drive_state_t sound = *x;
+    drive_state_t hurt = *x;
     ks_schedule_state_t s = *schedule;
     ab_t i_ab = phases_to_ab(in->i_a, in->i_b);
     s.wait = 0;
@@ -46,5 +48,14 @@ pil_stages_t pil_stages(const drive_state_t *x, const ks_schedule_state_t *sched
     t = port_ticks();
     ks_schedule_step(&schedule_params, &s, &drive_params.signal, &d.signal);
     y.decide = port_since(t);
+    hurt.coupled.psi.a = __builtin_nanf("");
+    t = port_ticks();
+    uint32_t nothing = port_since(t);
+    t = port_ticks();
+    (void)drive_step(&drive_params, &sound, in);
+    uint32_t without = port_since(t);
+    t = port_ticks();
+    (void)drive_step(&drive_params, &hurt, in);
+    y.mend = port_since(t) - without + nothing; /* a count has those of the measurement */
     return y;
 }

@@ -1,4 +1,5 @@
-/* Instruction counts of each part of the control step alone, on copies of the states. */
+/* Instruction counts of each part of the control step, and of mending a damaged state, on
+ * copies of the states. */
 #ifndef SENSORLESS_PIL_STAGES_H
 #define SENSORLESS_PIL_STAGES_H
 

@@ -84,6 +84,7 @@ typedef struct {
     uint32_t control;
     uint32_t signals;
     uint32_t decide; /* the schedule in a period that decides */
+    uint32_t mend;   /* what drive_step takes more to mend a damaged state */
 } pil_stages_t;
 
 #endif

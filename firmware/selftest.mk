@@ -7,6 +7,7 @@ WARNINGS ?= -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -W
 SOURCES  := $(wildcard test/*.c core/*.c cmsis/*.c) params.c ks_hook_params.c \
             ks_table_data.c ks_table_q15.c
 OBJECTS  := $(SOURCES:%.c=build/%.o)
+SHIPPED  := $(SOURCES) $(wildcard *.h core/*.h test/*.h)
 
 # The schedule in a drive with its own observers, and a bare Cortex-M4F.
 HOOK     := core/ks_hook.c core/ks_schedule.c core/ks_table.c ks_hook_params.c ks_table_data.c
@@ -18,7 +19,8 @@ M4       := -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -ffreesta
 selftest: build/selftest
 	@build/selftest; status=$$?; \
 	if test -f SHA256SUMS && command -v sha256sum >/dev/null; then \
-	 sha256sum --quiet -c SHA256SUMS 2>/dev/null || \
+	 ( sha256sum --quiet --strict -c SHA256SUMS 2>/dev/null && \
+	   for file in $(SHIPPED); do grep -q "  $$file\$$" SHA256SUMS || exit 1; done ) || \
 	 echo "note: not as exported; the self test sees what a file computes, not every number in it"; fi; \
 	exit $$status
 

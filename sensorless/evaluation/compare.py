@@ -135,8 +135,8 @@ class Comparison:
         }[self.word]
         share, low, high = (100.0 * x for x in (self.change, *self.interval))
         return (
-            f"{start}: objective {share:+.1f} % (95 % interval {low:+.1f} to {high:+.1f} %), lost "
-            f"{ours} instead of {theirs} of {where}{self._hopping}"
+            f"{self._hopping}{start}: objective {share:+.1f} % (95 % interval {low:+.1f} to "
+            f"{high:+.1f} %), lost {ours} instead of {theirs} of {where}"
         )
 
     @property
@@ -144,7 +144,7 @@ class Comparison:
         if self.hops <= OFTEN:
             return ""
         share = f"{self.hops:.0%} of those with rest"
-        return f"; do not flash it: k_s hops, it moves at constant speed and load, in {share}"
+        return f"do not flash it: k_s hops, it moves at constant speed and load, in {share}; "
 
     def facts(self) -> dict[str, Any]:
         """All of it in JSON types."""

@@ -29,9 +29,10 @@ def contrast(ours: Sequence[Scores], theirs: Scores, name: str) -> dict[str, flo
     b = np.array([np.where(b, there, 0.0) for b in both])
     rng = np.random.default_rng(len(there))
     counts = rng.multinomial(len(there), np.full(len(there), 1.0 / len(there)), RESAMPLES)
-    by_scenarios = (counts @ a.sum(axis=0)) / (counts @ b.sum(axis=0))
-    change = float(a.sum() / b.sum()) - 1.0
-    half = half_width(a.sum(axis=1) / b.sum(axis=1), float(by_scenarios.std()), len(there))
+    with np.errstate(all="ignore"):  # where the other has none of it, the change is no number
+        by_scenarios = (counts @ a.sum(axis=0)) / (counts @ b.sum(axis=0))
+        change = float(a.sum() / b.sum()) - 1.0
+        half = half_width(a.sum(axis=1) / b.sum(axis=1), float(by_scenarios.std()), len(there))
     return {k: round(100.0 * x, 2) for k, x in
             {"change": change, "low": change - half, "high": change + half}.items()}  # fmt: skip
 

@@ -36,7 +36,7 @@ DO = {
     "BRING_UP_FAULT_WIRING": "look for a dead current channel, one of another gain, an open phase",
     "BRING_UP_FAULT_CHANNEL": "invert that channel, or the duty of its phase",
     "BRING_UP_FAULT_SCALE": "check the duty formula of each leg, scale of each current and of the "
-    "link, and L_d; a shaft that turns slowly shows like this, too",
+    "link, and L_d; look for an open phase; a shaft that turns slowly shows like this, too",
     "BRING_UP_FAULT_DEAD_TIME": "switch the driver's compensation off, or export with "
     "`--set dead_time_share=0`",
     "BRING_UP_FAULT_STATE": "check again, from `bring_up_init` on; if it repeats, look for what "

@@ -55,7 +55,7 @@ LOST = {
     "report": "goes on: stop it or start it again, as the application allows",
     "restart": "takes its\ntorque away for some 20 to 40 ms, seeks the rotor and goes on; after "
     f"{RESTARTS} restarts without\na second of health it stops",
-    "stop": "applies no\nvoltage any more and says `FAULT_STOPPED`, until `drive_init`",
+    "stop": "applies no\nvoltage any more until `drive_init`, and sets `FAULT_STOPPED`",
 }
 """What a drive does that has lost its rotor, by the setting ``lost_lock``."""
 CHANGES = """

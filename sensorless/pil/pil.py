@@ -99,7 +99,8 @@ def pil(
             lookups = _lookups(device, table, info)
             stages = device.ask(Operation.STAGES, _running(len(scenarios), motor))
         sizes = memory(objects)
-        stack = stack_of(objects, ("drive_step", "drive_seek", "ks_schedule_step"))
+        step = "gain_schedule_step" if table.gains else "ks_schedule_step"
+        stack = stack_of(objects, ("drive_step", step))
         fused = fused_instructions(image)
     return {
         "policy": policy,

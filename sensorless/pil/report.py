@@ -18,6 +18,7 @@ NAMES = {
     "part_control": "  speed and current control",
     "part_signals": "  signals of the schedule",
     "part_decide": "  a decision of the schedule",
+    "part_mend": "  to mend a damaged state, on top",
 }
 
 
@@ -49,7 +50,7 @@ def table(report: dict[str, Any]) -> PlainTable:
         sizes = ", ".join(f"{section} {n:,}" for section, n in part.items() if n)
         out.add_row(f"  {name}: {sizes}")
     out.add_row("RAM: state of a drive and its schedule", "", "", f"{report['ram_state']:,}")
-    out.add_row("  stack of a period", "", "", f"{report['stack']:,}")
+    out.add_row("  stack of a period, calls included", "", "", f"{report['stack']:,}")
     return out
 
 

@@ -111,9 +111,18 @@ def fused_instructions(image: Path) -> int:
 
 
 def stack_of(folder: Path, functions: tuple[str, ...]) -> int:
-    """Largest stack frame of the functions [byte]."""
-    rows = [line.split("\t") for path in folder.glob("*.su") for line in path.open()]
-    return max((int(row[1]) for row in rows if row[0].split(":")[-1] in functions), default=0)
+    """Most stack of the functions with all that they call [byte], from GCC's call graphs."""
+    text = "".join(path.read_text(encoding="utf-8") for path in folder.glob("*.ci"))
+    node = r'node: \{ title: "([^"]+)" label: "[^"]*\\n(\d+) bytes'
+    frames = {name: int(size) for name, size in re.findall(node, text)}
+    calls: dict[str, set[str]] = {}
+    for caller, called in re.findall(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"', text):
+        calls.setdefault(caller, set()).add(called)
+
+    def depth(name: str) -> int:  # the core calls in no circle
+        return frames.get(name, 0) + max(map(depth, calls.get(name, ())), default=0)
+
+    return max(map(depth, functions))
 
 
 def shipped(gains: bool) -> list[str]:

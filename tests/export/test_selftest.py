@@ -141,6 +141,14 @@ def test_a_limit_that_no_vector_sees_is_named_if_edited(made: Make, tmp_path: Pa
     assert after.returncode == 0 and "params.c: FAILED\nnote: not as exported" in after.stdout
 
 
+@GCC
+def test_a_list_of_sums_that_lacks_a_file_is_no_proof(made: Make, tmp_path: Path) -> None:
+    copied = shutil.copytree(made("gcc", "-O0").folder, tmp_path / "copy")
+    sums = copied / "SHA256SUMS"
+    sums.write_text("".join(sums.read_text().splitlines(keepends=True)[:1]))
+    assert "note: not as exported" in selftest(copied, "CC=gcc", "CFLAGS=-O0").stdout
+
+
 @pytest.mark.parametrize("words", [("CC=gcc", "-Ofast"), ("CC=clang", "-O2 -ffast-math")])
 def test_fast_math_is_named_with_all_warnings_on(copied: Path, words: tuple[str, str]) -> None:
     compiler, flags = words

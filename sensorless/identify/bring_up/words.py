@@ -27,7 +27,7 @@ CURE = {
     "wiring": "look for a dead current channel, one of another gain, or an open phase",
     "channel": "invert that current channel, or the duty of its phase",
     "scale": "check the duty formula 0.5 + u / u_dc of each leg, the scale of currents and DC "
-    "link, and L_d; a shaft that turns slowly shows like this, too",
+    "link, and L_d; look for an open phase; a shaft that turns slowly shows like this, too",
     "dead_time": "somebody else compensates dead time: switch that off, or export with "
     "--set dead_time_share=0",
     "state": "the state of the check was damaged, or bring_up_init was not called: repeat it from "
