@@ -9,8 +9,8 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
-from sensorless.evaluation.objective import Cost
-from sensorless.evaluation.rollout import rollouts
+from sensorless.evaluation.objective import Cost, cost_of
+from sensorless.evaluation.rollout import rollouts, with_twin_to_the_end
 from sensorless.policy import Policy
 
 SUITE = "stress-1"
@@ -20,14 +20,11 @@ SUITE = "stress-1"
 def validate(policy: Policy, factory: SimFactory, size: int, seed: int = 0) -> Cost:
     """Cost of a policy over ``size`` scenarios of ``SUITE`` with the role ``tune``."""
     scenarios = suite(SUITE, factory.motor, seed, size, role="tune")
-    lost, dev, ripple = [], [], []
+    parts = []
     for r in rollouts(policy, scenarios, factory):
-        kept = r.lost == 0
-        lost.append(~kept)
-        dev.append(torque_dev_rms(r)[kept])
-        ripple.append(torque_ripple_rms(r)[kept])
-    means = (float(np.mean(np.concatenate(x))) if sum(map(len, x)) else 1.0 for x in (dev, ripple))
-    return Cost(float(np.mean(np.concatenate(lost))), *means)
+        whole = with_twin_to_the_end(r, factory, policy.settings)
+        parts.append((r.lost != 0, whole.feasible, torque_dev_rms(r), torque_ripple_rms(r)))
+    return cost_of(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def validate_all(policy: Policy, factories: Sequence[SimFactory], size: int) -> Cost:

@@ -16,7 +16,7 @@ from sensorless.evaluation.aggregate import Rows, interval_of
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.hop import hops
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
-from sensorless.evaluation.objective import Cost, weighted
+from sensorless.evaluation.objective import Cost, cost_of, weighted
 from sensorless.evaluation.rates import Bools, Interval
 from sensorless.evaluation.rollout import Floats, rollouts, with_twin_to_the_end
 from sensorless.plain_json import plain
@@ -45,8 +45,7 @@ class Outcomes:
 
     def cost(self, rows: Bools) -> Cost:
         """Cost over some scenarios."""
-        parts = self._parts(np.flatnonzero(rows))
-        return Cost(*(float(x) for x in parts))
+        return cost_of(self.lost, rows, self.torque_dev, self.torque_ripple)
 
     def objective(self, rows: Rows) -> Floats:
         """Value of ``OBJECTIVE`` (m,) over each of m draws of k scenarios (m, k)."""

@@ -7,7 +7,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-X = TypeVar("X", float, NDArray[np.float64])
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+X = TypeVar("X", float, Floats)
 
 LOST_WEIGHT = 10.0
 OBJECTIVE = (
@@ -25,7 +27,7 @@ NEAR_OBJECTIVE = f"{OBJECTIVE} + {LOST_WEIGHT:g} mean nearness of a loss in {NEA
 """What tuning a rule minimises: a search ends where losses are rare, which samples do not show."""
 
 
-def nearness(angle_err: NDArray[np.float64]) -> NDArray[np.float64]:
+def nearness(angle_err: Floats) -> Floats:
     """How near to a loss scenarios came, 0 to 1, by their largest angle errors [rad]; any shape."""
     low, high = NEAR
     return np.clip((angle_err - low) / (high - low), 0.0, 1.0)
@@ -54,6 +56,16 @@ class Cost:
     def weighted(self, ripple: float) -> float:
         """Return the objective with this weight of the ripple."""
         return weighted(self.lost_rate, self.torque_dev, self.torque_ripple, ripple)
+
+
+def cost_of(lost: Bools, feasible: Bools, torque_dev: Floats, torque_ripple: Floats) -> Cost:
+    """Cost over n scenarios (n,), of which only the feasible ones count.
+
+    Torques count where nothing was lost; if all was, or nothing is feasible, each part is 1.
+    """
+    kept = feasible & ~lost
+    means = (float(x[kept].mean()) if kept.any() else 1.0 for x in (torque_dev, torque_ripple))
+    return Cost(float(lost[feasible].mean()) if feasible.any() else 1.0, *means)
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ from sensorless.evaluation.engines.engine import Engine
 from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
-from sensorless.evaluation.objective import Cost, nearness
-from sensorless.evaluation.rollout import Floats, rollout
+from sensorless.evaluation.objective import Cost, cost_of, nearness
+from sensorless.evaluation.rollout import Floats, rollout, with_twin_to_the_end
 from sensorless.policy import GainPolicy, Policy, Signals, decide, gains_of
 
 DRIVES = 512
@@ -84,11 +84,9 @@ def costs(
     engine: Engine = LOCAL,
 ) -> tuple[list[Cost], float]:
     """Cost of every policy over all scenarios, and the time simulated [s] without the twins."""
-    (lost, dev, ripple, _), seconds = _table(policies, scenarios, factory, engine)
-    return [
-        Cost(float(x.mean()), _mean(y, x == 0.0), _mean(z, x == 0.0))
-        for x, y, z in zip(lost, dev, ripple, strict=True)
-    ], seconds
+    (lost, feasible, dev, ripple, _), seconds = _table(policies, scenarios, factory, engine)
+    parts = zip(lost > 0.0, feasible > 0.0, dev, ripple, strict=True)
+    return [cost_of(*part) for part in parts], seconds
 
 
 def near_losses(
@@ -97,16 +95,17 @@ def near_losses(
     factory: SimFactory,
     engine: Engine = LOCAL,
 ) -> tuple[list[float], float]:
-    """Mean ``nearness`` of every policy over all scenarios; the time simulated [s]."""
-    (lost, _, _, angle_err), seconds = _table(policies, scenarios, factory, engine)
-    return [float(x) for x in np.maximum(lost, nearness(angle_err)).mean(axis=1)], seconds
+    """Mean ``nearness`` of every policy over the feasible scenarios; the time simulated [s]."""
+    (lost, feasible, _, _, angle_err), seconds = _table(policies, scenarios, factory, engine)
+    near = np.maximum(lost, nearness(angle_err)) * feasible
+    return (near.sum(axis=1) / np.maximum(feasible.sum(axis=1), 1.0)).tolist(), seconds
 
 
 def _table(
     policies: Sequence[Policy], scenarios: Scenarios, factory: SimFactory, engine: Engine
 ) -> tuple[Floats, float]:
-    """What ``_run`` finds of every policy in all scenarios (4, policies, scenarios); time [s]."""
-    found, seconds = np.zeros((4, len(policies), len(scenarios))), 0.0
+    """What ``_run`` finds of every policy in all scenarios (5, policies, scenarios); time [s]."""
+    found, seconds = np.zeros((5, len(policies), len(scenarios))), 0.0
     groups = list(_groups(policies, scenarios))
     for group, (time, part) in zip(groups, engine.map(partial(_run, factory), groups), strict=True):
         rows = slice(group.row, group.row + len(group.policies))
@@ -128,15 +127,12 @@ def _groups(policies: Sequence[Policy], scenarios: Scenarios) -> Iterator[_Group
 
 
 def _run(factory: SimFactory, group: _Group) -> tuple[float, Floats]:
-    """Time simulated [s]; by policy and scenario: lost, deviation, ripple, largest error [rad]."""
+    """Time simulated [s]; by policy and scenario what stands in ``found``."""
     shape = len(group.policies), len(group.scenarios)
     rows = np.tile(np.arange(shape[1]), shape[0])
-    r = rollout(SideBySide(group.policies), group.scenarios[rows], factory)
+    together = SideBySide(group.policies)
+    r = rollout(together, group.scenarios[rows], factory)
+    feasible = with_twin_to_the_end(r, factory, together.settings).feasible
     angle_err = r.sums["err_max"].max(axis=0, initial=0.0)
-    found = (r.lost != 0, torque_dev_rms(r), torque_ripple_rms(r), angle_err)
-    return float(r.periods.sum()) * factory.motor.T_s, np.stack(found).reshape(4, *shape)
-
-
-def _mean(x: Floats, rows: NDArray[np.bool_]) -> float:
-    """Mean over ``rows``; 1 if there is none."""
-    return float(x[rows].mean()) if rows.any() else 1.0
+    found = (r.lost != 0, feasible, torque_dev_rms(r), torque_ripple_rms(r), angle_err)
+    return float(r.periods.sum()) * factory.motor.T_s, np.stack(found).reshape(5, *shape)

@@ -12,7 +12,7 @@ from sensorless.evaluation.metrics.catalogue import angle_err_rms_deg, torque_de
 from sensorless.evaluation.metrics.held import not_held
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.metrics.step import dip_pct_s, settling_twin_s
-from sensorless.evaluation.objective import LOST_WEIGHT, Cost
+from sensorless.evaluation.objective import LOST_WEIGHT, Cost, cost_of
 from sensorless.evaluation.rates import Bools
 from sensorless.evaluation.rollout import Floats, are_feasible, rollouts, with_twin_to_the_end
 from sensorless.machine.motor import Motor
@@ -78,13 +78,8 @@ def measure(motor: Motor, design: DriveDesign, policy: Policy, scenarios: Scenar
 
 def cost(found: Measured, start: Measured) -> Cost:
     """Cost where the start's twin is feasible: gains at which a twin fails there lose."""
-    kept = start.feasible & ~found.lost
-    means = [
-        float(found.numbers[name][kept].mean()) if kept.any() else 1.0
-        for name in ("torque_dev", "torque_ripple")
-    ]
-    feasible = max(int(start.feasible.sum()), 1)
-    return Cost(float(np.sum(start.feasible & found.lost) / feasible), *means)
+    torques = (found.numbers[name] for name in ("torque_dev", "torque_ripple"))
+    return cost_of(found.lost, start.feasible, *torques)
 
 
 def not_held_rate(found: Measured, start: Measured) -> float:
