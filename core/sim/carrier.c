@@ -160,8 +160,8 @@ static void diodes_settle(const plant_params_t *m, const plant_state_t *x, const
 static void row_write(rows_t *rows, const plant_state_t *x, ab64_t u) {
     double *row = rows->row;
     row[CARRIER_T] = rows->t;
-    row[CARRIER_U_A] = u.a;
-    row[CARRIER_U_B] = u.b;
+    row[CARRIER_U_ALPHA] = u.a;
+    row[CARRIER_U_BETA] = u.b;
     row[CARRIER_I_D] = x->i_d;
     row[CARRIER_I_Q] = x->i_q;
     row[CARRIER_PSI_D] = x->psi_d;

@@ -24,8 +24,8 @@ enum { PIECES_A_PERIOD = 13 }; /* most stretches of constant voltage in a period
  * state. */
 enum {
     CARRIER_T = 0,
-    CARRIER_U_A,
-    CARRIER_U_B,
+    CARRIER_U_ALPHA,
+    CARRIER_U_BETA,
     CARRIER_I_D,
     CARRIER_I_Q,
     CARRIER_PSI_D,

@@ -27,8 +27,8 @@ static ab_t commission_voltage(sim_t *s, const command_t *c, float share, ab_t i
 
 static void commission_row(const sim_t *s, int32_t segment, const drive_in_t *in, double *row) {
     row[COMMISSION_SEGMENT] = (double)segment;
-    row[COMMISSION_U_A] = (double)s->drive.u.a;
-    row[COMMISSION_U_B] = (double)s->drive.u.b;
+    row[COMMISSION_U_ALPHA] = (double)s->drive.u.a;
+    row[COMMISSION_U_BETA] = (double)s->drive.u.b;
     row[COMMISSION_U_DC] = (double)in->u_dc;
     row[COMMISSION_I_A] = (double)in->i_a;
     row[COMMISSION_I_B] = (double)in->i_b;

@@ -34,8 +34,8 @@ typedef struct {
 /* Columns of a row, one per sampling instant k. */
 enum {
     COMMISSION_SEGMENT = 0, /* index of the command */
-    COMMISSION_U_A,         /* commanded for [k, k+1], stator frame [V] */
-    COMMISSION_U_B,
+    COMMISSION_U_ALPHA,     /* commanded for [k, k+1], stator frame [V] */
+    COMMISSION_U_BETA,
     COMMISSION_U_DC,  /* measured at k [V] */
     COMMISSION_I_A,   /* measured at k [A] */
     COMMISSION_I_B,   /* of phase b */

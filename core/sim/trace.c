@@ -43,10 +43,10 @@ int32_t sim_trace(sim_t *s, int32_t periods, float k_s_ref, double *out) {
         row[TRACE_THETA_E] = y.theta_e;
         row[TRACE_I_D] = y.i_d;
         row[TRACE_I_Q] = y.i_q;
-        row[TRACE_U_A] = (double)s->drive.u.a;
-        row[TRACE_U_B] = (double)s->drive.u.b;
-        row[TRACE_U_A_HAT] = (double)s->drive.x.u_1.a;
-        row[TRACE_U_B_HAT] = (double)s->drive.x.u_1.b;
+        row[TRACE_U_ALPHA] = (double)s->drive.u.a;
+        row[TRACE_U_BETA] = (double)s->drive.u.b;
+        row[TRACE_U_ALPHA_HAT] = (double)s->drive.x.u_1.a;
+        row[TRACE_U_BETA_HAT] = (double)s->drive.x.u_1.b;
         row[TRACE_INJ] = (double)s->drive.x.hfi.sign_1;
         float starting = s->sums.starting;
         drive_in_t in = sim_advance(s, k_s_ref, s->plant.extra);

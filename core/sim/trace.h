@@ -23,14 +23,14 @@ enum {
     TRACE_I_Q,
     TRACE_I_A, /* measured by the drive's sensors at k [A] */
     TRACE_I_B,
-    TRACE_U_A, /* commanded for the period [k, k+1], stator frame [V] */
-    TRACE_U_B,
+    TRACE_U_ALPHA, /* commanded for the period [k, k+1], stator frame [V] */
+    TRACE_U_BETA,
     TRACE_U_DC,         /* [V] */
     TRACE_HF_AMPLITUDE, /* [A] */
     TRACE_STARTING,     /* 1 while the start sequence runs */
-    TRACE_U_A_HAT,      /* TRACE_U_A and _B as the estimators see them: without the drive's */
-    TRACE_U_B_HAT,      /* compensation of dead time [V] */
-    TRACE_INJ,          /* sign of the injection over [k, k+1], 0 = off */
+    TRACE_U_ALPHA_HAT, /* TRACE_U_ALPHA and _BETA as the estimators see them: without the drive's */
+    TRACE_U_BETA_HAT,  /* compensation of dead time [V] */
+    TRACE_INJ,         /* sign of the injection over [k, k+1], 0 = off */
     TRACE_N
 };
 

@@ -71,7 +71,8 @@ def wave(title: str, t: Trace) -> Wave:
     beyond = np.abs(np.rad2deg(t["theta_e_err"])).max() > edge
     label = "angle error [° el.], truth − estimate" + (", in part beyond" if beyond else "")
     c, s = np.cos(t["theta_e"]), np.sin(t["theta_e"])
-    u_d, u_q = c * t["u_a"] + s * t["u_b"], c * t["u_b"] - s * t["u_a"]
+    u_alpha, u_beta = t["u_alpha"], t["u_beta"]
+    u_d, u_q = c * u_alpha + s * u_beta, c * u_beta - s * u_alpha
     rpm = {key: RAD_S_TO_RPM * t[f"omega_m{key}"] for key in ("_ref", "", "_hat", "_twin")}
     panes = (
         Pane("speed", "speed [r/min]", (

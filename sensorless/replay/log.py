@@ -89,10 +89,10 @@ def duties(u: Floats, u_dc: Floats) -> Floats:
 
 def write_log(t: Trace, path: Path) -> None:
     """Write a traced run as its drive could have recorded it, with an encoder."""
-    u = np.stack([t["u_a"], t["u_b"]], axis=-1)
+    u = np.stack([t["u_alpha"], t["u_beta"]], axis=-1)
     head = "t,i_a,i_b,u_alpha,u_beta,inj,d_a,d_b,d_c,u_dc,theta_e"
     columns = [np.round(t["t"], 9)]
-    columns += [t[n] for n in ("i_a", "i_b", "u_a_hat", "u_b_hat", "inj")]
+    columns += [t[n] for n in ("i_a", "i_b", "u_alpha_hat", "u_beta_hat", "inj")]
     columns += [*duties(u, t["u_dc"]).T, t["u_dc"], t["theta_e"]]
     form = ",".join(["%.9g"] * 5 + ["%d"] + ["%.6f"] * 3 + ["%.9g"] * 2)
     lines = [form % tuple(row) for row in np.stack(columns, axis=-1)]

@@ -36,7 +36,7 @@ def test_columns_may_stand_in_any_order(tmp_path: Path) -> None:
     text = ",".join(order) + "\n" + ",".join(row[name] for name in order) + "\n"
     (tmp_path / "log.csv").write_text(text, encoding="utf-16")  # as PowerShell writes
     (part,) = read_log(tmp_path / "log.csv")
-    assert part.stage == "hold" and part["i_a"][0] == 2.5 and part["u_a"][0] == 0.0
+    assert part.stage == "hold" and part["i_a"][0] == 2.5 and part["u_alpha"][0] == 0.0
 
 
 @pytest.mark.parametrize(

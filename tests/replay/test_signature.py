@@ -38,7 +38,7 @@ def recorded() -> dict[str, Pair]:
         case = plan_from(f"0:{0.4 * n}", f"0:0,0.15:{0.4 * tau}", 2.0 * n, 0.3, motor, 3)
         run = trace(make_policy("eq25", motor), case, motor, DriveDesign(carrier=True))
         phases = np.stack([run["i_a"], run["i_b"], -run["i_a"] - run["i_b"]], axis=-1)
-        out[name] = np.stack([run["u_a_hat"], run["u_b_hat"]], axis=-1), clarke(phases)
+        out[name] = np.stack([run["u_alpha_hat"], run["u_beta_hat"]], axis=-1), clarke(phases)
     return out
 
 

@@ -14,7 +14,7 @@ const CURVES = (rpm) => ({
   err_hfi: ["theta_e_err_hfi", null, DEGREES],
   err_observer: ["theta_e_err_smo", null, DEGREES],
   k_s: ["k_s", null, 1],
-  voltage: ["u_a", "u_b", 1],
+  voltage: ["u_alpha", "u_beta", 1],
   limit: ["u_dc", null, 1 / Math.sqrt(3)],
   current: ["i_d", "i_q", 1],
 });

@@ -79,7 +79,7 @@ def check(motor: Motor, drive: Array, mistake: Mistake = RIGHT) -> tuple[Found, 
 
 def write_log(rows: Array, path: Path) -> None:
     """Write what firmware logs, whole or not at all."""
-    lines = [",".join((*COLUMNS, "u_a", "u_b"))]
+    lines = [",".join((*COLUMNS, "u_alpha", "u_beta"))]
     write_atomic(path, "\n".join([*lines, *(",".join(f"{x:.9g}" for x in r) for r in rows)]) + "\n")
 
 

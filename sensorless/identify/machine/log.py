@@ -15,7 +15,7 @@ from sensorless.files import decoded, read_bytes, reason, write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 
-NUMBERS = ("segment", "u_a", "u_b", "u_dc", "i_a", "i_b", "theta", "omega")
+NUMBERS = ("segment", "u_alpha", "u_beta", "u_dc", "i_a", "i_b", "theta", "omega")
 """Columns of a part, in the order of COMMISSION_* in ``core/sim/commission.h``."""
 TURN, SAME = 6.3, 1.5
 """Angle by which a shaft has to turn to be compared with its speed [rad], and the largest quotient
@@ -42,7 +42,7 @@ class Part:
     @property
     def u(self) -> Floats:
         """(n,) voltage commanded for the period after each sample, alpha + j beta [V]."""
-        return np.asarray(self["u_a"] + 1j * self["u_b"])
+        return np.asarray(self["u_alpha"] + 1j * self["u_beta"])
 
 
 def write_log(parts: Sequence[Part], path: Path) -> None:

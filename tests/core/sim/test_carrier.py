@@ -59,7 +59,7 @@ def run(
 
 
 def mean_voltage(r: dict[str, Floats]) -> complex:
-    u = (r["u_a"] + 1j * r["u_b"])[:-1]
+    u = (r["u_alpha"] + 1j * r["u_beta"])[:-1]
     return complex(np.sum(u * np.diff(r["t"])) / r["t"][-1])
 
 
@@ -86,7 +86,7 @@ def test_mean_voltage_is_that_of_the_averaged_inverter(
 def test_an_active_vector_is_one_of_six(motor: Motor) -> None:
     """The voltage between the edges is zero or 2/3 u_dc in one of six directions."""
     r = run(motor, 200.0 * np.exp(1j * np.linspace(0.0, 6.0, 40)))
-    u = r["u_a"] + 1j * r["u_b"]
+    u = r["u_alpha"] + 1j * r["u_beta"]
     active = np.abs(u) > 1e-9
     assert np.abs(u[active]) == pytest.approx(2.0 / 3.0 * U_DC)
     sixths = np.angle(u[active]) / (math.pi / 3.0)
@@ -231,7 +231,7 @@ def test_energy_balance(motor: Motor, map_currents: Map) -> None:
     pieces = (len(r["t"]) - 1) // 4
     rows = np.arange(pieces)[:, None] * 4 + np.arange(5)
     i_ab = (r["i_d"] + 1j * r["i_q"]) * np.exp(1j * r["theta_e"])
-    held = (r["u_a"] + 1j * r["u_b"])[rows[:, :1]]
+    held = (r["u_alpha"] + 1j * r["u_beta"])[rows[:, :1]]
     electrical = simpson(1.5 * (held * np.conj(i_ab[rows])).real, r["t"])
     copper = simpson(1.5 * motor.R_s * np.abs(i_ab[rows]) ** 2, r["t"])
     shaft = simpson((r["tau"] * r["omega_m"])[rows], r["t"])

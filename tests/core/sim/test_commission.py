@@ -41,7 +41,7 @@ def test_a_step_rises_as_a_winding_does(
     wanted = 20.0 / MOTOR.R_s * (1.0 - np.exp(-np.maximum(t, 0.0) * MOTOR.R_s / L))
     assert part["i_a"] == pytest.approx(wanted, abs=2e-5 * wanted[-1])
     assert part["i_b"] == pytest.approx(-0.5 * wanted, abs=2e-5 * wanted[-1])
-    assert part["u_a"][0] == 0.0 and np.all(part["u_a"][1:] == 20.0)
+    assert part["u_alpha"][0] == 0.0 and np.all(part["u_alpha"][1:] == 20.0)
 
 
 def test_a_command_ends_at_its_current(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -77,7 +77,7 @@ def averaged(c: Call, p: Array, plant: Array, state: Array, u: complex) -> compl
 
 def switched(p: Array, plant: Array, state: Array, u: complex) -> complex:
     rows = carrier_run(p, plant, state.copy(), np.array([[u.real, u.imag, U_DC, 0.0]]))
-    t, u_a, u_b = (rows[:, CARRIER_NAMES.index(name)] for name in ("t", "u_a", "u_b"))
+    t, u_a, u_b = (rows[:, CARRIER_NAMES.index(name)] for name in ("t", "u_alpha", "u_beta"))
     return complex(np.sum((u_a + 1j * u_b)[:-1] * np.diff(t)) / t[-1])
 
 
