@@ -11,6 +11,8 @@ injection; it is far too slow for a drive. See R. Labbe, Kalman and Bayesian Fil
 chapter 11.
 """
 
+import math
+
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
@@ -18,21 +20,22 @@ from sensorless.core.api import Array
 from sensorless.core.machine import flux_map_currents
 from sensorless.machine.magnetics import Floats, extra_terms, flux, flux_map_record
 from sensorless.machine.motor import Motor
+from sensorless.observers.injection_signal import sample_error
+from sensorless.observers.tracking import rated_acceleration
 from sensorless.units import wrapped
 
 TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 FLUX_STEP = 1e-6
 STEPS = FLUX_STEP * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-VOLTAGE = 10.0
-"""Standard deviation of the stator voltage, from period to period [V]."""
-ACCELERATION = 100.0
-"""Of the change of the electrical speed over a second [rad/s^2 in sqrt(s)]."""
-CURRENT = 0.005
-"""Of a current sample [A]."""
-THETA_0 = 0.5
-"""Of the first angle [rad]."""
-OMEGA_0 = 30.0
-"""Of the first electrical speed [rad/s]."""
+LEGS = 4.0 / 3.0
+"""Dead-time voltage of three legs over that of one."""
+UNKNOWN_RESISTANCE = 0.5
+"""Error of the resistance over the file's: copper has half as much again at +130 K."""
+UNKNOWN_TORQUE = 0.02
+"""Change of the speed that no model tells, over the root of its time and over rated acceleration
+[sqrt(s)]. Less errs less on most machines, but at 0.008 a flux map that is wrong makes it slip."""
+THETA_0, OMEGA_0 = 0.5, 0.1
+"""Standard deviations of the first angle [rad], and of the first speed over the rated one."""
 
 
 class _Filter(ExtendedKalmanFilter):  # type: ignore[misc]
@@ -62,11 +65,15 @@ class MachineEkf:
         f.x = np.array([[psi_f * np.cos(theta)], [psi_f * np.sin(theta)], [omega], [theta]])
         # without current the flux points along the rotor: both angles have the same error
         along = np.array([-psi_f * np.sin(theta), psi_f * np.cos(theta), 0.0, 1.0])
-        own = np.array([0.01 * psi_f, 0.01 * psi_f, OMEGA_0, 0.0])
+        own = np.array([0.01 * psi_f, 0.01 * psi_f, OMEGA_0 * motor.omega_rated, 0.0])
         f.P = THETA_0**2 * np.outer(along, along) + np.diag(own**2)
         T_s = motor.T_s
-        f.Q = np.diag([(T_s * VOLTAGE) ** 2] * 2 + [T_s * ACCELERATION**2, 0.0])
-        f.R = np.eye(2) * CURRENT**2
+        u = math.hypot(
+            LEGS * motor.dead_time_voltage, UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
+        )
+        a = rated_acceleration(motor)
+        f.Q = np.diag([(T_s * u) ** 2] * 2 + [T_s * (UNKNOWN_TORQUE * a) ** 2, 0.0])
+        f.R = np.eye(2) * sample_error(motor) ** 2
 
     def step(self, u: Floats, i: Floats) -> tuple[float, float]:
         """Use stator voltage u (2,) [V] over the last period and current i (2,) [A] at its end.

@@ -38,8 +38,7 @@ def judgement(found: Replay, after: float = 0.0) -> list[str]:
     """Lines for people; none without an encoder.
 
     The RMS error consists of a constant part, its mean, and of the scatter about it. What is larger
-    names the cause. The filter sees the whole flux map and has no bandwidth of its own to set, so
-    it shows what the log allows.
+    names the cause.
     """
     rows = {
         name: row
