@@ -45,6 +45,14 @@ def rated_acceleration(motor: Motor) -> float:
     return motor.n_p * motor.tau_rated / motor.J
 
 
+def speed_dip(motor: Motor, w: float) -> float:
+    """Dip of the speed after a step of rated torque, electrical [rad/s].
+
+    The IP speed loop with a double pole at w [rad/s] dips by tau / (J w e).
+    """
+    return rated_acceleration(motor) / (math.e * w)
+
+
 def voltage_drift(motor: Motor) -> float:
     """Rate at which the uncompensated dead time of one leg turns the flux [rad/s].
 

@@ -17,6 +17,7 @@ from sensorless.observers.tracking import (
     flux_noise,
     injection_noise,
     rated_acceleration,
+    speed_dip,
     tracking,
     unknown_drift,
     voltage_drift,
@@ -106,10 +107,10 @@ def derive(motor: Motor, design: DriveDesign) -> Derived:
 def load_dip(motor: Motor, w: float) -> float:
     """Dip of the speed after a step of rated torque, over rated speed.
 
-    The IP speed loop with a double pole at w [rad/s] dips by tau / (J w e). So for a dip in the
-    place of w the formula gives the pole.
+    Of a speed loop with a double pole at w [rad/s], see ``speed_dip``. For a dip in the place of w
+    the formula gives the pole.
     """
-    return rated_acceleration(motor) / (math.e * w * motor.omega_rated)
+    return speed_dip(motor, w) / motor.omega_rated
 
 
 def speed_loop(motor: Motor) -> float:

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from sensorless.machine.motor import Motor
-from sensorless.observers.tracking import rated_acceleration
+from sensorless.observers.tracking import speed_dip
 
 ABOVE_RANGE = 1.1
 """Largest plausible sample over the converter's range: calibrated gain and offset of a channel move
@@ -34,10 +34,9 @@ def reference_bound(motor: Motor, omega_max: float, speed_hz: float) -> float:
     """Largest speed reference, electrical [rad/s].
 
     An estimate at its bound no longer tells how fast the shaft is, which then runs away. So the
-    bound of the reference is less by what a rated load that goes makes of the speed, tau / (J w e)
-    with the speed loop's natural frequency w (``sensorless.design.derived.DIP``).
+    bound of the reference is less by what a rated load that goes makes of the speed, ``speed_dip``.
     """
-    rise = rated_acceleration(motor) / (math.e * 2.0 * math.pi * speed_hz)
+    rise = speed_dip(motor, 2.0 * math.pi * speed_hz)
     return min(max(omega_max - rise, HEADROOM * omega_max), SPEED_MOST)
 
 
