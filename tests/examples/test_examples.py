@@ -13,6 +13,7 @@ from sensorless.core.api import SIGNAL_N
 from sensorless.core.gains import DEFAULT, GAIN_NAMES
 from sensorless.envs.blend_v1 import GainVectorEnv
 from sensorless.envs.returns import acts, returns
+from sensorless.envs.signals import bounded
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -58,7 +59,7 @@ def test_a_model_of_stable_baselines3_is_a_policy(
     monkeypatch.syspath_prepend(str(ROOT))
     monkeypatch.chdir(tmp_path)
     policy = make_policy("examples.own_policy:Model", Motor.load("paper"))
-    obs = np.linspace(-1.0, 1.0, 2 * SIGNAL_N, dtype=np.float32).reshape(2, SIGNAL_N)
+    obs = bounded(np.linspace(-1.0, 1.0, 2 * SIGNAL_N, dtype=np.float32).reshape(2, SIGNAL_N))
     action = model.predict(obs, deterministic=True)[0]
     assert policy.act(obs) == pytest.approx(0.5 + 0.5 * action[:, 0])
     assert tuple(gains_of(policy)) == gains
