@@ -32,8 +32,8 @@ static void agrees(void) {
     const struct {
         float emf, along, across; /* over a quarter of e_floor, over that EMF */
         int told;
-    } cases[] = {{1.01f, 0.0f, 0.0f, 0},  {0.99f, 0.0f, 0.0f, 1},   {2.0f, 0.39f, 0.0f, 0},
-                 {2.0f, 0.41f, 0.0f, 1},  {2.0f, -0.41f, 0.0f, 1},  {2.0f, -0.39f, 0.39f, 0},
+    } cases[] = {{1.01f, 0.0f, 0.0f, 0},  {0.99f, 0.0f, 0.0f, 1},  {2.0f, 0.39f, 0.0f, 0},
+                 {2.0f, 0.41f, 0.0f, 1},  {2.0f, -0.41f, 0.0f, 1}, {2.0f, -0.39f, 0.39f, 0},
                  {2.0f, 0.39f, 0.41f, 1}, {2.0f, 0.0f, -0.41f, 1}};
     for (int j = 0; j < 8; j++) {
         lock_state_t x;
@@ -142,8 +142,7 @@ static void direction(void) {
         double least = fmax(fabs((double)x.across), -along) - (double)p.e_least;
         double turned = beside - fmax(along, 0.0) * sqrt(3.0);
         double edge = 1e-3 * e;
-        if (fabs(size) < edge || fabs(least) < edge || fabs(turned) < edge ||
-            fabs(late) < edge) {
+        if (fabs(size) < edge || fabs(least) < edge || fabs(turned) < edge || fabs(late) < edge) {
             continue;
         }
         int by_size = size > 0, by_direction = least > 0 && turned > 0;
@@ -194,7 +193,8 @@ static void sums(void) {
         check("EMF: across", near((double)x.lock.across, to, 1e-4));
         to = (double)was.emf + alpha * (emf - (double)was.emf);
         check("EMF: expected", near((double)x.lock.emf, to, 1e-4));
-        double T = n * (double)p.T_s, ahead = wrapped((double)x.est.theta - (double)was.theta - omega * T);
+        double T = n * (double)p.T_s,
+               ahead = wrapped((double)x.est.theta - (double)was.theta - omega * T);
         double lasting = r - ahead / T * (psi_0 + L_d * i_d);
         double free = 0.5 * (double)x.lock.emf + (double)p.lock.R_warm * fabs(i_q);
         double rest = fmax(fabs(lasting) - free, 0.0) * sgn(lasting);
@@ -246,6 +246,13 @@ static void told_once(void) {
         x.bad = LOCK_GRACE + n, x.residual = 2.0f * p.e_floor;
         lock_judge(&p, &x, 0.0f, 1e9f);
         check("grace", x.bad == (n == 1 || n > p.n_grace ? 0 : LOCK_GRACE + n - 1) && !x.alarm);
+    }
+    for (int n = 0; n <= 1; n++) { /* an alarm lasts beyond the counter's end */
+        memset(&x, 0, sizeof x);
+        x.bad = LOCK_GRACE - n, x.alarm = 1;
+        x.residual = 2.0f * p.e_floor;
+        lock_judge(&p, &x, 0.0f, 1e9f);
+        check("alarm: lasts", x.bad == LOCK_GRACE && x.alarm == 1);
     }
     for (int n = -2; n <= 1; n++) { /* restarts are forgotten once it was calm for n_calm */
         memset(&x, 0, sizeof x);

@@ -120,17 +120,21 @@ static void change(void) {
 }
 
 static void mend(void) {
-    for (int j = 0; j < 12; j++) {
+    for (int j = 0; j < 15; j++) {
         drive_params_t p = PARAMS[4];
         p.lock.action = j % 3;
         drive_state_t x;
         drive_init(&p, &x, 0.0f, 0.0f, 0.5f);
         x.fault = j / 3 == 1 ? FAULT_STOPPED | FAULT_U_DC : FAULT_U_DC;
         x.start.phase = j / 3 == 2 ? START_STOPPED : x.start.phase;
-        int stop = p.lock.action == LOCK_STOP || j / 3 == 1 || j / 3 == 2;
+        x.begun = j / 3 == 3 ? 0 : j / 3 == 4 ? DRIVE_TRIPPED : x.begun;
+        int32_t trip = j / 3 == 4 ? FAULT_OVER_CURRENT : 0;
+        int stop = p.lock.action == LOCK_STOP || j / 3 == 1 || j / 3 == 2 || trip != 0;
         ab_t u = drive_mend(&p, &x);
         check("mend: phase", x.start.phase == (stop ? START_STOPPED : START_CATCH));
-        check("mend: faults", x.fault == (FAULT_U_DC | FAULT_STATE | (stop ? FAULT_STOPPED : 0)));
+        int32_t bits = FAULT_U_DC | FAULT_STATE | (stop ? FAULT_STOPPED : 0);
+        check("mend: faults", x.fault == (bits | trip));
+        check("mend: trip", x.begun == (trip != 0 ? DRIVE_TRIPPED : DRIVE_BEGUN));
         check("mend: no voltage", u.a == 0.0f && u.b == 0.0f);
     }
 }
