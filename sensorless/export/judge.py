@@ -137,6 +137,13 @@ def verdict(judged: Judged | None) -> str:
     if judged.objection:
         told = f"not fit to run a motor: {judged.objection}; exported all the same with --force"
     if judged.machine is not None and judged.machine.runs:
-        word = judged.machine.examination.verdict.word
-        told += f"; motor check with it: {word}, lost {judged.machine.lost}"
+        found = judged.machine.examination.verdict
+        told += f"; motor check with it: {found.word}, lost {judged.machine.lost}"
+        slips = [
+            f"{100.0 * r.slipped:.1f} % of {r.suite}"
+            for r in judged.machine.runs
+            if r.slipped > 0.0
+        ]
+        told += f", slips and comes back in {', '.join(slips)}" if slips else ""
+        told += f", because {'; '.join(found.because)}" if found.word == "with limits" else ""
     return told

@@ -129,8 +129,12 @@ def test_what_is_worse_than_eq25_is_told_to_be_replaced_by_it() -> None:
 def test_a_suite_that_no_drive_can_run_is_told() -> None:
     runs = (QuickRun("unload", 9, 0.25, 0.0, 0.1, 0.1), QuickRun("stress", 9, nan, nan, 1.0, nan))
     judged = Judged(0, 200, 200, LEVEL, replace(suits(LIMIT), runs=runs))
-    assert module.verdict(judged).endswith("with limits, lost unload 25 %, stress not feasible")
+    told = "with limits, lost unload 25 %, stress not feasible, because psi_f = 8"
+    assert module.verdict(judged).endswith(told)
     assert judged.facts()["motor_check"]["runs"][1]["lost"] is None
+    slips = replace(suits(LIMIT), runs=(replace(runs[0], slipped=0.005),))
+    told = "lost unload 25 %, slips and comes back in 0.5 % of unload, because"
+    assert told in module.verdict(replace(judged, machine=slips))
 
 
 def test_what_nobody_judged_says_so(exported: Exported) -> None:
