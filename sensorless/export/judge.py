@@ -16,6 +16,7 @@ from sensorless.policy import Policy, TablePolicy
 
 SUITE, SEED, SIZE = "nominal", 1, 200
 """The drive knows its machine, and its sensors are perfect: the least that a schedule must do."""
+UNSUITED = "its machine does not suit"
 MOST_LOST = 0.05
 """Of the feasible scenarios of ``SUITE``."""
 LEAST_FEASIBLE = 0.5
@@ -49,11 +50,7 @@ class Judged:
     def objection(self) -> str:
         """Why it should not run a motor; empty if it may."""
         if self.unsuited:
-            who = (
-                "its machine suits Eq. 25, but not it"
-                if self.suits
-                else "its machine does not suit"
-            )
+            who = "it does not suit its machine, as Eq. 25 does" if self.suits else UNSUITED
             return f"{who}, because {'; '.join(self.unsuited)}"
         if not self.nominal:
             return f"no scenario of {SUITE} is feasible on this machine"

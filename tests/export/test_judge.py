@@ -53,7 +53,7 @@ def suits(weight: str) -> Check:
         ),
         (
             Judged(0, 200, 200, LEVEL, suits(NO), suits=True),
-            "its machine suits Eq. 25, but not it, because psi_f = 8",
+            "it does not suit its machine, as Eq. 25 does, because psi_f = 8",
         ),
         (Judged(0, 200, 200, LEVEL, suits(LIMIT)), ""),
     ],
@@ -116,7 +116,9 @@ def test_a_schedule_that_loses_what_eq25_keeps(monkeypatch: pytest.MonkeyPatch) 
     """Its machine is not to blame."""
     monkeypatch.setattr(module, "CHECKED", 20)
     judged = module.judge_export(make_policy("constant:0", PAPER), PAPER, DriveDesign())
-    assert judged.suits and judged.objection.startswith("its machine suits Eq. 25, but not it")
+    assert judged.suits and judged.objection.startswith(
+        "it does not suit its machine, as Eq. 25 does"
+    )
     with pytest.raises(UserError, match="export eq25, or train"):
         module.require_fit(judged, "constant:0")
 
