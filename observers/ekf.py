@@ -20,6 +20,7 @@ from sensorless.core.api import Array
 from sensorless.core.machine import flux_map_currents
 from sensorless.machine.magnetics import Floats, extra_terms, flux, flux_map_record
 from sensorless.machine.motor import Motor
+from sensorless.observers.drift_design import LEG_SHARE, R_S_ERROR
 from sensorless.observers.injection_signal import sample_error
 from sensorless.observers.tracking import rated_acceleration
 from sensorless.units import wrapped
@@ -27,10 +28,6 @@ from sensorless.units import wrapped
 TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 FLUX_STEP = 1e-6
 STEPS = FLUX_STEP * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-LEGS = 4.0 / 3.0
-"""Dead-time voltage of three legs over that of one."""
-UNKNOWN_RESISTANCE = 0.5
-"""Error of the resistance over the file's: copper has half as much again at +130 K."""
 UNKNOWN_TORQUE = 0.02
 """Change of the speed that no model tells, over the root of its time and over rated acceleration
 [sqrt(s)]. Less errs less on most machines, but at 0.008 a flux map that is wrong makes it slip."""
@@ -68,9 +65,7 @@ class MachineEkf:
         own = np.array([0.01 * psi_f, 0.01 * psi_f, OMEGA_0 * motor.omega_rated, 0.0])
         f.P = THETA_0**2 * np.outer(along, along) + np.diag(own**2)
         T_s = motor.T_s
-        u = math.hypot(
-            LEGS * motor.dead_time_voltage, UNKNOWN_RESISTANCE * motor.R_s * motor.i_rated
-        )
+        u = math.hypot(motor.dead_time_voltage / LEG_SHARE, R_S_ERROR * motor.R_s * motor.i_rated)
         a = rated_acceleration(motor)
         f.Q = np.diag([(T_s * u) ** 2] * 2 + [T_s * (UNKNOWN_TORQUE * a) ** 2, 0.0])
         f.R = np.eye(2) * sample_error(motor) ** 2

@@ -28,8 +28,11 @@ def test_three_seeds_alone_have_the_interval_of_student() -> None:
 
 
 @pytest.mark.parametrize("seeds", [1, 3, 5, 10])
-def test_an_interval_holds_the_true_change_in_95_of_100_draws(seeds: int) -> None:
+def test_an_interval_holds_the_true_change_in_95_of_100_draws(
+    seeds: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Of -3 %: seeds are 2 % apart, if there are several, and scenarios 30 %."""
+    monkeypatch.setattr("sensorless.evaluation.over_seeds.RESAMPLES", 200)
     rng = np.random.default_rng(seeds)
     draws, held = 400, 0
     for _ in range(draws):
