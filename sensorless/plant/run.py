@@ -12,6 +12,7 @@ from sensorless.design.records import SUB_STEPS
 from sensorless.errors import UserError
 from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats, extra_terms, flux, flux_map_record
+from sensorless.machine.phases import phases_of
 from sensorless.plant.case import PlantCase, read_case
 from sensorless.plant.inputs import read_inputs
 
@@ -146,7 +147,6 @@ def _columns(rows: Floats, T_s: float) -> Floats:
     i_d, i_q, psi_d, psi_q, tau, omega_m, theta_e = rows.T
     c, s = np.cos(theta_e), np.sin(theta_e)
     i_alpha, i_beta = c * i_d - s * i_q, s * i_d + c * i_q
-    half = 0.5 * math.sqrt(3.0) * i_beta
     return np.stack(
         [
             T_s * np.arange(len(rows)),
@@ -154,9 +154,7 @@ def _columns(rows: Floats, T_s: float) -> Floats:
             i_q,
             i_alpha,
             i_beta,
-            i_alpha,
-            -0.5 * i_alpha + half,
-            -0.5 * i_alpha - half,
+            *phases_of(np.stack([i_alpha, i_beta], axis=-1)).T,
             psi_d,
             psi_q,
             tau,

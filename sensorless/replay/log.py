@@ -15,6 +15,7 @@ from sensorless.evaluation.trace import Trace
 from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
+from sensorless.machine.phases import clarke, duties, leg_losses, with_third
 from sensorless.replay.channels import of_dead, of_little, of_size, of_still, of_sum
 from sensorless.replay.recording import read_recording
 from sensorless.replay.signature import (
@@ -39,7 +40,6 @@ ROUNDED = 0.01
 """How far a duty cycle may lie beyond 0 and 1, by rounding and a dead time that is put in."""
 BEYOND = 3.0
 """Largest plausible reading, over the converter's range or the trip, and over the DC link."""
-SIXTHS = np.exp(2j * np.pi * np.arange(3) / 3.0)
 
 
 @dataclass(frozen=True)
@@ -72,19 +72,6 @@ class Log:
         rows["inj"] = 0.0 if self.inj is None else self.inj
         rows["infer"] = float(self.inj is None)
         return rows
-
-
-def clarke(phases: Floats) -> Floats:
-    """Phase values (n, 3) to alpha, beta (n, 2); a common part is dropped."""
-    vector = 2.0 / 3.0 * (phases @ SIXTHS)
-    return np.stack([vector.real, vector.imag], axis=-1)
-
-
-def duties(u: Floats, u_dc: Floats) -> Floats:
-    """Duty cycles (n, 3) of the inverter for voltages (n, 2) [V] at DC-link voltages (n,) [V]."""
-    phases = ((u[:, 0] + 1j * u[:, 1])[:, None] * np.conj(SIXTHS)).real
-    middle = 0.5 * (phases.max(axis=1) + phases.min(axis=1))
-    return np.asarray(np.clip(0.5 + (phases - middle[:, None]) / u_dc[:, None], 0.0, 1.0))
 
 
 def write_log(t: Trace, path: Path) -> None:
@@ -155,15 +142,15 @@ def read_log(
     if theta_e is None and "theta_m" in columns:
         theta_e = motor.n_p * columns["theta_m"]
     u = _later(_voltage(columns, i, u_dc, u_dt, inv_i_dt, where), 1 + delay)
-    phases = np.stack([i[:, 0], i[:, 1], -i.sum(axis=1)], axis=-1)
+    vector = clarke(with_third(*i.T))
     commanded = _later(_voltage(columns, i, u_dc, 0.0, inv_i_dt, where), 1 + delay)
     measured = {name: columns[name] for name in CURRENTS if name in columns}
     doubts = (  # the voltage without what a dead time adds of the samples' noise
         *of_dead(measured),
         *of_still({name: columns[name] for name in _way(columns, where) if name != "u_dc"}),
         *of_sum(measured),
-        *of_size(commanded, clarke(phases), motor),
-        *of_voltage(commanded, clarke(phases), delay),
+        *of_size(commanded, vector, motor),
+        *of_voltage(commanded, vector, delay),
     )[:1]
     if not doubts:
         notes += of_little(i, motor)
@@ -240,8 +227,7 @@ def _voltage(
             "from -1 to 1"
         )
     over = 0.5 * (i + np.concatenate([i[1:], i[-1:]]))  # mean of the samples around the period
-    phases = np.stack([over[:, 0], over[:, 1], -over.sum(axis=1)], axis=-1)
-    loss = u_dt * np.clip(phases * inv_i_dt, -1.0, 1.0)
+    loss = leg_losses(with_third(*over.T), u_dt, inv_i_dt)
     return clarke(values[:, :3] * u_dc[:, None] - loss)
 
 

@@ -16,10 +16,11 @@ from sensorless.errors import UserError
 from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
+from sensorless.machine.phases import clarke, with_third
 from sensorless.observers.ekf import run_ekf
 from sensorless.plain_table import PlainTable
 from sensorless.policy import Policy, PrivilegedPolicy, design_for, gains_of
-from sensorless.replay.log import Log, clarke, read_log
+from sensorless.replay.log import Log, read_log
 from sensorless.replay.signature import of_encoder, of_injection
 from sensorless.units import wrapped
 
@@ -229,8 +230,7 @@ def replay(
         name: Estimate(column[f"theta_{name}"], column[f"omega_{name}"], valid)
         for name, valid in signal.items()
     }
-    phases = np.stack([log.i[:, 0], log.i[:, 1], -log.i.sum(axis=1)], axis=-1)
-    theta, omega = run_ekf(motor, log.u, clarke(phases), theta_0, omega_0)
+    theta, omega = run_ekf(motor, log.u, clarke(with_third(*log.i.T)), theta_0, omega_0)
     own_emf = motor.psi_f * np.abs(omega) > float(control["smo"]["e_floor"])
     estimates["ekf"] = Estimate(theta, omega, np.isfinite(theta) & (hfi | own_emf))
     notes = list(log.notes)

@@ -10,7 +10,8 @@ import pytest
 from sensorless.errors import UserError
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
-from sensorless.replay.log import Log, clarke, duties, read_log
+from sensorless.machine.phases import clarke, duties
+from sensorless.replay.log import Log, read_log
 
 MOTOR = Motor.load("paper")
 N = 40

@@ -11,9 +11,9 @@ from sensorless.envs.scenarios.words import plan_from
 from sensorless.evaluation.trace import trace
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import MOTORS, Motor
+from sensorless.machine.phases import clarke
 from sensorless.policies.registry import make_policy
 from sensorless.replay.channels import of_size
-from sensorless.replay.log import clarke
 from sensorless.replay.signature import of_voltage
 
 WAYS = {

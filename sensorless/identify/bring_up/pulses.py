@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
+from sensorless.machine.phases import clarke, with_third
 
 LATE = 4
 """Samples from a command on within which its current has stepped, however wrong the delay."""
@@ -26,7 +27,7 @@ def shows_others(params: Array, i_a: Array, i_b: Array) -> bool:
     p = params.reshape(-1)[0]
     cycle = 2 * (int(p["n_push"]) + int(p["n_hold"])) + int(p["n_gap"])
     first = int(p["n_rest"]) + int(p["n_probe"]) * int(p["n_gap"])
-    step = np.hypot(np.diff(i_a), np.diff((i_a + 2.0 * i_b) / np.sqrt(3.0)))
+    step = np.linalg.norm(np.diff(clarke(with_third(i_a, i_b)), axis=0), axis=1)
     of_push = step[first : first + int(p["n_cycles"]) * cycle]
     if len(of_push) < 2 * cycle:
         return False

@@ -7,11 +7,14 @@ from numpy.typing import NDArray
 
 from sensorless.identify.machine.log import Part
 from sensorless.machine.magnetics import Floats
+from sensorless.machine.phases import clarke, leg_losses, phases_of, with_third
 
 Complex = NDArray[np.complex128]
 
-DIRECTIONS = np.exp(2j * np.pi / 3.0 * np.arange(3))
-"""Of the three phases."""
+
+def _plane(vector: Floats) -> Complex:
+    """Return a vector (n, 2) as (n,) alpha + j beta."""
+    return np.asarray(vector[:, 0] + 1j * vector[:, 1])
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class Sensors:
         half = np.sqrt(self.ratio)
         a = (part["i_a"] - self.offset[0]) * half
         b = (part["i_b"] - self.offset[1]) / half
-        return np.asarray(a + 1j * (a + 2.0 * b) / np.sqrt(3.0))
+        return _plane(clarke(with_third(a, b)))
 
 
 @dataclass(frozen=True)
@@ -42,8 +45,8 @@ class Inverter:
 
     def lost(self, i: Complex) -> Complex:
         """(n,) voltage lost at the currents i [A], alpha + j beta [V]."""
-        legs = np.clip((i[:, None] * DIRECTIONS.conj()).real / self.i_zero, -1.0, 1.0)
-        return np.asarray(2.0 / 3.0 * self.u_lost * (legs @ DIRECTIONS))
+        legs = phases_of(np.stack([i.real, i.imag], axis=-1))
+        return _plane(clarke(leg_losses(legs, self.u_lost, 1.0 / self.i_zero)))
 
 
 @dataclass(frozen=True)
