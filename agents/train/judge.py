@@ -85,7 +85,7 @@ def _why_start(folder: Path, config: TrainConfig, start: KsTable) -> str:
             f"0 and 1, where k_s is clipped; {on}, or start a new run with a larger --lr-nodes or "
             f"a smaller --margin than {config.margin:g}"
         )
-    moved = f"the run moved k_s by up to {k_s:.1g}"
+    moved = f"the run's last weights move k_s by up to {k_s:.1g}"
     if config.last:
         return f"{moved}, but its last mean over {config.average} updates is still the start"
     return f"{moved}, but none of {len(curve)} validations was better than that of the start"

@@ -56,4 +56,5 @@ def test_whether_a_run_moved_is_told_by_its_weights(
     if "never" not in said:
         start = KsTable.load(folder / START)
         start.save(folder / TABLE, KsTable.load(folder / TABLE).provenance)
-        assert "the run moved k_s by up to" in judge(folder) and "none of 2 " in judge(folder)
+        said = judge(folder)
+        assert "the run's last weights move k_s by up to" in said and "none of 2 " in said
