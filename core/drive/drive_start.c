@@ -23,9 +23,14 @@ CORE_COLD void drive_find_again(drive_state_t *x) {
     x->start.again = 1;
     x->start.i_1 = i_ab;
     x->start.i_2 = i_ab;
+    x->hfi.err = 0.0f; /* what signals read: nothing is injected */
+    x->hfi.amplitude = 0.0f;
+    x->hfi.valid = 0.0f;
     x->smo.i_hat = i_ab;
     x->smo.z = nothing;
     x->emf.e = nothing;
+    x->control.i.d = 0.0f;
+    x->control.i.q = 0.0f;
     x->control.i_ref.q = 0.0f; /* torque will rise from zero with the slope of its reference */
     x->control.u_int.d = 0.0f; /* of the wrong frame: they would kick when control goes on */
     x->control.u_int.q = 0.0f;
@@ -41,7 +46,7 @@ CORE_COLD void drive_change_observer(const drive_params_t *p, drive_state_t *x) 
     x->emf.pll.theta = wrap_pi(x->est.theta + p->T_s * x->est.omega);
     x->emf.pll.omega = x->est.omega;
     x->emf.valid = 1.0f;
-    x->coupled.psi = dq_to_ab(psi, unit(x->emf.pll.theta));
+    x->coupled.psi = dq_to_ab(psi, unit(x->est.theta)); /* the next period integrates from k on */
     x->coupled.load = bound_f(-c->k_tau * (psi.d * i.q - psi.q * i.d), c->load_max);
     x->coupled.eps_f = 0.0f;
     drift_clear(&c->drift, &x->coupled.drift);

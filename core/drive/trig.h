@@ -42,8 +42,8 @@ CORE_INLINE rot_t rot_of(float x) {
     return y;
 }
 
-/* r turned by a small angle x [rad], |x| < 0.25: reuses one sine-cosine pair; Taylor series to x^3
- * and x^4, whose remainder is below |x|^5 / 120. */
+/* r turned by a small angle x [rad]: reuses one sine-cosine pair; Taylor series to x^3 and x^4, whose
+ * remainder is below |x|^5 / 120: 1e-5 at 0.25, 6e-4 at 0.6, 2e-2 at 1.2. */
 CORE_INLINE rot_t rot_turn(rot_t r, float x) {
     float x2 = x * x;
     float s = x - x * x2 * 0.166666667f;

@@ -76,9 +76,15 @@ static void act(void) {
         drive_init(&p, &x, 0.0f, 0.0f, 0.5f);
         x.lock.restarts = tried;
         x.lock.bad = p.lock.n_act;
+        dq_t i = {2.0f, 3.0f};
+        x.control.i = i;
+        x.hfi.err = 0.5f, x.hfi.amplitude = 2.0f, x.hfi.valid = 1.0f;
         drive_act(&p, &x);
         int stop = j % 2 || tried >= p.lock.restarts;
         check("act: phase", x.start.phase == (stop ? START_STOPPED : START_QUIET));
+        check("act: signals rest",
+              stop || (x.hfi.err == 0.0f && x.hfi.amplitude == 0.0f && x.hfi.valid == 0.0f &&
+                       x.control.i.d == 0.0f && x.control.i.q == 0.0f));
         check("act: fault", x.fault == (stop ? FAULT_STOPPED : 0U));
         check("act: tries", x.lock.restarts == tried + !stop);
         drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
@@ -108,7 +114,7 @@ static void change(void) {
         vec_t i = of_dq(x.control.i),
               psi = (double)(curve_at(&c->psi_d, pos) + c->L_d * x.control.i.d);
         psi += I * (double)curve_at(&p.L_q, pos) * cimag(i);
-        vec_t turned = psi * cexp(I * ahead);
+        vec_t turned = psi * cexp(I * (double)x.est.theta); /* the next period goes on from k */
         check("change: flux", near_v(of_ab(x.coupled.psi), turned, 1e-5));
         double load = -(double)c->k_tau * cimag(conj(psi) * i);
         load = bounded(load, (double)c->load_max);

@@ -23,7 +23,7 @@ def nervous(go_on: bool) -> Array:
         stress_1_scenarios(motor, np.arange(N, dtype=np.uint64))
     )
     lock = sims["control"]["lock"]
-    lock["e_floor"][::4] *= 0.1
+    lock["e_floor"][::4] *= 0.05
     lock["i_off"][1::4] *= 0.1
     lock["n_act"] = 5
     lock["action"][:8:4] = lib.LOCK_STOP
