@@ -14,6 +14,7 @@ from sensorless.machine.magnetics import flux, iron_conductance, mtpa
 from sensorless.machine.motor import Motor
 from sensorless.machine.rated_point import USABLE
 from sensorless.machine.saliency import principal
+from sensorless.observers.injection_signal import sample_noise
 from sensorless.observers.tracking import LEFT_DEAD_TIME, MOST_DEAD_TIME, rated_acceleration
 
 ACTIONS = {name: getattr(lib, f"LOCK_{name.upper()}") for name in ("report", "restart", "stop")}
@@ -45,6 +46,9 @@ IRON = 0.03
 one: that of the suite ``stress``."""
 LOADED = 0.1
 """Torque current over rated from which dead time is compensated well enough to bound the answer."""
+NOISY = 4.5
+"""How many times its RMS the noise of a low-passed answer may take from it: once in 10^5
+evaluations."""
 GAINED = 2.0
 """Bound on the answer over that of the d axis beyond which no channel with a wrong gain comes: one
 that reads 1.5 times as much makes 1.4 to 2.1."""
@@ -88,6 +92,28 @@ def taken_voltage(motor: Motor) -> float:
     return min(taken, (1.0 - ACTS) * motor.u_inj)
 
 
+def noise_voltage(motor: Motor) -> float:
+    """Voltage whose answer noise may take away [V], at most the injected one.
+
+    The answer is a quarter of a second difference of samples, sqrt(6)/4 of their noise, and passes
+    the tests' low-pass.
+    """
+    alpha = tests_low_pass(evaluation_periods(motor) * motor.T_s)
+    left = NOISY * math.sqrt(6.0) / 4.0 * math.sqrt(alpha / (2.0 - alpha))
+    return min(left * sample_noise(motor) / max(_along(motor), 1e-300), motor.u_inj)
+
+
+def _along(motor: Motor) -> float:
+    """Least answer of the d axis over the voltage that acts, inductance ``LARGER`` [A/V]."""
+    small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
+    return 0.5 * motor.T_s / (LARGER * float(np.max(small)))
+
+
+def tests_low_pass(step: float) -> float:
+    """Share of a new value that the tests' low-pass takes every ``step`` [s]."""
+    return -math.expm1(-step / TAU)
+
+
 def most_answer(motor: Motor) -> float:
     """Largest current that the injected voltage moves in lock [A].
 
@@ -108,19 +134,22 @@ def answer_shares(motor: Motor) -> dict[str, float]:
     A voltage u that alternates moves the current by u T_s / 2 (cos^2 / L_small + sin^2 / L_large)
     at an angle beside the d axis. ``beside`` is that at ``ANGLE`` [A/V], ``along`` that on the axis
     with an inductance ``LARGER`` times the file's [A/V], each the least along the operating line.
+    Noise may take of the answer what ``noise_voltage`` makes, so a machine whose injection
+    moves the current by little more than noise has a lower bound, or none.
     ``above`` is ``most_answer`` over the voltage that acts at most [A/V]; where that is out of
     ``GAINED``'s reach, it is more than any channel reads.
     """
     small, large = principal(motor, np.stack(mtpa(motor), axis=-1)).T
-    half, unsure = 0.5 * motor.T_s, unsure_voltage(motor)
+    half, noise = 0.5 * motor.T_s, noise_voltage(motor)
+    unsure = unsure_voltage(motor) + noise
     beside = np.cos(ANGLE) ** 2 / small + np.sin(ANGLE) ** 2 / large
     most, reach = most_answer(motor), GAINED * motor.u_inj * half / float(np.min(small))
     return {
         "beside": half * float(np.min(beside)),
-        "along": half / (LARGER * float(np.max(small))),
+        "along": _along(motor),
         "above": (most if most < reach else 4.0 * motor.adc_range) / (motor.u_inj + unsure),
         "u_unsure": unsure,
-        "u_taken": taken_voltage(motor),
+        "u_taken": taken_voltage(motor) + noise,
     }
 
 
@@ -203,7 +232,7 @@ def design_lock(
     later = 0.5 * slope * step  # reference at the end of a mean, less its mean, over i_rated
     share = max(CURRENT_SHARE, 0.5 * CURRENT_SHARE + later)
     return {
-        "alpha": -math.expm1(-step / TAU),
+        "alpha": tests_low_pass(step),
         "inv_t": 1.0 / step,
         "R_s": motor.R_s,
         "L_q_true": 1.0 / bias,

@@ -27,7 +27,9 @@ def test_a_finer_converter_makes_no_loop_faster() -> None:
     fine, finer = (replace(PAPER, adc_bits=bits) for bits in (14, 24))
     assert adc_step(finer) < 0.001 * adc_step(fine)
     assert derive(fine, DriveDesign()) == derive(finer, DriveDesign())
-    assert control_record(fine, DriveDesign()) == control_record(finer, DriveDesign())
+    records = [control_record(motor, DriveDesign()) for motor in (fine, finer)]
+    loops = [name for name in records[0].dtype.names or () if name not in ("guard", "lock")]
+    assert records[0][loops] == records[1][loops]  # bounds of tests follow the noise
 
 
 def test_a_coarser_one_makes_them_slower() -> None:
