@@ -105,7 +105,11 @@ def check(motor: Motor, design: DriveDesign, policy: Policy, under: str, size: i
     if e.verdict.word == "no" or size == 0:
         return Check(e, (), dip)
     runs = tuple(_quick_run(motor, design, policy, under, suite, size) for suite in SUITES)
-    return Check(replace(e, findings=(*e.findings, *judged(runs))), runs, dip)
+    kept = all(
+        f.field != "i_max" or f.weight == NOTE for f in e.findings
+    )  # longer there, it loses more
+    found = judged(runs, MORE_INERTIA if kept else "")
+    return Check(replace(e, findings=(*e.findings, *found)), runs, dip)
 
 
 def _light(motor: Motor, dip: float) -> Finding:
@@ -133,8 +137,8 @@ def _quick_run(
     )  # fmt: skip
 
 
-def judged(runs: Sequence[QuickRun]) -> list[Finding]:
-    """What quick runs under one schedule add to the verdict."""
+def judged(runs: Sequence[QuickRun], lighter: str = MORE_INERTIA) -> list[Finding]:
+    """What quick runs under one schedule add to the verdict; ``lighter``: helps a light shaft."""
     found = [finding for run in runs for finding in _judged(run)]
     swung = [run for run in runs if run.not_held > 0.0]
     for weight in (LIMIT, NOTE):
@@ -143,7 +147,7 @@ def judged(runs: Sequence[QuickRun]) -> list[Finding]:
             text = f"the drive under {here[0].under} keeps its angle, but swings or stays off its "
             text += "speed in " + ", ".join(map(_not_held, here))
             alone = [run.suite for run in here if run.not_held > LOOSE]
-            text += MORE_INERTIA if any(suite != WRONG_FILE for suite in alone) else ""
+            text += lighter if any(suite != WRONG_FILE for suite in alone) else ""
             text += MEASURE if alone == [WRONG_FILE] else ""
             found.append(Finding(weight, "run", text))
     return found
