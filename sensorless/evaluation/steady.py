@@ -63,6 +63,8 @@ def make_ideal(sims: Array) -> None:
     sensor["noise_rms"], sensor["dead_time_share"] = 0.0, 0.0
     sensor["lsb"], sensor["inv_lsb"] = 1e-6, 1e6
     sims["control"]["control"]["u_dt"] = 0.0
+    for field in ("u_dt", "u_dt_i", "loss_max"):  # what the coupled observer expects of it
+        sims["control"]["coupled"]["drift"][field] = 0.0
 
 
 def steady(
