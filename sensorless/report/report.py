@@ -28,6 +28,7 @@ from sensorless.report.learning import learning
 from sensorless.report.page import UPLOT, render
 from sensorless.report.verdict import (
     LEAST,
+    PLAIN,
     Verdict,
     balance,
     best_rule,
@@ -38,7 +39,6 @@ from sensorless.report.verdict import (
 from sensorless.report.waves import packed
 
 SUITES = ("stress-1", "handoff")
-PLAIN = "eq25"
 PAPER = "sliding_mode"
 """Eq. 25 on the paper's observers."""
 OPEN = 5

@@ -13,6 +13,8 @@ from sensorless.evaluation.results_tables import number
 from sensorless.export.judge import MOST_LOST
 from sensorless.policies import shipped
 
+PLAIN = "eq25"
+"""What a policy is compared with first, if it was judged."""
 LEAST = 1.0
 """A change below this is called none, however sure it is [%]."""
 
@@ -143,10 +145,20 @@ def feasible(results: Results, policy: dict[str, float]) -> int:
 
 
 def best_rule(results: Results, words: Sequence[str]) -> str | None:
-    """The tuned rule of the lowest objective; None if none was judged. ``words`` name policies."""
+    """The tuned rule of the lowest objective that may be flashed; None if none was judged.
+
+    ``words`` name policies. A rule that hops oftener than the first other policy is none to take.
+    """
     tuned = set(shipped.tuned_names()) | {Path(w).stem for w in words if w.endswith(".json")}
-    found = [name for name in list(results.policies)[1:] if name in tuned]
+    others = list(results.policies)[1:]
+    found = [name for name in others if name in tuned and not hops(results, name, others[0])]
     return min(found, key=lambda name: _objective(results, name)) if found else None
+
+
+def hops(results: Results, name: str, beside: str) -> bool:
+    """Whether a policy moves k_s at rest often, and oftener than another one."""
+    own, theirs = (results.policies[x].get("hops", 0.0) for x in (name, beside))
+    return name != PLAIN and own > max(OFTEN, theirs)
 
 
 def _objective(results: Results, name: str) -> float:
@@ -189,12 +201,11 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
         if feasible(r, r.policies[name]) < FEWEST:
             few = f"{feasible(r, r.policies[name])} feasible scenarios of {r.suite}"
             return Verdict("no", "Too few to judge by.", f"{few}; give a larger --size.")
-        own, theirs = (r.policies[x].get("hops", 0.0) for x in (name, contrasts[0].other))
-        if own > max(OFTEN, theirs):
-            hops = f"{own:.0%} of those of {r.suite} with rest"
-            why = f"k_s hops, it moves at constant speed and load, in {hops}."
+        if hops(r, name, contrasts[0].other):
+            often = f"{r.policies[name]['hops']:.0%} of those of {r.suite} with rest"
+            why = f"k_s hops, it moves at constant speed and load, in {often}."
             return Verdict("no", "Do not flash it.", why)
-    plain = contrasts[0].other
+    plain, own = contrasts[0].other, _objective(results[0], name)
     words: dict[str, set[str]] = {}
     for k in contrasts:
         words.setdefault(k.other, set()).update(c.word for c in k.changes)
@@ -220,6 +231,10 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
     if not table:
         why = "It is no table, and export writes tables; sensorless distill makes one of a network."
         return Verdict("with", "Not as it is.", why, lines)
+    rules = [x for x in words if x != plain and _objective(results[0], x) < own]
+    if rules:
+        why = f"On balance {rules[0]} is better still."
+        return Verdict("with", f"Better than {plain}.", why, lines)
     if any(word == WORSE for word, _ in lines):
         return Verdict("with", "Flash it, if you can live with what got worse.", "", lines)
     return Verdict("yes", "Flash it.", "Nothing got worse.", lines)

@@ -65,6 +65,22 @@ def test_verdict(
     assert head in said.head
 
 
+def test_a_rule_that_is_better_on_balance_is_named() -> None:
+    pairs = {"eq25": pair(torque_dev_rms=-5.0), "linear-tuned": pair(torque_dev_rms=-1.5)}
+    r = results(pairs)
+    r.policies["linear-tuned"]["torque_dev_rms"] = 0.001
+    said = verdict([r], [contrast(r, name) for name in pairs], True)
+    assert said.word == "with" and said.head == "Better than eq25."
+    assert said.because == "On balance linear-tuned is better still."
+
+
+def test_the_plain_rule_is_not_refused_for_hops() -> None:
+    r = results({"linear": pair(torque_dev_rms=-5.0)})
+    r.policies["eq25"] = r.policies.pop("mine") | {"hops": 0.5}
+    r.policies["linear"] = r.policies.pop("linear")
+    assert "hops" not in verdict([r], [contrast(r, "linear")], True).because
+
+
 def test_what_got_worse_is_said_with_its_size() -> None:
     r = results({"eq25": pair(torque_dev_rms=-5.0, angle_err_rms_deg=12.0)})
     said = verdict([r], [contrast(r, "eq25")], True)
@@ -122,6 +138,8 @@ def test_the_best_rule_is_a_tuned_one() -> None:
     r.policies["eq25"]["torque_dev_rms"] = r.policies["x"]["torque_dev_rms"] = 0.01
     r.policies["gated-tuned"]["torque_dev_rms"] = 0.02
     assert best_rule(r, list(r.policies)) == "gated-tuned"
+    r.policies["gated-tuned"]["hops"] = 0.5  # none to flash
+    assert best_rule(r, list(r.policies)) == "linear-tuned"
     assert best_rule(results({"eq25": pair()}), ["eq25"]) is None
 
 
