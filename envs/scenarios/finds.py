@@ -121,7 +121,9 @@ def load(path: Path) -> list[Find]:
             for x in data
             if x["suite"] in SEARCHED and _plausible(**x)
         ]
-    except (OSError, ValueError, KeyError, TypeError):
+    except OSError as error:
+        raise UserError(f"scenario: {str(path)!r}: {error.strerror or error}") from None
+    except (ValueError, KeyError, TypeError):
         raise UserError(
             f"scenario: {str(path)!r} is not a file of sensorless falsify; give one that it wrote"
         ) from None

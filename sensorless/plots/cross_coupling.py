@@ -28,7 +28,7 @@ def cross_coupling(c: CrossCoupling, paper: Sequence[PaperValue] = ()) -> "Figur
         deg(theory),
         color=COLOURS["twin"],
         lw=4,
-        label="closed form on the operating line (Eq. 16)",
+        label="closed form on the drive's own operating line (Eq. 16)",
     )
     top.plot(
         x,
@@ -44,6 +44,8 @@ def cross_coupling(c: CrossCoupling, paper: Sequence[PaperValue] = ()) -> "Figur
         label=f"table, R² {c.table_fit.r2:.4f}",
     )
     top.plot(i_q, deg(c.angle), "o", color=COLOURS["hfi"], ms=4, label="measured, no compensation")
+    here = deg(cross_angle(c.motor, c.i))  # without compensation the current leaves that line
+    top.plot(i_q, here, "+", color="black", ms=7, label="closed form at the currents measured")
     draw(top, paper)
     top.set_ylabel("cross-coupling [° el.]\ntruth − injection estimate")
     top.set_title(
