@@ -158,13 +158,13 @@ def test_the_first_table_is_that_of_the_results(name_of: str, count: int) -> Non
     lost_there = round(float(paper["lost [%]"].split()[0]) / 100 * size)
     deviation = paper["torque deviation [%]"].split()[0]
     page = " ".join(prose(ROOT / name_of).split())
-    assert f"loses {lost_there} of {size} random scenarios; its torque is {deviation} %" in page
+    assert f"loses {lost_there} of {size} random scenarios; its torque deviates by {deviation} %" in page
     default, *others = (
         float(results[name]["torque deviation [%]"].split()[0])
         for name in ("eq25", "reference", "fuzzy-coupled-tuned")
     )
     assert float(results["eq25"]["lost [%]"].split()[0]) == 0.0
-    assert f"loses 0 of {size} and is {default:.2f} % off" in page
+    assert f"loses 0 of {size} and deviates by {default:.2f} %" in page
     shares = sorted({f"{100 * (1 - x / default):.0f}" for x in others}, key=int)
     assert f"takes {' to '.join(shares)} % off that" in page
 
