@@ -4,7 +4,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from sensorless.envs.scenarios.machine_family import NAME, family, family_digest
+from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
+
+JUDGED = 1_000_000
+"""Added to the seed of machines to judge on; training and tuning draw theirs from those below."""
 
 
 @dataclass(frozen=True)
@@ -17,7 +21,15 @@ class Machines:
 
     @classmethod
     def of(cls, motor: Motor, n: int, seed: int) -> "Machines":
-        """Return n random machines of a seed, or the motor if n is 0; errors as in ``family``."""
+        """Return n random machines of a seed to train or tune on, or the motor if n is 0.
+
+        Errors as in ``family``, and where the suite ``machines`` may judge on the same ones.
+        """
+        if n and seed >= JUDGED:
+            raise UserError(
+                f"seed: {seed}; with random machines give less than {JUDGED}: the suite machines "
+                "judges on those of seeds from there on"
+            )
         return cls(family(seed, n), seed) if n else cls((motor,), None)
 
     @property

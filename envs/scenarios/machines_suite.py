@@ -7,7 +7,7 @@ import re
 
 from sensorless.envs.counter_random import LARGEST, check_seed
 from sensorless.envs.scenarios.machine_family import family, member
-from sensorless.envs.scenarios.machines import Machines
+from sensorless.envs.scenarios.machines import JUDGED, Machines
 from sensorless.envs.scenarios.suites import MOST_SCENARIOS, SuiteRows, scenario_word
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
@@ -16,8 +16,6 @@ NAME, EACH = "machines", "stress-1"
 """The suite, and the one whose scenarios every machine runs."""
 SCENARIOS = 16
 """Scenarios of a machine: one block of the core."""
-JUDGED = 1_000_000
-"""Added to the seed of the machines: training and tuning draw theirs from seeds below."""
 
 
 def judged(seed: int, n: int) -> Machines:

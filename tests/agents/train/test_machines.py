@@ -23,7 +23,8 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.privileged import N_PRIVILEGED
 from sensorless.envs.scenarios import machine_family
 from sensorless.envs.scenarios.machine_family import family, family_digest
-from sensorless.envs.scenarios.machines import Machines
+from sensorless.envs.scenarios.machines import JUDGED, Machines
+from sensorless.envs.scenarios.machines_suite import judged
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.signals import N_SIGNALS
 from sensorless.errors import UserError
@@ -189,3 +190,9 @@ def test_what_does_not_fit_is_refused(run: Path) -> None:
         replace(SMALL, machines=-1)
     with pytest.raises(UserError, match=r"trained on 3 machines of .*; use a run on one motor"):
         design_and_motor(run)
+
+
+def test_machines_that_the_suite_judges_on_are_no_training(motor: Motor) -> None:
+    assert judged(11, 2).digest == family_digest(family(JUDGED + 11, 2))
+    with pytest.raises(UserError, match="seed: 1000011; with random machines give less than"):
+        Machines.of(motor, 2, JUDGED + 11)
