@@ -7,7 +7,8 @@ import pytest
 
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machine_family import family
-from sensorless.envs.scenarios.machines_suite import JUDGED, SCENARIOS, on_machine, rows_on
+from sensorless.envs.scenarios.machines import JUDGED
+from sensorless.envs.scenarios.machines_suite import SCENARIOS, on_machine, rows_on
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.words import scenario_from
 from sensorless.errors import UserError
