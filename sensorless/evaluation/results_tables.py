@@ -27,7 +27,7 @@ def worst_table(results: Results, count: int, given: str = "") -> PlainTable | N
     table = PlainTable(title="worst cases", caption=f"replay one with: sensorless simulate {again}")
     table.add_column("policy", overflow="fold")
     table.add_column("scenario", no_wrap=True)
-    table.add_column("lost by")
+    table.add_column("outcome")
     for heading in ("lived\n[s]", "torque\ndev. [%]", "largest angle\nerror [°]"):
         table.add_column(heading, justify="right")
     for name, policy in results.policies.items():
