@@ -32,6 +32,7 @@ export class Readout {
         const history = run.histories[i];
         const value = kind === "largest" ? history.largest(name, span) : history.latest(name);
         const known = i < run.sides.length && isFinite(value);
+        cell.classList.toggle("stale", run.lost[i] !== 0); // of the moment it was lost
         put(cell, known ? value.toFixed(digits).replace("-", "−") : "–");
       });
     });
@@ -68,7 +69,9 @@ function state(run, i) {
   const { faults, lost, phases } = run.core.layout;
   const told = (words, bits) =>
     Object.keys(words).filter((bit) => bits & Number(bit)).map((bit) => words[bit]);
-  const why = [...told(lost, run.lost[i]), ...told(faults, run.faults[i])];
-  if (run.lost[i] === 0) why.push(phases[run.drives[i].get("drive.x.start.phase")]);
-  return why.join("; ");
+  if (run.lost[i] !== 0) {
+    return told(lost, run.lost[i]).join("; ").replace("lost:", `lost at ${run.lostAt[i].toFixed(2)} s:`);
+  }
+  const phase = phases[run.drives[i].get("drive.x.start.phase")];
+  return [...told(faults, run.faults[i]), phase].join("; ");
 }

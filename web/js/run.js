@@ -28,6 +28,7 @@ export class Run {
     this.decision = 0;
     this.faults = [0, 0];
     this.lost = [0, 0];
+    this.lostAt = [0, 0]; // [s]
     this.sides.forEach((side, i) => this.drives[i].start(setup.motor, side, this.levers, setup));
     this.histories.forEach((history) => history.clear());
     this.makeMoves();
@@ -98,6 +99,7 @@ export class Run {
     };
     told("faults", faults & ~this.faults[i]);
     told("lost", lost & ~this.lost[i]);
+    if (lost !== 0 && this.lost[i] === 0) this.lostAt[i] = this.seconds;
     this.faults[i] = faults;
     this.lost[i] = lost;
   }
