@@ -113,6 +113,20 @@ def load_dip(motor: Motor, w: float) -> float:
     return speed_dip(motor, w) / motor.omega_rated
 
 
+def back_after(motor: Motor, dip: float, left: float) -> float:
+    """Time [s] from a step of rated torque until the speed is back within ``left`` of rated.
+
+    ``dip``: the largest deviation over rated speed, as of ``load_dip``. It goes as e x exp(-x),
+    x = w t.
+    """
+    if dip <= left:
+        return 0.0
+    x = 2.0
+    for _ in range(60):  # x = 1 + ln(dip x / left) converges for x > 1
+        x = 1.0 + math.log(dip * x / left)
+    return x / load_dip(motor, dip)
+
+
 def speed_loop(motor: Motor) -> float:
     """Natural frequency of the speed loop [Hz]: ``DIP`` after a rated load, or a share of the flux.
 

@@ -10,6 +10,7 @@ import numpy as np
 from rich.console import Group
 from rich.text import Text
 
+from sensorless.design.derived import back_after
 from sensorless.design.drive import DriveDesign
 from sensorless.evaluation.machine_check import LOST, SIZE, Check, QuickRun
 from sensorless.evaluation.machine_check import check as run_check
@@ -41,7 +42,8 @@ def rows(c: Check) -> list[Row]:
     if e.seen is not None and e.suggested is not None:
         out += _seen(e.motor, e.seen, e.suggested)
     if math.isfinite(c.dip):
-        dips = f"a rated load at once dips the speed by some {c.dip:.0%} of rated"
+        dips = f"a rated load at once dips the speed by some {c.dip:.0%} of rated, for "
+        dips += f"{back_after(e.motor, c.dip, SETTLED):.2g} s until it is within {SETTLED:.0%}"
         out.append(("load step", dips, ""))
     return out
 
@@ -103,6 +105,8 @@ def _seen(m: Motor, seen: Seen, hint: Mapping[str, float]) -> list[Row]:
     ]  # fmt: skip
 
 
+SETTLED = 0.02
+"""Deviation of the speed, over rated speed, at which a load step is over."""
 RUNS = ("scenarios of", "lost", "slipped", "not held", "alarms", "deviation", "infeasible")
 """Columns of the quick runs."""
 RUNS_SAY = (

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sensorless.design.derived import DIP, LOOP_SHARE, MUCH_DIP, derive, load_dip
+from sensorless.design.derived import DIP, LOOP_SHARE, MUCH_DIP, back_after, derive, load_dip
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
 from sensorless.envs.scenarios.machine_family import family
@@ -43,7 +43,10 @@ def test_a_rated_load_dips_the_speed_as_asked() -> None:
     w = 2.0 * math.pi * derive(light, DriveDesign()).speed_hz
     t = np.linspace(0.0, 10.0 / w, 20001)
     dip = light.tau_rated / light.J * t * np.exp(-w * t)  # impulse response of s / (s + w)^2
-    assert dip.max() * light.n_p / light.omega_rated == pytest.approx(DIP, rel=1e-3)
+    share = dip * light.n_p / light.omega_rated
+    assert share.max() == pytest.approx(DIP, rel=1e-3)
+    beyond = t[share > 0.02].max()
+    assert back_after(light, load_dip(light, w), 0.02) == pytest.approx(beyond, rel=1e-3)
 
 
 def test_without_torque_the_flux_is_followed_fast_enough_for_the_speed_loop() -> None:

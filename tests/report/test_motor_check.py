@@ -88,7 +88,7 @@ def test_loads_at_low_speed_and_a_wrong_file_are_run_too() -> None:
         assert said["not_held"] == run.not_held == said["slipped"] == run.slipped == 0.0
         assert told[:5] == (f"4 {run.suite}", "0%", "0%", "0%", "0%")
         assert told[5] == f"{100.0 * run.torque_dev:.2f} %" and len(told) == len(RUNS)
-    assert "dips the speed by some 10% of rated" in found["load step"]
+    assert "dips the speed by some 10% of rated, for " in found["load step"]
 
 
 def test_a_bare_servo_shaft_is_told_that_it_is_light() -> None:
