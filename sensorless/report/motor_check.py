@@ -79,6 +79,12 @@ def _seen(m: Motor, seen: Seen, hint: Mapping[str, float]) -> list[Row]:
             f"{s.ratio[-1]:.2f} at i_max",
             "",
         ),
+        (
+            "error of up to 20°",
+            f"injection sees {seen.pulled[: k + 1].min():.2f} of it or more up to rated current, "
+            f"{seen.pulled.min():.2f} up to i_max",
+            "",
+        ),
         ("cross-coupling", f"{cross[k]:.1f}° at rated current, at most {cross.max():.1f}°", ""),
         (
             "injection",

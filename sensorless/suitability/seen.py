@@ -30,7 +30,7 @@ CROSS = (25.0, 40.0)
 
 Compensation has to be exact to a fraction of it."""
 
-PULLED = (0.2, -np.inf)
+PULLED = 0.2
 """Share of an error of up to 20 degrees that injection sees, below which the drive is limited.
 Shipped and 512 random machines have 0.4 or more up to ``i_max``; a reluctance machine with magnets
 lost none of 200 ``reversal`` with 0.01, 6 % with -0.07 and 21 % with -0.44."""
@@ -72,13 +72,6 @@ def objections(motor: Motor, seen: Seen, needed: float) -> Iterator[Finding]:
         ("L_q", -s.ratio, (-RATIO[0], -RATIO[1]), "", "inductance ratio"),
         ("u_inj", s.noise_deg, NOISE, " degrees", "angle noise of injection"),
         ("saturation", np.abs(seen.cross_deg), CROSS, " degrees", "turn by cross-coupling"),
-        (
-            "i_max",
-            -seen.pulled,
-            (-PULLED[0], -PULLED[1]),
-            "",
-            "share of an angle error that injection sees",
-        ),
     ):
         limit += ROUNDING * abs(limit)
         worst = float(values[: seen.rated + 1].max())
@@ -92,24 +85,27 @@ def objections(motor: Motor, seen: Seen, needed: float) -> Iterator[Finding]:
             cure = ", less than rated torque needs: rate the machine for less"
         where = "within rated current" if worst > limit else f"above {upto:.3g} A{cure}"
         top = worst if worst > limit else float(values.max())
-        bound = "at least" if limit < 0.0 else "at most"
-        text = f"{what} {-top if limit < 0.0 else top:.3g}{unit} {where}; needed: {bound} "
-        text += f"{abs(limit):.3g}"
-        if field == "i_max":
-            text += ", or injection does not bring a disturbed angle back"
+        bound = "at least" if field == "L_q" else "at most"
+        text = f"{what} {abs(top):.3g}{unit} {where}; needed: {bound} {abs(limit):.3g}"
         if field == "L_q" and weight == LIMIT:
             text += ", or errors of L_d, L_q and iron may lose the rotor unnoticed"
         yield Finding(weight, field, text)
+    least = float(seen.pulled.min())
+    if least < PULLED:
+        upto = float(size[max(int(np.argmax(seen.pulled < PULLED)) - 1, 0)])
+        text = (
+            f"above {upto:.3g} A injection sees {max(least, 0.0):.2g} of an angle error of up to "
+        )
+        text += f"20 degrees (needed: at least {PULLED:g}), and a disturbed angle may not come back"
+        yield Finding(LIMIT, "i_max", text + ": lower i_max")
     leans = lean(motor)
     if leans > LEAN:
         turned = np.degrees(np.arctan(0.1 * leans))
         text = (
             f"L_q i_q at rated current is {leans:.3g} times the flux of the EMF (needed: at most "
         )
-        text += (
-            f"{LEAN:g}), so a tenth of error in L_q leans the EMF's angle by {turned:.0f} degrees"
-        )
-        text += ": rate the machine for less current"
+        text += f"{LEAN:g}), so a tenth of error in L_q leans its angle by {turned:.0f} degrees: "
+        text += "rate the machine for less current"
         yield Finding(LIMIT, "L_q", text)
     if s.amplitude > 2.5 * RIPPLE_SHARE * motor.i_rated:
         text = f"injected current {s.amplitude:.3g} A is {s.amplitude / motor.i_rated:.0%} of rated"
