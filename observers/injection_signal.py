@@ -32,7 +32,7 @@ LOST_SHARE, BY_SALIENCY = 2.0, 1.3
 into the dead band. What they take also turns the angle, by more where the saliency is small: the
 second over 1 - L_d/L_q, the slope of injection's error. Of twelve random machines that this gives
 more than twice, one of L_q/L_d = 1.5 lost 1 to 2 % of ``unload`` and ``stress`` with twice and now
-none, and all had less angle error; a spindle of 1.36 lost 10 and 2 %, and now none."""
+none, and none had more angle error; a spindle of 1.36 lost 10 and 2 %, and now none."""
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ one: that of the suite ``stress``."""
 LOADED = 0.1
 """Torque current over rated from which dead time is compensated well enough to bound the answer."""
 NOISY = 4.5
-"""How many times its RMS the noise of a low-passed answer may take from it: once in 10^5
+"""How many times its RMS the noise of a low-passed answer may take from it: more in 3 of a million
 evaluations."""
 GAINED = 2.0
 """Bound on the answer over that of the d axis beyond which no channel with a wrong gain comes: one

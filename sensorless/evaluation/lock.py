@@ -39,9 +39,7 @@ def in_control(sims: Array, band: float) -> NDArray[np.bool_]:
     away = np.abs(y["omega_m"] - sims["twin"]["y"]["omega_m"])
     with np.errstate(invalid="ignore"):  # a lost drive may have left all numbers
         turn = sims["plant"]["n_p"] * sims["control"]["T_s"] * y["omega_m"]
-        off = (
-            y["theta_e"] - turn - x["est"]["theta"]
-        )  # an estimate is of the sample, a period before
+        off = y["theta_e"] - turn - x["est"]["theta"]  # the estimate is of a period before
         err = np.abs(np.angle(np.exp(1j * off)))
     good = (away <= band) & (err <= sims["err_limit"])
     return np.asarray(good & (x["start"]["phase"] == lib.START_DONE))

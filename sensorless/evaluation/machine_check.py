@@ -105,10 +105,8 @@ def check(motor: Motor, design: DriveDesign, policy: Policy, under: str, size: i
     if e.verdict.word == "no" or size == 0:
         return Check(e, (), dip)
     runs = tuple(_quick_run(motor, design, policy, under, suite, size) for suite in SUITES)
-    kept = all(
-        f.field != "i_max" or f.weight == NOTE for f in e.findings
-    )  # longer there, it loses more
-    found = judged(runs, MORE_INERTIA if kept else "")
+    limited = any(f.field == "i_max" and f.weight == LIMIT for f in e.findings)
+    found = judged(runs, "" if limited else MORE_INERTIA)  # a heavier shaft is longer at the limit
     return Check(replace(e, findings=(*e.findings, *found)), runs, dip)
 
 
