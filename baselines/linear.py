@@ -73,7 +73,7 @@ EQ25 = Rule(
 )
 RULE = Rule(
     "linear",
-    "linear ramp of the speed from LO to HI; the band of eq25 by default",
+    "linear ramp, 1 at a speed of LO to 0 at HI [r/min]; the band of eq25 by default",
     _build,
     band("above it the observer alone"),
     rising=(("lo", "hi"),),

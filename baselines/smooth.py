@@ -72,12 +72,12 @@ def _quadratic(word: str, v: Values, motor: Motor) -> TablePolicy:
 
 
 SMOOTHSTEP = _on_a_band(
-    "smoothstep", "u^2 (3 - 2 u) over the band LO to HI of the speed", smoothstep_table
+    "smoothstep", "u^2 (3 - 2 u), u from 1 at a speed of LO to 0 at HI [r/min]", smoothstep_table
 )
-SINE = _on_a_band("sine", "sin(pi u / 2) over the band LO to HI of the speed", sine_table)
+SINE = _on_a_band("sine", "sin(pi u / 2), u from 1 at a speed of LO to 0 at HI [r/min]", sine_table)
 QUADRATIC = Rule(
     "quadratic",
-    "1 - (speed / CORNER)^2",
+    "1 - (speed / CORNER)^2, 0 from CORNER [r/min] on",
     _quadratic,
     (speed("corner", EQ25_BAND[1], (0.05, 1.5), "above it the observer alone", on=eq25_end),),
 )

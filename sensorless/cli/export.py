@@ -67,9 +67,9 @@ def export_command(
     Refused are a machine of which `sensorless motor check` says no on this drive, by its numbers or
     by its simulation, here with the schedule instead of Eq. 25; a drive that fails more than half
     of 200 scenarios of the suite nominal even with an encoder; a schedule that loses more than 5 %
-    of the others; and one that is worse than Eq. 25 on the same drive: on 400 scenarios of stress-1
-    its objective, 10 lost_rate + torque deviation + torque ripple, is higher, and the 95 %
-    bootstrap interval of the difference excludes zero.
+    of those that an encoder drive can do; and one that is worse than Eq. 25 on the same drive: on
+    400 scenarios of stress-1 its objective, 10 lost_rate + torque deviation + torque ripple, is
+    higher, and the 95 % bootstrap interval of the difference excludes zero.
 
     For example:
 

@@ -205,7 +205,12 @@ def new_command(
     )
     write_atomic(out, written(data, head))
     say_wrote(out)
-    show_check(motor, design, size, None, f"sensorless motor check {out}", as_json)
+    try:
+        show_check(motor, design, size, None, f"sensorless motor check {out}", as_json)
+    except typer.Exit:
+        if not as_json:
+            errors.print("to try other numbers, add --replace", highlight=False)
+        raise
 
 
 def _asked(option: str, question: str) -> float:

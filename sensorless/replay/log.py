@@ -234,7 +234,7 @@ def _voltage(
 def _check_time(t: Floats, lines: Array, motor: Motor, where: str) -> None:
     """Refuse another period and gaps; steps may differ by what the column is rounded to."""
     if len(t) < 3:
-        raise UserError(f"{where}: {len(t)} rows; give at least 3")
+        raise UserError(f"{where}: {len(t)} of at least 3 rows; record more")
     step, period = np.diff(t), usual_step(t)
     if abs(period - motor.T_s) > JITTER * motor.T_s:
         raise UserError(

@@ -156,7 +156,7 @@ def changed(name: str, row: int, value: float) -> Columns:
             {k: v for k, v in columns().items() if k != "i_a"},
             "column i_a: missing; name it with --map i_a=COLUMN; the file has t, i_b",
         ),
-        ({k: v[:2] for k, v in columns().items()}, "2 rows; give at least 3"),
+        ({k: v[:2] for k, v in columns().items()}, "2 of at least 3 rows; record more"),
     ],
 )
 def test_a_bad_log_is_named(values: Columns, message: str, read: Read) -> None:
