@@ -20,6 +20,9 @@ from sensorless.cli.options import (
 from sensorless.cli.plain import Command, Group
 from sensorless.cli.quiet import quietly
 
+LEAST_CROSS = 0.01
+"""Turn of the magnetic axes that is worth a fit [deg]."""
+
 app = typer.Typer(cls=Group, no_args_is_help=True, rich_markup_mode="markdown")
 
 
@@ -113,6 +116,8 @@ def cross_coupling(
         f"drive on the table within {r['left_with_table_max_deg']:.2f}°, "
         f"on the line within {r['left_with_line_max_deg']:.2f}° where it was fitted"
     )
+    if max(map(abs, r["sweep"]["closed_form_deg"])) < LEAST_CROSS:
+        console.print("no cross-coupling: the motor's file has none, so the fits are of noise")
     if as_json:
         say_json(r)
     if out is not None:
