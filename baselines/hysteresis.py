@@ -79,7 +79,7 @@ def _build(name: str, v: Values, motor: Motor) -> Hysteresis:
 
 RULE = Rule(
     "hysteresis",
-    "hard switch, up at HI, down at LO [r/min]; by default the centre of the band of eq25, +-5 %",
+    "hard switch, up at HI, down at LO [r/min]; by default the middle of eq25's band, +-5 %",
     _build,
     ends("switches down to injection", "switches up to the observer"),
     rising=(("lo", "hi"),),

@@ -63,7 +63,7 @@ def _build(name: str, v: Values, motor: Motor) -> TimeRamp:
 
 RULE = Rule(
     "ramp",
-    "moves to its new end within RAMP ms after the speed rose past HI or fell past LO [r/min]",
+    "moves to its new end within RAMP ms once the speed passes HI upwards or LO downwards",
     _build,
     (
         *ends("starts down to injection", "starts up to the observer"),
