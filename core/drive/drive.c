@@ -16,11 +16,8 @@ static void hfi_clear(hfi_state_t *x) {
     x->i_2.q = 0.0f;
     x->jump = 0.0f;
     hfi_quiet(x);
-    x->err = 0.0f;
     x->err_f = 0.0f;
-    x->amplitude = 0.0f;
     x->answer = 0.0f;
-    x->valid = 0.0f;
 }
 
 static void smo_clear(smo_state_t *x) {

@@ -23,9 +23,6 @@ CORE_COLD void drive_find_again(drive_state_t *x) {
     x->start.again = 1;
     x->start.i_1 = i_ab;
     x->start.i_2 = i_ab;
-    x->hfi.err = 0.0f; /* what signals read: nothing is injected */
-    x->hfi.amplitude = 0.0f;
-    x->hfi.valid = 0.0f;
     x->smo.i_hat = i_ab;
     x->smo.z = nothing;
     x->emf.e = nothing;

@@ -117,8 +117,12 @@ CORE_INLINE rot_t hfi_direction(const hfi_params_t *p, const hfi_state_t *x, flo
     return rot_of(x->pll.theta + p->lead * T_s * x->pll.omega);
 }
 
-/* Ends injection at once: nothing of it waits, and no sample is read for its answer. */
+/* Ends injection at once: nothing of it waits, no sample is read for its answer, and what signals
+ * read of it is 0. */
 CORE_INLINE void hfi_quiet(hfi_state_t *x) {
+    x->err = 0.0f;
+    x->amplitude = 0.0f;
+    x->valid = 0.0f;
     x->hold = 0.0f;
     x->sign_1 = 0.0f;
     x->sign_2 = 0.0f;
