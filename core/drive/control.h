@@ -90,6 +90,12 @@ CORE_INLINE void control_ends(const control_params_t *p, control_state_t *x, flo
     x->i_d_end = brakes && beyond ? 0.0f : p->i_d_min;
 }
 
+/* Direction of a frame of direction r, as it will be when the voltage now computed acts: over
+ * [k+1, k+2], so 1.5 periods on. omega: electrical [rad/s]. */
+CORE_INLINE rot_t control_when_acts(rot_t r, float omega, float T_s) {
+    return rot_turn(r, 1.5f * T_s * omega);
+}
+
 /* Takes in sample k [A] in the frame r of the estimate at k; x->i becomes the mean with sample
  * k-1. */
 CORE_INLINE void control_sample(control_state_t *x, rot_t r, ab_t i_ab) {
@@ -131,7 +137,7 @@ CORE_INLINE ab_t current_control(const control_params_t *p, control_state_t *x, 
     x->i_d_fw = clamp_f(x->i_d_fw + p->k_fw * (p->fw_margin * u_max - u_abs), p->i_d_min, 0.0f);
     x->u_abs = u_abs;
     x->u_max = u_max;
-    return dq_to_ab(u_lim, rot_turn(r, 1.5f * T_s * omega));
+    return dq_to_ab(u_lim, control_when_acts(r, omega, T_s));
 }
 
 /* One period: fundamental voltage that becomes active at k+1, stator frame [V]. est: angle and

@@ -4,9 +4,9 @@
 
 #include "drive_types.h"
 
-/* Adds injection of sign s and dead-time compensation to the voltage u [V]; r_i: direction of the
- * frame of the controlled current. Returns the voltage to apply over [k+1, k+2] and advances the
- * voltage queue. */
+/* Adds injection of sign s and dead-time compensation to the voltage u [V]; r_i: direction that the
+ * frame of the controlled current will have over [k+1, k+2]. Returns the voltage to apply then and
+ * advances the voltage queue. */
 CORE_INLINE ab_t drive_output(const drive_params_t *p, drive_state_t *x, ab_t u, rot_t r_i,
                               float s) {
     rot_t r = hfi_direction(&p->hfi, &x->hfi, p->T_s);
@@ -26,7 +26,7 @@ CORE_INLINE ab_t drive_actuate(const drive_params_t *p, drive_state_t *x, const 
     float reserve = s * s * p->hfi.u_inj;
     ab_t u = control_step(&p->control, &x->control, est, r, i_ab, in->u_dc, in->omega_ref, reserve,
                           p->T_s);
-    return drive_output(p, x, u, r, s);
+    return drive_output(p, x, u, control_when_acts(r, est.omega, p->T_s), s);
 }
 
 /* The same without torque: holds the current at zero (or where field weakening puts it) and keeps
@@ -38,7 +38,7 @@ CORE_INLINE ab_t drive_hold(const drive_params_t *p, drive_state_t *x, const dri
         control_ready(&p->control, &x->control, est.omega);
     }
     ab_t u = current_control(&p->control, &x->control, est, r, i_ab, in->u_dc, 0.0f, 0.0f, p->T_s);
-    return drive_output(p, x, u, r, 0.0f);
+    return drive_output(p, x, u, control_when_acts(r, est.omega, p->T_s), 0.0f);
 }
 
 #endif

@@ -55,8 +55,8 @@ CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t 
     hfi_follow(&p->hfi, &x->hfi, wrap_pi(x->est.theta - cross), x->est.omega, p->T_s);
     if (p->estimator == ESTIMATE_FLUX) {
         float lead = x->hfi.valid * x->k_s * wrap_pi(hfi.theta - smo.theta);
-        flux_observe(&p->flux, &x->flux, &x->emf, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
-                     lead, p->T_s);
+        flux_observe(&p->flux, &x->flux, &x->emf, i_ab, x->coupled.i_1, x->u_2, L_q, x->est.omega,
+                     x->est.theta, lead, p->T_s);
     } else {
         float share = pos.j > 0 ? 1.0f : pos.f;
         L_q = smo_L_q(&p->smo, L_q, x->control.i.q * x->est.omega, share);

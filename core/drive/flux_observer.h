@@ -35,11 +35,12 @@ typedef struct {
     ab_t psi; /* estimated stator flux [Vs]; 0: none yet, so it starts from the current */
 } flux_state_t;
 
-/* One period; arguments as for smo_observe of sliding_mode.h. lead: k_s times the angle of injection
- * minus that of y [rad], 0 without injection. */
+/* One period; arguments as for smo_observe of sliding_mode.h, and i_1: sample k-1 [A], for the
+ * resistive drop over [k-1, k]. lead: k_s times the angle of injection minus that of y [rad], 0
+ * without injection. */
 CORE_INLINE void flux_observe(const flux_params_t *p, flux_state_t *x, emf_estimate_t *y, ab_t i_ab,
-                              ab_t u_ab, float L_q, float omega, float theta_idle, float lead,
-                              float T_s) {
+                              ab_t i_1, ab_t u_ab, float L_q, float omega, float theta_idle,
+                              float lead, float T_s) {
     int valid = abs_f(omega) >= p->omega_floor;
     int fresh = !valid || (x->psi.a == 0.0f && x->psi.b == 0.0f);
     y->pll.theta = valid ? y->pll.theta : theta_idle;
@@ -50,8 +51,9 @@ CORE_INLINE void flux_observe(const flux_params_t *p, flux_state_t *x, emf_estim
     dq_t aux = {p->psi_f + (p->L_d - L_q) * i.d, (L_q - p->L_d) * i.q};
     float inv = 1.0f / max_f(aux.d * aux.d + aux.q * aux.q, p->psi_sq_min);
 
-    ab_t psi_ab = {x->psi.a + T_s * (u_ab.a - p->R_s * i_ab.a),
-                   x->psi.b + T_s * (u_ab.b - p->R_s * i_ab.b)};
+    ab_t i_m = {0.5f * (i_ab.a + i_1.a), 0.5f * (i_ab.b + i_1.b)};
+    ab_t psi_ab = {x->psi.a + T_s * (u_ab.a - p->R_s * i_m.a),
+                   x->psi.b + T_s * (u_ab.b - p->R_s * i_m.b)};
     dq_t psi = ab_to_dq(psi_ab, r);
     psi.d = fresh ? model.d : psi.d;
     psi.q = fresh ? model.q : psi.q;

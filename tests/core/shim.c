@@ -102,11 +102,12 @@ void t_hfi_direction(const hfi_params_t *p, const hfi_state_t *x, float T_s, flo
 }
 
 void t_flux_observe(const flux_params_t *p, flux_state_t *x, emf_estimate_t *y, const float *i,
-                    const float *u, float L_q, float omega, float theta_idle, float lead,
-                    float T_s) {
+                    const float *before, const float *u, float L_q, float omega, float theta_idle,
+                    float lead, float T_s) {
     ab_t i_ab = {i[0], i[1]};
+    ab_t i_1 = {before[0], before[1]};
     ab_t u_ab = {u[0], u[1]};
-    flux_observe(p, x, y, i_ab, u_ab, L_q, omega, theta_idle, lead, T_s);
+    flux_observe(p, x, y, i_ab, i_1, u_ab, L_q, omega, theta_idle, lead, T_s);
 }
 
 /* n periods, all of which learn; i: currents, u: voltages over the period before, err: of the
@@ -274,7 +275,8 @@ void t_curve(const curve_t *c, const float *i_q, float inv_step, float *y, int n
 void t_lock(const lock_params_t *p, lock_state_t *x, const float *in, int n) {
     for (int j = 0; j < n; j++) {
         const float *v = &in[12 * j];
-        lock_in_t now = {v[0], v[10], v[11], {v[1], v[2]}, {v[3], v[4]}, {v[3], v[4]}, v[5], v[6], v[7], v[8]};
+        lock_in_t now = {v[0],         v[10], v[11], {v[1], v[2]}, {v[3], v[4]},
+                         {v[3], v[4]}, v[5],  v[6],  v[7],         v[8]};
         lock_emf(p, x, &now);
         lock_current(p, x, v[9]);
         lock_judge(p, x, v[0], 1e30f);

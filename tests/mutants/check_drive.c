@@ -158,8 +158,8 @@ static void meets(int j) {
         flux_state_t flux = was.flux;
         emf_estimate_t y = was.emf;
         double lead = (double)x.k_s * wrapped(axis + cross - own);
-        flux_observe(&p.flux, &flux, &y, i, was.u_2, curve_at(&p.L_q, pos), x.est.omega,
-                     x.est.theta, (float)lead, p.T_s);
+        flux_observe(&p.flux, &flux, &y, i, was.coupled.i_1, was.u_2, curve_at(&p.L_q, pos),
+                     x.est.omega, x.est.theta, (float)lead, p.T_s);
         check("meets: lead", near_v(of_ab(flux.psi), of_ab(x.flux.psi), 1e-6));
     }
     drive_in_t in = {1, 1, 540.0f, 90.0f, 0.5f};
@@ -167,7 +167,8 @@ static void meets(int j) {
     ab_t u = drive_actuate(&p, &x, &in, i, x.est, r, 1.0f);
     rot_t at_hfi = hfi_direction(&p.hfi, &x.hfi, p.T_s);
     vec_t comp = of_ab(u) - of_ab(x.u_1);
-    vec_t mean = of_dq(x.control.i) * ((double)r.c + I * (double)r.s);
+    double acts = 1.5 * (double)p.T_s * (double)x.est.omega; /* turn until the voltage acts */
+    vec_t mean = of_dq(x.control.i) * ((double)r.c + I * (double)r.s) * cexp(I * acts);
     ab_t along = {(float)creal(mean), (float)cimag(mean)};
     check("meets: dead time",
           near_v(comp, of_ab(dead_time_voltage(p.control.u_dt, p.control.inv_i_dt, along)), 1e-3));

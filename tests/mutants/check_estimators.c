@@ -171,11 +171,12 @@ static void flux(void) {
         }
         emf_estimate_t y = {{draw_f(-3, 3), draw_f(-300, 300)}, {0, 0}, 0, j % 2 ? 1.0f : 0.0f};
         ab_t i = {draw_f(-5, 5), draw_f(-5, 5)}, u = {draw_f(-200, 200), draw_f(-200, 200)};
+        ab_t i_1 = {draw_f(-5, 5), draw_f(-5, 5)};
         float w = j % 4 ? draw_f(-300, 300) : draw_f(-33, 33), idle = draw_f(-3, 3);
         float lead = draw_f(-1, 1), L_q = 0.25f;
         flux_state_t was = x;
         emf_estimate_t old = y;
-        flux_observe(&p, &x, &y, i, u, L_q, w, idle, lead, 2e-4f);
+        flux_observe(&p, &x, &y, i, i_1, u, L_q, w, idle, lead, 2e-4f);
         int valid = fabs((double)w) >= 30.0;
         int fresh = !valid || (was.psi.a == 0.0f && was.psi.b == 0.0f);
         double at = valid ? (double)old.pll.theta : (double)idle;
@@ -184,7 +185,7 @@ static void flux(void) {
         vec_t r = unit(at), idq = of_ab(i) * conj(r);
         vec_t model = psi_f + L_d * creal(idq) + I * 0.25 * cimag(idq);
         vec_t aux = psi_f + (L_d - 0.25) * conj(idq);
-        vec_t psi = (of_ab(was.psi) + 2e-4 * (of_ab(u) - 2.0 * of_ab(i))) * conj(r);
+        vec_t psi = (of_ab(was.psi) + 2e-4 * (of_ab(u) - of_ab(i) - of_ab(i_1))) * conj(r);
         psi = fresh ? model : psi;
         double square = fmax(cabs(aux) * cabs(aux), (double)p.psi_sq_min);
         vec_t e = (model - psi) * conj(aux) / square; /* along and across the auxiliary flux */

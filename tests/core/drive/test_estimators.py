@@ -95,7 +95,7 @@ def test_flux_observer_follows_below_its_floor(c: Call, motor: Motor) -> None:
     x, y = (np.zeros(1, struct_dtype(name)) for name in ("flux_state_t", "emf_estimate_t"))
     i, u = np.array([0.5, 0.1], np.float32), np.array([1.0, 2.0], np.float32)
     for _ in range(20):
-        c("flux_observe", p, x, y, i, u, motor.L_q, 3.0, 0.0, 0.5, motor.T_s)
+        c("flux_observe", p, x, y, i, i, u, motor.L_q, 3.0, 0.0, 0.5, motor.T_s)
     assert y["valid"][0] == 0.0 and y["err"][0] == 0.0
     assert y["pll"]["theta"][0] == pytest.approx(3.0 * motor.T_s, abs=1e-6)
     assert y["pll"]["omega"][0] == 3.0
@@ -121,7 +121,7 @@ def test_injection_holds_a_flux_that_the_voltages_turn(c: Call, motor: Motor, k_
         wrong = 1j * motor.psi_f * (omega - voltage_drift(motor))
         turned = wrong * np.exp(1j * (y["pll"]["theta"][0] - 0.5 * omega * motor.T_s))
         u = np.array([turned.real, turned.imag], np.float32)
-        c("flux_observe", p, x, y, i, u, motor.L_q, omega, theta, k_s * lead, motor.T_s)
+        c("flux_observe", p, x, y, i, i, u, motor.L_q, omega, theta, k_s * lead, motor.T_s)
     assert lead == pytest.approx(APART / k_s, rel=0.01)
     assert y["pll"]["omega"][0] == pytest.approx(omega, rel=1e-3)
 
@@ -138,7 +138,7 @@ def test_injection_moves_the_flux_as_a_turn_of_the_angle_would(c: Call, name: st
     sample = np.array([i.real, i.imag], np.float32)
     flux = []
     for lead in (0.2, 0.0):
-        c("flux_observe", p, x, y, sample, np.float32(motor.R_s) * sample, motor.L_q,
+        c("flux_observe", p, x, y, sample, sample, np.float32(motor.R_s) * sample, motor.L_q,
           motor.omega_rated, 0.0, lead, motor.T_s)  # fmt: skip
         flux.append(complex(x["psi"]["a"][0], x["psi"]["b"][0]))
     turn = 0.2 * float(p["k_turn"][0])

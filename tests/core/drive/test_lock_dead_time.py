@@ -12,7 +12,7 @@ from sensorless.machine.motor import Motor
 from sensorless.observers import lock_design
 from sensorless.policies.registry import make_policy
 
-ROWS = (117, 149, 233, 872, 1259, 1775, 1824, 1915, 2104, 3563)
+ROWS = (117, 149, 233, 872, 1259, 2093, 2104, 3563)
 """Of 4000: half a dead time more than the file's, little current as the shaft begins to turn."""
 
 
