@@ -45,7 +45,8 @@ def test_losses_of_the_weakest_motor(monkeypatch: pytest.MonkeyPatch) -> None:
         SimFactory(motor, DriveDesign()),
     )  # fmt: skip
     n = int(np.sum((s.lost != 0) & are_feasible(s.lost)))
-    told = f"none on any of the seven motors; of 6000 it loses {n} ({n / 60:.1g} %) on `brusa_hsm1`"
+    few = f"{n} ({n / 60:.1g} %)" if n else "none"
+    told = f"none on any of the seven motors; of 6000 it loses {few} on `brusa_hsm1`"
     assert told in text(DOCS / "index.md")
 
 
