@@ -209,11 +209,13 @@ def test_keys_run_pause_and_restart(shown: Shown, motor: Motor) -> None:
 
 
 def test_lost_drive_is_told(shown: Shown, motor: Motor) -> None:
-    """The observer alone cannot see a shaft that rests."""
+    """The observer alone cannot see a shaft that rests. The run ends with its last drive."""
     levers = {**LEVERS, "speed": 0.0, "load": 10.0}
-    repeat(shown, link(motor.name, ["smo constant:0"], levers, [], 200), 200)
-    native = final(motor, "smo", "constant:0", levers, [], 200)
-    assert native["lost"][0] != 0
+    follow(shown, link(motor.name, ["smo constant:0"], levers, [], 200))
+    wait(shown, "playground.page.goal === 200 && !playground.page.pace.running")
+    ended = shown.run("return playground.page.run.decision")
+    before, native = (final(motor, "smo", "constant:0", levers, [], n) for n in (ended - 1, ended))
+    assert before["lost"][0] == 0 != native["lost"][0]
     assert np.array_equal(state(shown, 0), native.view(np.uint8))
     assert "angle error" in shown.run("return document.getElementById('events').textContent")
 

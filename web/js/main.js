@@ -214,7 +214,6 @@ class Page {
   draw() {
     const { run, pace } = this;
     const seconds = Number($("window").value);
-    if (run.over && pace.running) pace.stop();
     this.levers.follow(run.levers);
     this.plots.draw(run, seconds);
     if (run.decision !== this.followed) this.editor.follow();

@@ -51,7 +51,7 @@ export class Pace {
     while (this.owed >= 1) {
       this.run.advance();
       this.owed -= 1;
-      if (hurry && this.run.decision >= this.until) return this.stop();
+      if (this.run.over || (hurry && this.run.decision >= this.until)) return this.stop();
       if (this.run.decision % CHUNK === 0 && performance.now() > end) break;
     }
     if (this.owed >= 1) this.owed = 0; // the computer is too slow: the rest is not made up for
