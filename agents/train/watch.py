@@ -120,11 +120,12 @@ class Watch(BaseCallback):
         schedule = policy.schedule(policy.vector() if self._mean is None else self._mean)
         found = validate_all(schedule, self._factories, self._config.validate_size)
         better = self.best is None or self._score(found) < self._score(self.best)
-        if better or self._config.last:
+        keep = better or self._config.last
+        if keep:
             self.best = found
             facts = {"steps": self.model.num_timesteps, "validation": dataclasses.asdict(found)}
             save_schedule(self._folder, schedule, self._facts, **facts)
-        self._log(found, better)
+        self._log(found, keep)
         self.checkpoint()
         if self._report is not None:
             self._report(min(self.share, 1.0), self.model.num_timesteps, found)
@@ -134,14 +135,14 @@ class Watch(BaseCallback):
         """Objective with the run's own weight of ripple."""
         return cost.weighted(self._config.ripple_weight)
 
-    def _log(self, found: Cost, better: bool) -> None:
+    def _log(self, found: Cost, keep: bool) -> None:
         """Add a row to the learning curve: TensorBoard, and a file that a resumed run continues."""
         values = {**dataclasses.asdict(found), "objective": found.objective}
         for name, value in values.items():
             self.logger.record(f"validation/{name}", value)
         seconds = self._before + time.monotonic() - self._start
         row = {"steps": self.model.num_timesteps, "seconds": f"{seconds:.1f}"}
-        self._rows.append({**row, **values, "best": int(better)})
+        self._rows.append({**row, **values, "best": int(keep)})
         write_rows(self._folder, self._rows)
 
     def checkpoint(self) -> None:

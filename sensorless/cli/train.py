@@ -181,15 +181,14 @@ def run_training(
     bar = Progress(*columns, console=errors, disable=quiet)
     task = bar.add_task("", total=1.0)
     say = minutely()
-    best = [float(row["objective"]) for row in rows(folder)] if resume is not None else []
 
     def report(done: float, steps: int, found: Cost | None) -> None:
         bar.update(task, completed=done, description=f"{steps / 1e6:.2f} M decisions")
         if found is None:
             say(f"{100 * done:3.0f} %, {steps / 1e6:5.2f} M decisions")
             return
-        mark = ", the best so far" if best and found.objective < min(best) else ""
-        best.append(found.objective)
+        *before, row = rows(folder)
+        mark = ", kept so far" if before and int(row["best"]) else ""
         (errors if quiet else bar.console).print(
             f"{100 * done:3.0f} %, {steps / 1e6:5.2f} M decisions, validation: "
             f"{describe(vars(found))}{mark}",

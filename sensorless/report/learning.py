@@ -31,7 +31,7 @@ CURVES = (
     ("torque_ripple", "torque ripple [% of rated]"),
 )
 """Columns of ``progress.csv``, which are fields of ``Cost``, with their labels."""
-NEEDED = ("seconds", *(name for name, _ in CURVES))
+NEEDED = ("seconds", "best", *(name for name, _ in CURVES))
 COLOURS = ("observer", "hfi", "ekf", "ref", "own")
 
 Curve = dict[str, Any]
@@ -146,9 +146,9 @@ def learning(run: str) -> tuple[list[dict[str, Any]], str]:
         curves = []
         for j, (name, curve) in enumerate(found.items()):
             known = dict(zip(curve["seconds"], 100.0 * curve[key], strict=True))
-            best = curve["seconds"][int(np.argmin(curve["objective"]))]
+            best = curve["seconds"][np.flatnonzero(curve["best"])[-1:]]
             values = [known.get(t) for t in times]
-            kept = [x if t == best else None for t, x in zip(times, values, strict=True)]
+            kept = [x if t in best else None for t, x in zip(times, values, strict=True)]
             style = {"colour": COLOURS[j % len(COLOURS)], "gaps": True, "points": True}
             curves.append({"name": name, "values": values, "width": 1.4, **style})
             kept_style = {**style, "colour": "bad", "width": 4}

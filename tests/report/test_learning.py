@@ -48,13 +48,13 @@ def test_the_shipped_levels_are_those_of_the_same_motor(run: Path, tmp_path: Pat
 
 def test_the_panels_have_the_run_the_levels_and_what_was_kept(run: Path) -> None:
     rows = "steps,seconds,lost_rate,torque_dev,torque_ripple,objective,best\n"
-    rows += "0,0,0.1,0.06,0.02,1.08,1\n5,60,0.02,0.05,0.01,0.26,1\n9,120,0.05,0.05,0.01,0.56,0\n"
+    rows += "0,0,0.1,0.06,0.02,1.08,1\n5,60,0.02,0.05,0.01,0.26,1\n9,120,0.01,0.05,0.02,0.17,0\n"
     (run / "progress.csv").write_text(rows)
     panels, said = learning(str(run))
     assert [p["label"].split(" [")[0] for p in panels][:2] == ["objective", "lost in validation"]
     curves = {c["name"]: c["values"] for c in panels[1]["curves"]}
     assert panels[1]["x"] == [0.0, 1.0, 2.0]
-    assert curves[run.name] == pytest.approx([10.0, 2.0, 5.0])
+    assert curves[run.name] == pytest.approx([10.0, 2.0, 1.0])
     assert curves[f"{run.name}, kept"] == [None, pytest.approx(2.0), None]
     levels = shipped_levels(run)
     assert levels and all(name in said for name in levels)
