@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from sensorless.core.api import Array
-from sensorless.errors import UserError
+from sensorless.errors import UserError, shown
 from sensorless.files import decoded, read_bytes, reason
 from sensorless.machine.magnetics import Floats
 from sensorless.matlab_file import read_matlab
@@ -23,7 +23,7 @@ from sensorless.matlab_file import read_matlab
 UNITS = {
     "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "a": 1.0, "ma": 1e-3, "ka": 1e3, "v": 1.0,
     "mv": 1e-3, "kv": 1e3, "rad": 1.0, "deg": np.pi / 180.0, "°": np.pi / 180.0, "%": 0.01,
-    "1": 1.0, "-": 1.0,
+    "1": 1.0, "-": 1.0, "second": 1.0, "volt": 1.0, "ampere": 1.0,
 }  # fmt: skip
 """Factors to the units of docs/replay.md."""
 HEAD = re.compile(r"\s*(.+?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*")
@@ -85,12 +85,17 @@ def _text(text: str, wanted: Sequence[str], names: Mapping[str, str], where: str
         raise UserError(f"{where}: a quote in a line does not end there; leave quotes out")
     header = [name.strip() for name in cells[0]] if cells else []
     used = _used(header, wanted, names, where, lines[0][0] if lines else 1)
-    units = {name: _unit(header[j]) for name, (j, _) in used.items()}
+    whole = {given.removeprefix("-").strip() for given in names.values()}
+    units = {
+        name: 1.0 if header[j] in whole else _unit(header[j], f"{where}: line {lines[0][0]}")
+        for name, (j, _) in used.items()
+    }
     body = list(zip([number for number, _ in lines[1:]], cells[1:], strict=True))
     if body and not any(_is_number(cell) for cell in body[0][1]):  # a line of units
         for name, (j, _) in used.items():
             word = body[0][1][j] if j < len(body[0][1]) else ""
-            units[name] = UNITS.get(word.strip(" []()").lower(), units[name])
+            if word := word.strip(" []()"):
+                units[name] = _factor(word, f"{where}: line {body[0][0]}", header[j])
         body = body[1:]
     rows = []
     for number, row in body:
@@ -151,10 +156,19 @@ def _used(
     return out
 
 
-def _unit(name: str) -> float:
+def _unit(name: str, at: str) -> float:
     """Factor of a unit in brackets behind a name."""
     found = HEAD.fullmatch(name)
-    return UNITS.get(found[2].lower(), 1.0) if found else 1.0
+    return _factor(found[2], at, name) if found and found[2] else 1.0
+
+
+def _factor(unit: str, at: str, column: str) -> float:
+    if unit.lower() not in UNITS:
+        raise UserError(
+            f"{at}: column {shown(column)}: unit {shown(unit)} is not known; give one of "
+            f"{', '.join(UNITS)}"
+        )
+    return UNITS[unit.lower()]
 
 
 def _number(text: str) -> float:

@@ -123,6 +123,19 @@ def test_units_behind_a_name_and_below_it(read: Read, plain: Log) -> None:
     same(read(csv_of(values, heads=heads)), plain)
 
 
+@pytest.mark.parametrize("below", [False, True], ids=["behind the name", "below it"])
+def test_a_unit_that_is_not_known_is_refused(below: bool, read: Read, plain: Log) -> None:
+    values = columns()
+    names = ",".join(values)
+    line, heads = 1, names.replace("i_a", "i_a [uA]")
+    if below:
+        line, heads = 2, names + "\n" + ",".join("uA" if n == "i_a" else "" for n in values)
+    with pytest.raises(UserError, match=rf"line {line}: column 'i_a.*unit 'uA' is not known; give"):
+        read(csv_of(values, heads=heads))
+    heads = names.replace("i_a", "i_a (filtered)")  # no unit: the whole is a name
+    same(read(csv_of(values, heads=heads), ["i_a=i_a (filtered)"]), plain)
+
+
 def test_other_names_by_words_or_by_a_file(read: Read, plain: Log, tmp_path: Path) -> None:
     heads = ",".join(columns()).replace("i_a", "Ia").replace("i_b", "current B")
     values = columns()
