@@ -119,7 +119,7 @@ def load(path: Path) -> list[Find]:
         return [
             Find(**{**x, **{name: tuple(x[name]) for name in TUPLES if x.get(name) is not None}})
             for x in data
-            if x["suite"] in SEARCHED and _plausible(**x)
+            if _plausible(**x)
         ]
     except OSError as error:
         raise UserError(f"scenario: {str(path)!r}: {error.strerror or error}") from None
@@ -146,6 +146,7 @@ def searched_on(path: Path) -> tuple[str, str]:
 
 
 def _plausible(
+    suite: str,
     units: list[float],
     seed: int,
     machine: list[int] | None = None,
@@ -159,7 +160,7 @@ def _plausible(
     del other
     pair = machine is None or len(machine) == 2
     whole = all(isinstance(x, int) and 0 <= x < 2**64 for x in (seed, *(machine or ())))
-    known = set(nominal) <= set(REMOVABLE)
+    known = suite in SEARCHED and set(nominal) <= set(REMOVABLE)
     if not (pair and whole and known and all(0.0 <= u <= 1.0 for u in units)):
         raise ValueError
     return True

@@ -101,12 +101,13 @@ MACHINE = (
 )
 SEEDS = [MACHINE.replace('"seed": 1', f'"seed": {n}').replace('["a"]', "null") for n in (-1, 2**80)]
 NUMBERS = [MACHINE.replace("0.5", x).replace('["a"]', "null") for x in ("NaN", "1e20", "1" * 400)]
+SUITES = [MACHINE.replace("stress-1", x).replace('["a"]', "null") for x in ("hold", "none")]
 NAMES = [MACHINE.replace("[]", x).replace('["a"]', "null") for x in ('["x"]', "[1]", "3")]
 
 
 @pytest.mark.parametrize(
     "text",
-    ["", "{}", '{"finds": [{"suite": "stress"}]}', MACHINE, *SEEDS, *NUMBERS, *NAMES],
+    ["", "{}", '{"finds": [{"suite": "stress"}]}', MACHINE, *SEEDS, *NUMBERS, *SUITES, *NAMES],
 )
 def test_another_file_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "x.json"
