@@ -141,7 +141,7 @@ def _doubts(t: Trace) -> Iterator[str]:
     """What speaks against a drive that kept lock, in words: its angle, its alarm, its speed."""
     far = (np.abs(t["theta_e_err"]) > np.deg2rad(LOST_ANGLE_DEG)) & (t["starting"] == 0.0)
     if far.any():
-        ms = 1e3 * int(far.sum()) * float(t["t"][-1] - t["t"][0]) / (len(far) - 1)
+        ms = 1e3 * int(far.sum()) * float(t["t"][-1] - t["t"][0]) / max(len(far) - 1, 1)
         yield f"the angle error passed {LOST_ANGLE_DEG:g}° for {ms:.2g} ms in all"
     if t["alarm"].any():
         failed = ", ".join(name for name, bit in TESTS.items() if int(t["reason"][-1]) & bit)

@@ -92,6 +92,8 @@ def test_a_narrow_escape_is_said() -> None:
     assert outcome(t) == "kept lock"
     t["theta_e_err"][100:120] = -np.deg2rad([59.0] * 5 + [61.0] * 15)
     assert outcome(t) == "kept lock, but the angle error passed 60° for 3 ms in all"
+    glimpse = {name: x[110:111] for name, x in t.items()}
+    assert outcome(glimpse).endswith("passed 60° for 0 ms in all")
     t["alarm"][110:200], t["reason"][110:] = True, TESTS["EMF"] | TESTS["current"]
     assert outcome(t).endswith("3 ms in all and its own alarm came at 0.022 s (EMF, current)")
     t["starting"][:150] = 1.0
