@@ -46,6 +46,8 @@ SETS = {
 }
 JUDGED = 1
 """Seed of the scenarios that the tables are judged on; validation in training uses 0."""
+ASKED = ("motor", "estimator", "set", "seed", "steps", "size")
+"""What tells a run from others on the same core."""
 NAMES = ("torque_dev_rms", "torque_ripple_rms", "overshoot_pct", "angle_err_rms_deg")
 
 
@@ -90,11 +92,13 @@ def main() -> None:
         json.loads(args.out.read_text(encoding="utf-8"))["runs"] if args.out.exists() else []
     )
     core = versions()["core"]
-    known = {(r["estimator"], r["set"], r["seed"], r["steps"], r["size"], r["core"]) for r in done}
+    known = {tuple(r[name] for name in ASKED) for r in done if r["core"] == core}
     reference: Scores | None = None
     for seed in args.seeds:
         for name in args.sets:
-            if (args.estimator, name, seed, args.steps, args.size, core) in known:
+            asked = {"motor": factory.motor.name, "estimator": args.estimator, "set": name}
+            asked |= {"seed": seed, "steps": args.steps, "size": args.size}
+            if tuple(asked[name] for name in ASKED) in known:
                 continue
             if reference is None:
                 reference = judged(make_policy("eq25", factory.motor), factory, args.size)
@@ -103,11 +107,8 @@ def main() -> None:
                 train(replace(base, axes=SETS[name], seed=seed), design, run, start)
                 policy = load_run(run, factory.motor)
             row = compared(judged(policy, factory, args.size), reference)
-            asked = {"estimator": args.estimator, "set": name, "axes": SETS[name], "seed": seed}
-            asked["steps"] = args.steps
-            done.append({**asked, "size": args.size, "core": core, **row})
-            study = {"motor": args.motor, "versions": versions(), "runs": done}
-            write_record(args.out, study)
+            done.append({**asked, "axes": SETS[name], "core": core, **row})
+            write_record(args.out, {"versions": versions(), "runs": done})
             more = 100.0 * (row["torque_dev_rms"] / row["eq25_torque_dev_rms"] - 1.0)
             print(
                 f"{name:32} seed {seed}: lost {100 * row['lost_rate']:.2f} %, torque deviation "

@@ -38,12 +38,12 @@ HANDOVER = 0.2
 """Speed over rated below which injection has the weight."""
 
 
-def words(dtype: np.dtype[Any] = STATE, path: str = "", at: int = 0) -> Iterator[tuple[str, str]]:
+def words(dtype: np.dtype[Any] = STATE, path: str = "") -> Iterator[tuple[str, str]]:
     """Name and kind, ``f`` or ``i``, of every word of a struct, in their order."""
     for name in dtype.names or ():
-        field, offset = dict(dtype.fields or {})[name][:2]
+        field = dict(dtype.fields or {})[name][0]
         if field.names:
-            yield from words(field, f"{path}{name}.", at + offset)
+            yield from words(field, f"{path}{name}.")
         else:
             yield path + name, field.kind
 

@@ -2,10 +2,10 @@
 
     python studies/handover_study.py [--search 40]
 
-All policies run the same scenarios of `handoff` on either drive (`reproduce_case.PUBLISHED` has the
-paper's), each beside a twin of its own drive, and are paired with Eq. 25 on both. `quietest` bounds
-what a schedule can do: the logistic rule tuned by CMA-ES for nothing but a quiet window, on the
-tuning scenarios. Writes ``results/studies/handover.json``.
+All policies run the same scenarios of `handoff` on either drive (`sensorless/reproduce/case.py` has
+the paper's), each beside a twin of its own drive, and are paired with Eq. 25 on both. `quietest`
+bounds what a schedule can do: the logistic rule tuned by CMA-ES for nothing but a quiet window, on
+the tuning scenarios. Writes ``results/studies/handover.json``.
 """
 
 import argparse

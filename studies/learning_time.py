@@ -17,7 +17,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from sensorless.errors import UserError
+from sensorless.errors import UserError, in_one_line
 from sensorless.evaluation.objective import OBJECTIVE
 from sensorless.files import ensure_writable, write_record
 from sensorless.report.learning import Curve, curves_of, levels_of, rule_for
@@ -124,4 +124,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

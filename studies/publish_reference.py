@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from sensorless.errors import in_one_line
 from sensorless.evaluation.results_tables import number
 from sensorless.files import ensure_writable, write_atomic
 
@@ -107,4 +108,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    in_one_line(main)

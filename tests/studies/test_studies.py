@@ -49,8 +49,9 @@ def test_axes_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert json.loads(out.read_text())["runs"] == first
     assert [(r["set"], r["seed"], r["steps"]) for r in first] == [("speed", 1, 512)]
     assert 0.0 < first[0]["torque_dev_rms"] < 1.0 and first[0]["survived_both"] <= 8
-    with pytest.raises(pytest.fail.Exception):
-        run(module, monkeypatch, *words, "1", "2")
+    for other in (("1", "2"), ("1", "--motor", "ipmsm_2200w")):
+        with pytest.raises(pytest.fail.Exception):
+            run(module, monkeypatch, *words, *other)
 
 
 def test_every_set_of_axes_can_be_trained() -> None:
