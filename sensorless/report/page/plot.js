@@ -98,8 +98,10 @@ function named(bands, marks, first) {
 }
 
 async function drawWaves(place) {
-  const waves = data.cases[place.dataset.case];
+  const shown = place.dataset.case;
+  const waves = data.cases[shown];
   await Promise.all(waves.map(unpack));
+  if (place.dataset.case !== shown) return; // another case was asked for meanwhile
   const more = document.getElementById("more")?.checked;
   const plots = clear(place);
   const columns = waves.map((wave) => {
