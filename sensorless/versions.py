@@ -1,6 +1,8 @@
-"""Versions that a result depends on besides its inputs."""
+"""What a result depends on besides its inputs: the command, and versions."""
 
 import platform
+import shlex
+import sys
 from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 
@@ -8,6 +10,11 @@ from sensorless.core.api import ffi, lib
 
 LIBRARIES = ("numpy", "scipy")
 """Libraries that every evaluation computes with."""
+
+
+def typed() -> str:
+    """Command that the user typed."""
+    return shlex.join(["sensorless", *sys.argv[1:]])
 
 
 def versions(libraries: Iterable[str] = LIBRARIES) -> dict[str, str]:

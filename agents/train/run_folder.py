@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import shlex
-import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,7 +22,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.settings import settings_of
 from sensorless.table.ks_table import KsTable
-from sensorless.versions import versions
+from sensorless.versions import typed, versions
 
 LIBRARIES = ("numpy", "torch", "stable-baselines3", "gymnasium")
 """What a trained schedule depends on."""
@@ -42,17 +41,13 @@ def describe(
 ) -> dict[str, Any]:
     """Content of ``config.json``."""
     return {
-        "command": _command(),
+        "command": typed(),
         **machines.origin(),
         "start_digest": start.digest,
         "train": dataclasses.asdict(config),
         **record(design, machines.one),
         "versions": versions(LIBRARIES),
     }
-
-
-def _command() -> str:
-    return shlex.join(["sensorless", *sys.argv[1:]])
 
 
 def note_resumed(folder: Path, steps: int) -> None:
@@ -67,7 +62,7 @@ def note_resumed(folder: Path, steps: int) -> None:
     """
     data = document(folder / CONFIG)
     before = data.get("resumed")
-    here = {"steps": steps, "command": _command(), "versions": versions(LIBRARIES)}
+    here = {"steps": steps, "command": typed(), "versions": versions(LIBRARIES)}
     data["resumed"] = [*(before if isinstance(before, list) else []), here]
     write_atomic(folder / CONFIG, json.dumps(data, indent=1) + "\n")
 

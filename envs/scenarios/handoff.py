@@ -108,10 +108,6 @@ def _cross(s: Scenarios, i: int, ramp: float, load: float, base: float) -> None:
         (0.4 + up + 0.30, high, signed),
         (0.4 + 2.0 * up + 0.6, low, signed),
     ]
-    for j, (start, speed, tau) in enumerate(plan):
-        s.t[i, j] = start
-        s.omega[i, j:] = speed
-        s.tau[i, j:] = tau
+    _segments(s, i, plan, 1.0, 1.0, ramp)
     s.omega_0[i] = low
-    s.omega_rate[i] = ramp
     s.duration[i] = 0.4 + 2.0 * up + 0.6 + down + 0.3

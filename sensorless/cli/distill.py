@@ -1,8 +1,6 @@
 """The command ``sensorless distill``."""
 
 import json
-import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -102,7 +100,7 @@ def distill_command(
     from sensorless.envs.scenarios.scenario import SimFactory
     from sensorless.evaluation.objective import Cost
     from sensorless.files import write_atomic
-    from sensorless.versions import versions
+    from sensorless.versions import typed, versions
 
     check_seed(seed)
     folder = named_run(name)
@@ -134,7 +132,7 @@ def distill_command(
             report=report,
         )
         facts = {
-            "command": shlex.join(["sensorless", *sys.argv[1:]]),
+            "command": typed(),
             "motor": motor.name,
             "motor_digest": motor.digest,
             **record(design, motor),

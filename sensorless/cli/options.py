@@ -1,8 +1,6 @@
 """Options, consoles and progress bars that several commands share."""
 
 import json
-import shlex
-import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -195,11 +193,6 @@ def say_wrote(*paths: Path | None) -> None:
     """Name the files that a command wrote, on the error stream: programs read the other one."""
     for path in filter(None, paths):
         errors.print(f"wrote {path}", highlight=False, soft_wrap=True)
-
-
-def typed() -> str:
-    """Command that the user typed."""
-    return shlex.join(["sensorless", *sys.argv[1:]])
 
 
 def describe(scores: Mapping[str, float]) -> str:

@@ -17,7 +17,6 @@ from sensorless.cli.options import (
     errors,
     say_json,
     say_wrote,
-    typed,
 )
 
 
@@ -123,6 +122,7 @@ def replay_command(
         found.write_csv(out)
     if plot is not None:
         from sensorless.plots.replayed import replayed
+        from sensorless.versions import typed
 
         title = f"{log.name} on {machine.name}, k_s: {rule.name}"
         said = (*found.notes, *judgement(found, after))

@@ -18,7 +18,6 @@ from sensorless.cli.options import (
     say_json,
     say_verdict,
     say_wrote,
-    typed,
 )
 from sensorless.errors import UserError
 
@@ -89,6 +88,7 @@ def report_command(
         sensorless report runs/first --policy eq25 --policy hysteresis --size 200
     """
     from sensorless.report.report import SUITES, Report
+    from sensorless.versions import typed
 
     made = bench_of([run, *(policy or [])], motor, settings, override)
     if out is None and not Path(run).is_dir():

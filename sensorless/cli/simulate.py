@@ -19,7 +19,6 @@ from sensorless.cli.options import (
     errors,
     say_json,
     say_wrote,
-    typed,
 )
 from sensorless.errors import UserError
 
@@ -259,6 +258,7 @@ def write_run(
     from sensorless.plots.wave import wave
     from sensorless.replay.log import write_log
     from sensorless.report.picture import write_waves
+    from sensorless.versions import typed
 
     if out is not None:
         write_csv(run, out)

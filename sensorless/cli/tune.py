@@ -1,7 +1,5 @@
 """The command ``sensorless tune``."""
 
-import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -79,6 +77,7 @@ def tune_command(
     from sensorless.machine.motor import Motor
     from sensorless.tuning.judge import judged
     from sensorless.tuning.tune import tune
+    from sensorless.versions import typed
 
     check_writable(out, ending=".json")
     machine, design = Motor.load(motor), design_from(settings)
@@ -106,7 +105,7 @@ def tune_command(
             budget,
             seed,
             machines=machines,
-            command=shlex.join(["sensorless", *sys.argv[1:]]),
+            command=typed(),
             progress=report,
             engine=where,
         )

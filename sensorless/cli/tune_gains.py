@@ -1,8 +1,6 @@
 """The command ``sensorless tune gains``."""
 
 import json
-import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -96,6 +94,7 @@ def tune_gains_command(
     from sensorless.tuning.gains.record import record_of
     from sensorless.tuning.gains.search import search
     from sensorless.tuning.gains.verdict import judged
+    from sensorless.versions import typed
 
     check_writable(out, ending=".json")
     machine, asked = Motor.load(motor), asked_for(settings)
@@ -130,7 +129,7 @@ def tune_gains_command(
             progress=report,
         )
     record = {
-        "command": shlex.join(["sensorless", *sys.argv[1:]]),
+        "command": typed(),
         **record_of(machine, design, policy, found, size, seed),
     }
     _write(record, out)

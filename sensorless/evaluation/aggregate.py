@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
-from sensorless.evaluation.rates import Bools, Interval, difference_interval, rate_interval
+from sensorless.evaluation.rates import Bools, Interval, difference_interval, mean, rate_interval
 from sensorless.evaluation.rollout import CAUSES, Floats, are_feasible
 
 RESAMPLES = 2000
@@ -90,11 +90,6 @@ def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -
             "not_held_rate_ci": rate_interval(loose > 0.0),
         }
     return {**out, "survived": int(survived.sum()), **mean_of(metrics, survived, seed)}
-
-
-def mean(x: Floats | Bools) -> float:
-    """Mean of ``x`` (n,); NaN for n = 0."""
-    return float(np.mean(x)) if len(x) else math.nan
 
 
 def _not_held(lost: NDArray[np.int32], metrics: Mapping[str, Floats]) -> Floats:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from sensorless.core.api import Array, lib
 from sensorless.decision import decision_time
+from sensorless.evaluation.rates import mean
 from sensorless.machine.motor import Motor
 
 BAND = 0.02
@@ -162,9 +163,9 @@ def lock_summary(lock: dict[str, Floats], lost: NDArray[np.int32], time: Floats)
     hours = float(time[held].sum()) / 3600.0
     false, near = lock["false_alarms"], lock["near_losses"]
     return {
-        "detected_rate": _mean(found[judged]),
+        "detected_rate": mean(found[judged]),
         "detect_ms": float(np.median(1e3 * alarm[found])) if found.any() else math.nan,
-        "recovered_rate": _mean(back),
+        "recovered_rate": mean(back),
         "false_alarms_per_hour": float(false[held].sum()) / hours if hours > 0.0 else math.nan,
         "lock_counts": {
             "lost": int(gone.sum()),
@@ -177,7 +178,3 @@ def lock_summary(lock: dict[str, Floats], lost: NDArray[np.int32], time: Floats)
             "early_alarms": int(false[gone].sum()),
         },
     }
-
-
-def _mean(x: NDArray[np.bool_]) -> float:
-    return float(np.mean(x)) if len(x) else math.nan

@@ -14,10 +14,11 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines_suite import NAME, SCENARIOS, judged, rows_on
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
-from sensorless.evaluation.aggregate import Rows, interval_of, mean
+from sensorless.evaluation.aggregate import Rows, interval_of
 from sensorless.evaluation.engines.engine import Engine
 from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.evaluate import PolicyProgress, Scores, joined, results_of, score_chunk
+from sensorless.evaluation.rates import mean
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.rollout import Floats, are_feasible
 from sensorless.files import check_writable

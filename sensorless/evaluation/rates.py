@@ -12,6 +12,11 @@ Bools = NDArray[np.bool_]
 Interval = tuple[float, float]
 
 
+def mean(x: Bools | NDArray[np.float64]) -> float:
+    """Mean of ``x`` (n,), a rate if it is of hits; NaN for n = 0."""
+    return float(np.mean(x)) if len(x) else math.nan
+
+
 def rate_interval(hits: Bools) -> Interval:
     """Wilson score interval of the rate of ``hits`` (n,); NaN for n = 0."""
     if not len(hits):

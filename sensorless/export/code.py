@@ -115,6 +115,31 @@ def _nanoseconds(time: float) -> int:
     return math.ceil(round(1e9 * time, 3))
 
 
+def schedule_initialiser(
+    rule: tuple[float, float], periods: int, indent: str = "", motor: str = "MOTOR_HASH"
+) -> str:
+    """Braced initialiser of ``ks_schedule_params_t``, where the table's names are known.
+
+    Parameters
+    ----------
+    rule, periods
+        As in ``params_source``.
+    indent : str
+        White space before its last line.
+    motor : str
+        First 32 bits of the motor's SHA-256, in C.
+    """
+    x_min, x_max = (c_float(x) for x in rule)
+    fields = (
+        ".table = &KS_TABLE_IN_USE,",
+        ".values = KS_VALUES_IN_USE,",
+        f".motor_hash = {motor},",
+        f".rule = {{.x_min = {x_min}, .x_max = {x_max}}},",
+        f".periods = {periods}, /* PWM periods from one decision to the next */",
+    )
+    return "{\n" + "".join(f"{indent}    {field}\n" for field in fields) + f"{indent}}}"
+
+
 def params_source(
     drive: Array, check: Array, rule: tuple[float, float], periods: int, more: str = ""
 ) -> str:
@@ -135,13 +160,7 @@ def params_source(
 
 const drive_params_t drive_params = {initialiser(drive, "drive_params_t")};
 
-const ks_schedule_params_t schedule_params = {{
-    .table = &KS_TABLE_IN_USE,
-    .values = KS_VALUES_IN_USE,
-    .motor_hash = MOTOR_HASH,
-    .rule = {{.x_min = {c_float(rule[0])}, .x_max = {c_float(rule[1])}}},
-    .periods = {periods}, /* PWM periods from one decision to the next */
-}};
+const ks_schedule_params_t schedule_params = {schedule_initialiser(rule, periods)};
 
 /* The check of the installation, before the first drive_step. */
 const bring_up_params_t bring_up_params = {initialiser(check, "bring_up_params_t")};

@@ -63,7 +63,6 @@ def export(
     *,
     policy: str = "table",
     provenance: Mapping[str, Any] | None = None,
-    decision_time: float = RUNNING,
     fit: bool = False,
     judged: Judged | None = None,
 ) -> Exported:
@@ -78,8 +77,6 @@ def export(
         Name of the schedule in the folder's texts.
     provenance : mapping, optional
         JSON types that replace the table's own: training command, seed, versions, ...
-    decision_time : float
-        Time from one decision of the schedule to the next [s].
     fit : bool
         Also find the two speed thresholds closest to the table, and what they cost; takes seconds.
     judged : Judged, optional
@@ -97,7 +94,7 @@ def export(
     target = Path(folder).resolve()
     check_replaceable(target)
     ensure_writable(target.parent)
-    periods = whole_periods(decision_time, motor)
+    periods = whole_periods(RUNNING, motor)
     rule = two_threshold(table, motor, design) if fit else None
     if rule is not None:
         origin["two_threshold"] = rule

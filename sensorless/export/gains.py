@@ -4,7 +4,7 @@ import numpy as np
 
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.core.gains import GAIN_NAMES
-from sensorless.export.code import c_float, lines
+from sensorless.export.code import c_float, lines, schedule_initialiser
 from sensorless.export.vectors import C_TYPE, Words, as_words, hex_words, places
 from sensorless.table import gain_image
 from sensorless.table.ks_table import KsTable, ValueFormat
@@ -92,13 +92,7 @@ def gain_params(table: KsTable, periods: int) -> str:
     return f"""
 /* The same with gains. */
 const gain_schedule_params_t gain_schedule_params = {{
-    .ks = {{
-        .table = &KS_TABLE_IN_USE,
-        .values = KS_VALUES_IN_USE,
-        .motor_hash = MOTOR_HASH,
-        .rule = {{.x_min = {c_float(table.rule[0])}, .x_max = {c_float(table.rule[1])}}},
-        .periods = {periods},
-    }},
+    .ks = {schedule_initialiser(table.rule, periods, "    ")},
     .table = &GAIN_TABLE_IN_USE,
     .values = GAIN_VALUES_IN_USE,
 }};

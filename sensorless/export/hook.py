@@ -1,7 +1,7 @@
 """C text of an export: numbers for the schedule alone, in a drive with its own observers."""
 
 from sensorless.core.api import Array
-from sensorless.export.code import NOTE, c_float, initialiser
+from sensorless.export.code import NOTE, c_float, initialiser, schedule_initialiser
 from sensorless.export.provenance import motor_hash
 from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import KsTable
@@ -43,19 +43,13 @@ def hook_source(motor: Motor, drive: Array, table: KsTable, periods: int) -> str
         PWM periods from one decision of the schedule to the next.
     """
     signal = initialiser(drive["signal"], "signal_params_t").replace("\n", "\n    ")
-    x_min, x_max = (c_float(x) for x in table.rule)
+    number = f"0x{motor_hash(motor):08X}UL"
     return f"""{NOTE}#include "ks_hook_params.h"
 
 #include "ks_table_data.h"
 
 const ks_hook_params_t ks_hook_params = {{
-    .schedule = {{
-        .table = &KS_TABLE_IN_USE,
-        .values = KS_VALUES_IN_USE,
-        .motor_hash = 0x{motor_hash(motor):08X}UL,
-        .rule = {{.x_min = {x_min}, .x_max = {x_max}}},
-        .periods = {periods}, /* PWM periods from one decision to the next */
-    }},
+    .schedule = {schedule_initialiser(table.rule, periods, "    ", number)},
     .signal = {signal},
     .k_s_step = {c_float(drive["k_s_step"])}, /* largest change of k_s per period */
     .omega_full = {c_float(FULL * motor.omega_rated)}, /* {FULL:g} times rated [rad/s] */

@@ -50,6 +50,10 @@ ANSWERS = {
 }
 
 
+PATIENCE = 60.0
+"""Longest wait for an answer [s]."""
+
+
 class Device:
     """A running program; use it in a ``with`` statement.
 
@@ -59,14 +63,9 @@ class Device:
     folder : Path, optional
         Folder for two pipes with the names that the target opens; without it the program talks over
         its standard input and output.
-    timeout : float
-        Longest wait for an answer [s].
     """
 
-    def __init__(
-        self, command: list[str], folder: Path | None = None, timeout: float = 60.0
-    ) -> None:
-        self._timeout = timeout
+    def __init__(self, command: list[str], folder: Path | None = None) -> None:
         self.name = Path(command[0]).name
         if folder is None:
             self._process = subprocess.Popen(
@@ -139,7 +138,7 @@ class Device:
 
     def _read(self, n: int) -> bytes:
         """Wait for bytes and return at most n of them."""
-        end = time.monotonic() + self._timeout
+        end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
             if select.select([self._from], [], [], 0.5)[0]:
                 data = os.read(self._from, n)
@@ -151,8 +150,7 @@ class Device:
                     f"{self._last_words()}"
                 )
         raise UserError(
-            f"pil: {self.name} did not answer within {self._timeout:g} s; run again on an idle "
-            "computer"
+            f"pil: {self.name} did not answer within {PATIENCE:g} s; run again on an idle computer"
         )
 
     def _last_words(self) -> str:

@@ -16,7 +16,7 @@ from sensorless.core.api import SIGNAL_NAMES, Array, ffi, lib
 from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.evaluation.rollout import CAUSES
+from sensorless.evaluation.rollout import cause_of
 from sensorless.export.export import export
 from sensorless.machine.motor import Motor
 from sensorless.pil.device import (
@@ -161,7 +161,7 @@ def _scenarios(names: tuple[str, ...], run: Lockstep) -> list[Report]:
             "name": name,
             "periods": int(run.periods[j]),
             "mismatches": int(run.mismatches[j]),
-            "lost": "+".join(c for c, bit in CAUSES.items() if run.lost[j] & bit) or None,
+            "lost": cause_of(int(run.lost[j])),
             "k_s": [float(x) for x in run.k_s[j]],
         }
         for j, name in enumerate(names)

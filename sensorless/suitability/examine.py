@@ -51,7 +51,7 @@ def examine(motor: Motor, pll_hz: float) -> Examination:
     spare = point.spare(motor)
     found += () if spare is None else (Finding(NOTE, "tau_rated", spare),)
     salient = motor.L_q > motor.L_d
-    found += (*objections(motor, seen, point.current), *unmeasured(motor, seen)) if salient else ()
+    found += (*objections(motor, seen, point.current), *unmeasured(seen)) if salient else ()
     suggested = suggestions(motor, seen, pll_hz) if salient else None
     found += low_trip(motor, suggested) if suggested else ()
     return Examination(motor, tuple(found), point, seen, suggested)

@@ -112,7 +112,7 @@ def objections(motor: Motor, seen: Seen, needed: float) -> Iterator[Finding]:
         yield Finding(LIMIT, "u_inj", text)
 
 
-def unmeasured(motor: Motor, seen: Seen) -> Iterator[Finding]:
+def unmeasured(seen: Seen) -> Iterator[Finding]:
     """A note if the ratio is little above its limit and the same at any current: not measured."""
     ratio = seen.signal.ratio
     least = float(ratio.min())

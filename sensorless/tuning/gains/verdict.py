@@ -65,7 +65,7 @@ def judged(motor: Motor, design: DriveDesign, policy: Policy, found: Search) -> 
 
 
 def beside(ours: Measured, start: Measured) -> dict[str, dict[str, float | None]]:
-    """Cost, held rate and ``KEPT`` of start and tuned gains."""
+    """Cost, rate of drives not held and ``KEPT`` of start and tuned gains."""
     out: dict[str, dict[str, float | None]] = {}
     for who, found in {"start": start, "tuned": ours}.items():
         out[who] = {**vars(cost(found, start)), "not_held_rate": not_held_rate(found, start)}

@@ -11,7 +11,7 @@ from sensorless.table.ks_table import Axis, KsTable, ValueFormat
 
 
 class Hook:
-    """``ks_hook_t`` of a table; scales of one, so that signals are what they are called."""
+    """Parameters and state of the hook for a table; scales of one: signals are themselves."""
 
     def __init__(self, table: KsTable, form: ValueFormat = "f32") -> None:
         self._header, self._values = table.record(form).reshape(1), table.stored(form)

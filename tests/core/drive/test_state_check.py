@@ -15,12 +15,6 @@ from sensorless.observers.lock_design import ACTIONS
 from tests.helpers.lock import unwatched
 
 STATE, INPUT = struct_dtype("drive_state_t"), struct_dtype("drive_in_t")
-MOMENTS = (
-    *((False, moment) for moment in (3, 8, 9, 10, 400)),
-    *((True, moment) for moment in (1, 12, 60, 300, 700)),
-)
-"""Whether the drive seeks its rotor, and periods after which a word is damaged: with tests of the
-lock and without."""
 BAD = (math.nan, math.inf, -math.inf, 1e30, -1e30)
 
 
