@@ -18,7 +18,7 @@ from typing import Any
 from sensorless.cli.study_numbers import a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import in_one_line
-from sensorless.evaluation.compare import OFTEN
+from sensorless.evaluation.compare import hops_often
 from sensorless.export.judge import judge_export
 from sensorless.files import ensure_writable, write_atomic
 from sensorless.machine.motor import MOTORS, Motor
@@ -42,7 +42,7 @@ def study(motor: Motor, rules: list[str], budget: float, seed: int) -> dict[str,
     better = [
         (word, judged)
         for word, judged in tried
-        if judged.eq25.word == "better" and judged.eq25.hops <= OFTEN
+        if judged.eq25.word == "better" and not hops_often(judged.eq25.hops, judged.eq25.their_hops)
     ]
     if better:
         word, judged = better[0]

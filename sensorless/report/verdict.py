@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import NormalDist
 
-from sensorless.evaluation.compare import OFTEN
+from sensorless.evaluation.compare import hops_often
 from sensorless.evaluation.objective import LOST_WEIGHT, weighted
 from sensorless.evaluation.results import RATES, Results
 from sensorless.evaluation.results_tables import number
@@ -147,7 +147,8 @@ def feasible(results: Results, policy: dict[str, float]) -> int:
 def best_rule(results: Results, words: Sequence[str]) -> str | None:
     """The tuned rule of the lowest objective that may be flashed; None if none was judged.
 
-    ``words`` name policies. A rule that hops oftener than the first other policy is none to take.
+    ``words`` name policies. A rule that hops too often beside the first other policy
+    is none to take.
     """
     tuned = set(shipped.tuned_names()) | {Path(w).stem for w in words if w.endswith(".json")}
     others = list(results.policies)[1:]
@@ -156,9 +157,9 @@ def best_rule(results: Results, words: Sequence[str]) -> str | None:
 
 
 def hops(results: Results, name: str, beside: str) -> bool:
-    """Whether a policy moves k_s at rest often, and oftener than another one."""
+    """Whether a policy moves k_s at rest too often beside another one."""
     own, theirs = (results.policies[x].get("hops", 0.0) for x in (name, beside))
-    return name != PLAIN and own > max(OFTEN, theirs)
+    return name != PLAIN and hops_often(own, theirs)
 
 
 def _objective(results: Results, name: str) -> float:

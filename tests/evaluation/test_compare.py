@@ -86,6 +86,8 @@ def test_a_weight_that_moves_without_a_reason_is_told() -> None:
     ours = Outcomes(feasible, NONE, DEV + 0.001, DEV, shown)
     found = contrast(ours, ended(DEV), "it")
     assert found.hops == pytest.approx(10 / 190) and "k_s hops" in found.sentence
+    both = contrast(ours, Outcomes(ALL, NONE, DEV, DEV, 0.9 * shown), "it")
+    assert both.their_hops == pytest.approx(9 / 190) and "hops" not in both.sentence
     few = contrast(Outcomes(ALL, NONE, DEV + 0.001, DEV, 0.4 * shown), ended(DEV), "it")
     assert few.hops == pytest.approx(0.04) and "hops" not in few.sentence
 

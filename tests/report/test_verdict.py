@@ -103,7 +103,12 @@ def test_one_of_many_comparisons_may_look_better_by_chance() -> None:
 
 def test_a_weight_that_hops_is_not_to_be_flashed() -> None:
     """Unless Eq. 25 does so there, too, as where a load drives the shaft at low speed."""
-    for hops, plain, word in ((0.04, 0.0, "yes"), (0.17, 0.0, "no"), (0.17, 0.2, "yes")):
+    for hops, plain, word in (
+        (0.04, 0.0, "yes"),
+        (0.17, 0.0, "no"),
+        (0.17, 0.12, "yes"),
+        (0.17, 0.11, "no"),
+    ):
         r = results({"eq25": pair(torque_dev_rms=-5.0)})
         r.policies["mine"]["hops"], r.policies["eq25"]["hops"] = hops, plain
         said = verdict([r], [contrast(r, "eq25")], True)
