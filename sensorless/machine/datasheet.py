@@ -64,22 +64,21 @@ class Datasheet:
 
 
 def inertia_from(text: str) -> float:
-    """Inertia [kg m^2] from a text like ``320 g cm2``, ``1.2kgcm2`` or ``0.003``.
+    """Inertia [kg m^2] from a text like ``320 g cm2`` or ``1.2kgcm2``.
 
     Raises
     ------
     UserError
-        The text is not a number with a unit of ``INERTIA``, or without unit.
+        The text is not a number with a unit of ``INERTIA``.
     """
     word = text.replace("²", "2").replace("^", "").replace("*", "").replace("·", "")
     word = "".join(word.lower().split())
     unit = next((u for u in sorted(INERTIA, key=len, reverse=True) if word.endswith(u)), "")
     try:
-        return float(word.removesuffix(unit)) * INERTIA.get(unit, 1.0)
-    except ValueError:
+        return float(word.removesuffix(unit)) * INERTIA[unit]
+    except (KeyError, ValueError):
         raise UserError(
-            f"inertia: {text!r}; give a number in kg m2, or a number with one of the units "
-            f"{', '.join(INERTIA)}"
+            f"inertia: {text!r}; give a number with its unit, one of {', '.join(INERTIA)}"
         ) from None
 
 
@@ -98,7 +97,8 @@ def check_number(name: str, value: float) -> None:
             raise UserError(f"poles: {value:g}; give twice the pole pairs: 2, 4, 6, ..., {most:g}")
         return
     if not (math.isfinite(value) and value > 0.0):
-        raise UserError(f"{name}: {value:g} {UNITS[name]}; give a finite number above 0")
+        bare = "; a machine without magnets is none for this drive" if name in ("ke", "kt") else ""
+        raise UserError(f"{name}: {value:g} {UNITS[name]}; give a finite number above 0{bare}")
     if name == "pwm" and not period.low <= 1.0 / value <= period.high:
         raise UserError(f"pwm: {value:g} Hz; give {1.0 / period.high:g} to {1.0 / period.low:g} Hz")
 

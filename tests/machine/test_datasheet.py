@@ -6,7 +6,12 @@ from dataclasses import replace
 import pytest
 
 from sensorless.errors import UserError
-from sensorless.machine.datasheet import Datasheet, inertia_from, machine_numbers
+from sensorless.machine.datasheet import (
+    Datasheet,
+    check_number,
+    inertia_from,
+    machine_numbers,
+)
 
 SHEET = Datasheet(
     poles=8, speed_rpm=3000.0, current_rms=3.6, R=1.6, ke=40.0, L_d=0.011, L_q=0.017, torque=2.4
@@ -50,7 +55,7 @@ def test_power_instead_of_torque() -> None:
 
 @pytest.mark.parametrize(
     ("text", "kg_m2"),
-    [("320 g cm2", 3.2e-5), ("1.6kg cm²", 1.6e-4), ("1.2e-4 kg·m^2", 1.2e-4), ("0.01", 0.01),
+    [("320 g cm2", 3.2e-5), ("1.6kg cm²", 1.6e-4), ("1.2e-4 kg·m^2", 1.2e-4),
      ("2 g m2", 2e-3)],
 )  # fmt: skip
 def test_inertia_has_its_unit(text: str, kg_m2: float) -> None:
@@ -78,6 +83,15 @@ def test_contradictions_and_gaps_are_named(changes: dict[str, object], said: lis
     assert all(part in str(error.value) for part in said), str(error.value)
 
 
-def test_inertia_in_an_unknown_unit() -> None:
-    with pytest.raises(UserError, match=r"inertia: '3 oz in s2'.*gcm2"):
-        inertia_from("3 oz in s2")
+@pytest.mark.parametrize("text", ["3 oz in s2", "5", "kg m2"])
+def test_inertia_without_a_known_unit(text: str) -> None:
+    """A wheel of 5 kg cm2 is not one of 5 kg m2."""
+    with pytest.raises(UserError, match=rf"inertia: '{text}'; give a number with its unit.*gcm2"):
+        inertia_from(text)
+
+
+@pytest.mark.parametrize(("name", "said"), [("ke", True), ("kt", True), ("r", False)])
+def test_a_machine_without_magnets_is_refused_in_words(name: str, said: bool) -> None:
+    with pytest.raises(UserError, match="finite number above 0") as error:
+        check_number(name, 0.0)
+    assert ("without magnets" in str(error.value)) == said
