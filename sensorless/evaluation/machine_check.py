@@ -18,11 +18,21 @@ from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding
 
 WRONG_FILE = "mismatch"
 """The suite in which the machine is not as its file says."""
-SUITES = ("stress", "handoff", "hold", "unload", "braking", "stop", "reversal", WRONG_FILE)
+SUITES = (
+    "stress",
+    "handoff",
+    "hold",
+    "unload",
+    "braking",
+    "stop",
+    "impact",
+    "reversal",
+    WRONG_FILE,
+)
 SEED, SIZE = 1, 100
 """Scenarios of a quick run: all that is uncertain, the way between injection and observer, loads at
-rest and at low speed that go or drive, rated speed, steps through zero, and a motor file that is
-wrong."""
+rest and at low speed that go or drive, rated speed, rated loads at once at any speed, steps through
+zero, and a motor file that is wrong."""
 LOST = (0.05, 0.2)
 """Lost share of a quick run above which the drive is limited, or unable: with a wrong file limited
 only, since a right one is the cure. A smaller share is noted."""
