@@ -163,6 +163,7 @@ def simulate_command(
     if plant is not None or inputs is not None:
         machine_alone(plant, inputs, out)
         return
+    from sensorless.design.records import reference_most
     from sensorless.envs.scenarios.words import (
         fig9,
         found_elsewhere,
@@ -171,6 +172,7 @@ def simulate_command(
         scenario_from,
     )
     from sensorless.evaluation.trace import cut_short, trace
+    from sensorless.units import RAD_S_TO_RPM
 
     made = bench_of([policy], motor, settings, override)
     if scenario is not None:
@@ -202,6 +204,14 @@ def simulate_command(
     if speed is not None and last >= case.duration[0]:
         text = f"note: the plan goes on to {last:g} s, but the run ends at {case.duration[0]:g} s"
         errors.print(f"{text}; --duration sets it", highlight=False, soft_wrap=True)
+    most = reference_most(machine, made.design) * RAD_S_TO_RPM
+    asked = float(abs(case.omega).max()) * RAD_S_TO_RPM
+    if asked > most * 1.001:
+        text = (
+            f"note: the drive follows at most {most:.0f} r/min, not {asked:.0f} (FAULT_COMMAND): "
+        )
+        text += "speed_bound times rated speed, less what a rated load that goes adds"
+        errors.print(text, highlight=False, soft_wrap=True)
     run = trace(rule, case, machine, made.design, go_on=True)
     short = cut_short(run, float(case.duration[0]))
     say_run(run, rule.name, short, as_json)

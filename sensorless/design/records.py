@@ -42,6 +42,11 @@ GOOD_NOISE = 0.005
 with their rated current, as the sensors that are chosen for it."""
 
 
+def reference_most(motor: Motor, design: DriveDesign) -> float:
+    """Largest speed reference that a drive follows, mechanical [rad/s]; errors as below."""
+    return float(control_record(motor, design)["guard"]["omega"]) / motor.n_p
+
+
 def control_record(motor: Motor, design: DriveDesign) -> Array:
     """``drive_params_t`` of a motor under a design, shape ().
 

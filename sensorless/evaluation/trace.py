@@ -19,7 +19,8 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.lock import EARLY
-from sensorless.evaluation.rollout import CAUSES, cause_of, twins_alone, weights
+from sensorless.evaluation.metrics.held import BAND_PCT, not_held
+from sensorless.evaluation.rollout import CAUSES, cause_of, rollouts, twins_alone, weights
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, decide_gains, gains_of
@@ -29,9 +30,10 @@ Trace = dict[str, Array]
 """Columns of ``TRACE_NAMES`` (``core/sim/trace.h``), each (periods,): SI units, rad, rad/s.
 Beside them ``lost``, bits of the verdict in every row, for a lost drive with its twin's to the end
 of the scenario; ``twin_fails``, when the twin trips or runs away [s], else infinity; ``judged``, 1
-after the verdict; ``alarm``, 1 while the drive's own tests tell lost lock; ``recovering``, 1 while
-it seeks its rotor after that or has stopped; ``fault``, the drive's fault bits; ``reason``, bits of
-the tests that failed in alarms so far. The last four are as of the end of a decision."""
+after the verdict; ``not_held``, 1 if an evaluation counts the run so; ``alarm``, 1 while the
+drive's own tests tell lost lock; ``recovering``, 1 while it seeks its rotor after that or has
+stopped; ``fault``, the drive's fault bits; ``reason``, bits of the tests that failed in alarms so
+far. The last four are as of the end of a decision."""
 TESTS = {
     "EMF": lib.LOCK_EMF,
     "speed": lib.LOCK_SPEED,
@@ -107,7 +109,14 @@ def trace(
     out["judged"] = np.arange(len(table)) >= (sim["k_lost"][0] or len(table))
     out["alarm"], out["recovering"] = of_rows[:, 0] != 0, of_rows[:, 1] != 0
     out["fault"], out["reason"] = of_rows[:, 2], of_rows[:, 3]
+    loose = not lost and change is None and _is_loose(policy, scenario, factory)
+    out["not_held"] = np.full(len(table), loose)
     return out
+
+
+def _is_loose(policy: Policy, scenario: Scenarios, factory: SimFactory) -> bool:
+    """Whether an evaluation counts the scenario as not held."""
+    return any(not_held(r)[0] == 1.0 for r in rollouts(policy, scenario, factory))
 
 
 def lost_cause(t: Trace) -> str | None:
@@ -146,7 +155,10 @@ def _doubts(t: Trace) -> Iterator[str]:
     if t["alarm"].any():
         failed = ", ".join(name for name, bit in TESTS.items() if int(t["reason"][-1]) & bit)
         yield f"its own alarm came at {t['t'][t['alarm']][0]:.3f} s ({failed})"
-    yield from _missed(t)
+    if missed := list(_missed(t)):
+        yield from missed
+    elif t["not_held"].any():
+        yield f"the speed swings, or stays away, by more than {BAND_PCT:g} % of rated (not held)"
 
 
 def _missed(t: Trace) -> Iterator[str]:

@@ -31,7 +31,7 @@ CURVES = (
     ("torque_ripple", "torque ripple [% of rated]"),
 )
 """Columns of ``progress.csv``, which are fields of ``Cost``, with their labels."""
-NEEDED = ("seconds", "best", *(name for name, _ in CURVES))
+NEEDED = ("seconds", *(name for name, _ in CURVES), "best")
 COLOURS = ("observer", "hfi", "ekf", "ref", "own")
 
 Curve = dict[str, Any]

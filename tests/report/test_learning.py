@@ -79,7 +79,7 @@ def test_the_panels_have_the_run_the_levels_and_what_was_kept(run: Path) -> None
 )
 def test_a_damaged_file_is_named(name: str, text: str, said: str, run: Path) -> None:
     (run / "progress.csv").write_text(
-        "seconds,objective,lost_rate,torque_dev,torque_ripple\n0,1,1,1,1\n"
+        "seconds,objective,lost_rate,torque_dev,torque_ripple,best\n0,1,1,1,1,1\n"
     )
     (run / name).write_text(text)
     with pytest.raises(UserError, match=said):
