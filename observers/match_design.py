@@ -39,7 +39,8 @@ BUSY = 3
 """Periods from one decision to the next in which the drive has no time to learn: that with the
 decision and two with tests of the lock. Where there are no two others, it learns in all."""
 THROWN = 0.5
-"""Part of the largest offset by which a rated load step may throw the estimate."""
+"""Part of the largest offset by which a rated load step may throw the estimate at rated speed w; at
+less it is more, as 1 / w."""
 
 
 def design_match(
