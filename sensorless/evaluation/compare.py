@@ -24,7 +24,7 @@ from sensorless.policy import Policy
 
 SUITE, SEED, SIZE = "stress-1", 97, 400
 """What is judged on; scenarios of the role ``test``, of a seed that no command has as its own."""
-OFTEN, OFTENER = 0.05, 1.5
+OFTEN, OFTENER = 0.05, 1.25
 """Share of scenarios in which k_s hops from which on the verdict says so, and how many times that
 of the other schedule it has to be: where the speed swings by the band of Eq. 25, that hops, too."""
 

@@ -106,8 +106,8 @@ def test_a_weight_that_hops_is_not_to_be_flashed() -> None:
     for hops, plain, word in (
         (0.04, 0.0, "yes"),
         (0.17, 0.0, "no"),
-        (0.17, 0.12, "yes"),
-        (0.17, 0.11, "no"),
+        (0.17, 0.14, "yes"),
+        (0.17, 0.13, "no"),
     ):
         r = results({"eq25": pair(torque_dev_rms=-5.0)})
         r.policies["mine"]["hops"], r.policies["eq25"]["hops"] = hops, plain
