@@ -56,7 +56,8 @@
 #define NVIC_ISER0 REG(0xE000E100u)
 #define ADC_IRQ 18u
 
-enum { MODE_CHECK, MODE_RUN, MODE_TRIPPED };
+/* After a failed check the drive stays off until the next power-up: it is not built in correctly. */
+enum { MODE_CHECK, MODE_RUN, MODE_TRIPPED, MODE_FAILED };
 /* Faults at which the bridge opens: no voltage shorts the phases of a motor that spins. */
 enum { OPEN_AT = FAULT_OVER_CURRENT | FAULT_STOPPED };
 
@@ -73,6 +74,7 @@ static bring_up_state_t check;
 static volatile int mode;        /* MODE_* */
 static volatile float speed_rpm; /* reference, set by the application */
 static volatile int reported;    /* drive.fault, for the application */
+static volatile int wrong;       /* check.fault, for the application */
 static volatile int scheduled;   /* fault of the schedule, for the application */
 static volatile int restart;     /* set by the application after a trip, once its cause is gone */
 static float offset_a, offset_b; /* of the current channels [steps] */
@@ -152,12 +154,15 @@ void adc_interrupt(void) {
     }
     float i_a = AMPERES_PER_STEP * (steps_a - offset_a);
     float i_b = AMPERES_PER_STEP * (steps_b - offset_b);
+    int broken = (TIM1_SR & 1u << 7) != 0; /* BIF: the break input has opened the bridge */
     ab_t u = {0.0f, 0.0f};
     if (mode == MODE_CHECK) {
         u = bring_up_step(&bring_up_params, &check, i_a, i_b);
-        if (check.phase == BRING_UP_DONE) {
+        if (broken || check.phase == BRING_UP_DONE) {
             bridge_off();
-            mode = check.fault == 0 ? MODE_RUN : MODE_TRIPPED;
+            reported |= broken ? FAULT_OVER_CURRENT : 0;
+            wrong = broken ? 0 : check.fault; /* on an open bridge it tells nothing */
+            mode = broken || wrong != 0 ? MODE_FAILED : MODE_RUN;
             if (mode == MODE_RUN) {
                 control_start();
                 pwm_set_next(u, u_dc); /* no voltage */
@@ -174,14 +179,14 @@ void adc_interrupt(void) {
         mode = MODE_RUN;
     } else if (mode == MODE_RUN) {
         u = control(i_a, i_b, u_dc);
-        if ((TIM1_SR & 1u << 7) != 0) { /* BIF: the break input has opened the bridge */
+        if (broken) {
             drive_trip(&drive);
         }
         reported |= drive.fault;
         scheduled |= SCHEDULE_FAULT;
         mode = (drive.fault & OPEN_AT) != 0 ? MODE_TRIPPED : MODE_RUN;
     }
-    if (mode == MODE_TRIPPED) {
+    if (mode == MODE_TRIPPED || mode == MODE_FAILED) {
         bridge_off();
         u.a = 0.0f;
         u.b = 0.0f;
@@ -231,7 +236,7 @@ int main(void) {
     timer();
     converter();
     TIM1_CR1 |= 1u;
-    for (;;) { /* the application: speed_rpm and restart in, reported and drive.est out */
+    for (;;) { /* the application: speed_rpm and restart in, reported, wrong and drive.est out */
         speed_rpm = reported == 0 ? 150.0f : 0.0f;
     }
 }

@@ -52,6 +52,20 @@ int main(void) {
     restart = 1;
     adc_interrupt();
     printf("again %d %d %d\n", mode == MODE_RUN, (TIM1_BDTR & 1u << 15) != 0, drive.fault);
+    for (int broken = 0; broken < 2; broken++) { /* a check that fails, or that a break ends */
+        bring_up_init(&check);
+        check.phase = broken ? check.phase : BRING_UP_DONE;
+        check.fault = BRING_UP_FAULT_SIGN;
+        TIM1_SR = broken ? 1u << 7 : 0u;
+        mode = MODE_CHECK;
+        reported = 0;
+        bridge_on();
+        for (restart = 0; restart < 2; restart++) {
+            adc_interrupt();
+            printf("failed %d %d %d %d\n", mode == MODE_FAILED, (TIM1_BDTR & 1u << 15) != 0,
+                   wrong == BRING_UP_FAULT_SIGN, reported);
+        }
+    }
     return 0;
 }
 """
@@ -105,6 +119,7 @@ def test_dead_time_range_and_bridge(copied: Path, motor: Motor) -> None:
         ("0", "1"), ("32", "1"), ("16", "0"), ("64", "0"),
     ]  # fmt: skip
     assert "again 1 1 0" in said
+    assert re.findall(r"failed (.*)", said) == ["1 0 1 0"] * 2 + ["1 0 0 16"] * 2
 
 
 @pytest.mark.parametrize(
