@@ -266,13 +266,26 @@ class TrainConfig:
     def start_table(self, source: KsTable, motor: Motor, slew_per_s: float) -> KsTable:
         """Return the table training starts from: ``source`` on the axes of this run.
 
-        The gains of a source are kept where its axes are; others start at 0.
+        The gains of a source are kept, others start at 0.
+
+        Raises
+        ------
+        UserError
+            The run would lose gains of the source: its axes, gains or ranges are other ones.
         """
         table = start_table(self.axes, self.start, source, motor, slew_per_s)
-        kept = {g.gain: g for g in source.gains} if self.axes == "start" else {}
+        kept, ranges = {g.gain: g for g in source.gains}, self.gain_ranges
+        if any(ranges.get(x) != g.range for x, g in kept.items()) or (
+            kept and table.axes != source.axes
+        ):
+            words = ",".join(f"{x}:{g.range.low:g}:{g.range.high:g}" for x, g in kept.items())
+            raise UserError(
+                f"start: {self.start!r} sets gains, which this run would lose or scale otherwise; "
+                f"give --axes start --gains {words}, and more gains if you want"
+            )
         zero = np.zeros(table.values.shape, dtype=np.float32)
         grids = tuple(
             kept[name] if name in kept else GainGrid(name, zero, x.low, x.high)
-            for name, x in self.gain_ranges.items()
+            for name, x in ranges.items()
         )
         return replace(table, gains=grids)

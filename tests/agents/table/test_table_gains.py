@@ -1,5 +1,6 @@
 """A table that also sets gains, as PPO trains it."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import gymnasium
@@ -96,6 +97,21 @@ def test_a_gain_may_have_a_range_of_its_own(motor: Motor) -> None:
             TrainConfig(gains=words)
     with pytest.raises(UserError, match="low"):
         TrainConfig(gains="amplitude:1.2:1.5")
+
+
+def test_gains_of_the_start_are_kept_or_asked_for(motor: Motor) -> None:
+    """With its axes and ranges; a run that would lose or scale them is refused with the words."""
+    base = TrainConfig().start_table(table_named("eq25", motor), motor, 50.0)
+    values = np.full(base.values.shape, 0.5, dtype=np.float32)
+    source = replace(base, gains=(GainGrid("amplitude", values, 0.5, 1.5),))
+    asked = "amplitude:0.5:1.5"
+    for axes in (TrainConfig.axes, "start"):
+        table = TrainConfig(gains=f"observer,{asked}", axes=axes).start_table(source, motor, 50.0)
+        found = {grid.gain: grid.values for grid in table.gains}
+        assert np.all(found["amplitude"] == 0.5) and np.all(found["observer"] == 0.0)
+    for wrong in ({}, {"gains": "amplitude"}, {"gains": asked, "axes": "speed:0:1:32,disagreement:-1.5:1.5:9"}):
+        with pytest.raises(UserError, match=f"--axes start --gains {asked}"):
+            TrainConfig(**wrong).start_table(source, motor, 50.0)  # type: ignore[arg-type]
 
 
 def test_unknown_gains_are_refused() -> None:
