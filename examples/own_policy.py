@@ -32,8 +32,10 @@ class Model:
         if not FILE.is_file():
             raise UserError(f"{FILE}: no such file here; first run: python examples/ppo.py")
         self._model = PPO.load(FILE, device="cpu")
-        alone = self._model.action_space.shape == (1,)
-        self.ranges = {} if alone else DEFAULT  # with all gains of Blend-v1
+        actions = int(np.prod(self._model.action_space.shape or ()))
+        if actions not in (1, 1 + len(DEFAULT)):
+            raise UserError(f"{FILE}: {actions} actions; train on k_s alone, or with all gains")
+        self.ranges = {} if actions == 1 else DEFAULT  # with all gains of Blend-v1
 
     def act(self, obs: NDArray[np.float32]) -> NDArray[np.float32]:
         """Weights (n,) of n drives at their signals (n, 12), every millisecond."""
