@@ -109,7 +109,8 @@ def test_gains_of_the_start_are_kept_or_asked_for(motor: Motor) -> None:
         table = TrainConfig(gains=f"observer,{asked}", axes=axes).start_table(source, motor, 50.0)
         found = {grid.gain: grid.values for grid in table.gains}
         assert np.all(found["amplitude"] == 0.5) and np.all(found["observer"] == 0.0)
-    for wrong in ({}, {"gains": "amplitude"}, {"gains": asked, "axes": "speed:0:1:32,disagreement:-1.5:1.5:9"}):
+    other = {"gains": asked, "axes": "speed:0:1:32,disagreement:-1.5:1.5:9"}
+    for wrong in ({}, {"gains": "amplitude"}, other):
         with pytest.raises(UserError, match=f"--axes start --gains {asked}"):
             TrainConfig(**wrong).start_table(source, motor, 50.0)  # type: ignore[arg-type]
 
