@@ -1,20 +1,16 @@
 """One home for the time between two decisions."""
 
-import inspect
-
 import pytest
 
 from sensorless.agents.train.config import TrainConfig
 from sensorless.decision import RUNNING, TRAINING, decision_periods, decision_time, whole_periods
 from sensorless.envs.blend_settings import BlendSettings
-from sensorless.export.export import export
 from sensorless.machine.motor import Motor
 
 
 def test_defaults_come_from_there() -> None:
     assert BlendSettings().decision_period == RUNNING
     assert TrainConfig().decision_ms == pytest.approx(1e3 * TRAINING)
-    assert inspect.signature(export).parameters["decision_time"].default == RUNNING
 
 
 @pytest.mark.parametrize(
