@@ -87,7 +87,7 @@ def _text(text: str, wanted: Sequence[str], names: Mapping[str, str], where: str
     used = _used(header, wanted, names, where, lines[0][0] if lines else 1)
     whole = {given.removeprefix("-").strip() for given in names.values()}
     units = {
-        name: 1.0 if header[j] in whole else _unit(header[j], f"{where}: line {lines[0][0]}")
+        name: _unit(header[j], f"{where}: line {lines[0][0]}", header[j] in whole)
         for name, (j, _) in used.items()
     }
     body = list(zip([number for number, _ in lines[1:]], cells[1:], strict=True))
@@ -156,10 +156,12 @@ def _used(
     return out
 
 
-def _unit(name: str, at: str) -> float:
-    """Factor of a unit in brackets behind a name."""
+def _unit(name: str, at: str, whole: bool) -> float:
+    """Factor of a unit in brackets behind a name; ``whole``: what is no unit may be of the name."""
     found = HEAD.fullmatch(name)
-    return _factor(found[2], at, name) if found and found[2] else 1.0
+    if not found or not found[2] or (whole and found[2].lower() not in UNITS):
+        return 1.0
+    return _factor(found[2], at, name)
 
 
 def _factor(unit: str, at: str, column: str) -> float:

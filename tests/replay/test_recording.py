@@ -132,8 +132,14 @@ def test_a_unit_that_is_not_known_is_refused(below: bool, read: Read, plain: Log
         line, heads = 2, names + "\n" + ",".join("uA" if n == "i_a" else "" for n in values)
     with pytest.raises(UserError, match=rf"line {line}: column 'i_a.*unit 'uA' is not known; give"):
         read(csv_of(values, heads=heads))
-    heads = names.replace("i_a", "i_a (filtered)")  # no unit: the whole is a name
-    same(read(csv_of(values, heads=heads), ["i_a=i_a (filtered)"]), plain)
+
+
+@pytest.mark.parametrize(("name", "factor"), [("i_a (filtered)", 1.0), ("i_a [mA]", 1e3)])
+def test_a_name_with_its_brackets(name: str, factor: float, read: Read, plain: Log) -> None:
+    values = columns()
+    values["i_a"] = factor * values["i_a"]
+    heads = ",".join(values).replace("i_a", name)
+    same(read(csv_of(values, heads=heads), [f"i_a={name}"]), plain)
 
 
 def test_other_names_by_words_or_by_a_file(read: Read, plain: Log, tmp_path: Path) -> None:
