@@ -11,7 +11,7 @@ from typing import Any
 from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.motor import Motor
 from sensorless.observers.drift_design import CALM, design_drift, zero_current
-from sensorless.observers.flux_design import LEAST_FLUX, standstill_rate
+from sensorless.observers.flux_design import standstill_rate
 from sensorless.observers.hfi_design import error_slope
 from sensorless.observers.match_design import GAIN_SPEED, design_match
 from sensorless.observers.smo_design import low_pass
@@ -55,6 +55,9 @@ inertia."""
 LEFT_IDLE = 0.5
 """Most that a dead time that is not known may change the flux's length by without torque current,
 over psi_f: with more, nothing is left of the flux that an angle could be read from."""
+LEAST_FLUX = 0.25
+"""Least auxiliary flux that errors are divided by, over psi_f: one that short has no direction to
+speak of."""
 LAYER_SPEED = 0.05
 """Speed, over rated, at which an uncompensated dead time displaces the flux by one boundary layer:
 the sigmoid should saturate on errors that no model explains."""

@@ -16,9 +16,6 @@ STANDSTILL_SHARE = 0.1
 correction has twice this rate. At the hand-over, a fifth of rated speed, it may be as fast as the
 flux turns: with rate g, a voltage error of share v of the EMF turns the angle by delta with
 sin(delta) = g / omega (1 - cos(delta) + v) + v, which has no solution for large g / omega."""
-LEAST_FLUX = 0.25
-"""Least auxiliary flux that errors are divided by, over that of the magnets: a flux that short
-has no direction to speak of."""
 LEAST_SHARE = 0.03
 """The least, over rated electrical speed. Where resistance is that small, its bound leaves errors
 of sensors and L_q next to undamped at low speed, and held braking loses the rotor:
@@ -59,10 +56,6 @@ def design_flux(
     k_p, k_i = pll_gains(pll_hz, 1.0, zeta=1.0)
     return {
         "pll": {"k_p": k_p, "k_i": k_i, "omega_max": omega_max},
-        "R_s": motor.R_s,
-        "L_d": motor.L_d,
-        "psi_f": motor.psi_f,
-        "psi_sq_min": (LEAST_FLUX * motor.psi_f) ** 2,
         "gain_0": standstill_rate(motor) * motor.T_s,
         "gain_w": gain * motor.T_s,
         "k_turn": voltage_drift(motor) / APART * motor.T_s,

@@ -3,8 +3,7 @@
  * The voltage model gives the fast part. In the estimated rotor frame, the flux that follows from
  * the measured current minus the integrated flux is the error
  *   e = (error of the integrated flux) - j delta psi_a,   delta = theta_e - theta_e_hat,
- *   psi_a = psi_d - L_qq i_d + j (psi_q - L_d i_q),   L_qq = d psi_q / d i_q.
- * Its part across the auxiliary flux psi_a, eps, drives angle, speed and load (the load torque is a
+ * psi_a the auxiliary flux (flux_model.h). Its part across the auxiliary flux psi_a, eps, drives angle, speed and load (the load torque is a
  * third state, besides the torque of current and flux). Its part along psi_a corrects the flux
  * through a sigmoid with a boundary layer: sliding mode far from the model, linear near it.
  *
@@ -18,6 +17,7 @@
 
 #include "curve.h"
 #include "emf_estimate.h"
+#include "flux_model.h"
 #include "sensor_match.h"
 #include "trig.h"
 #include "voltage_drift.h"
@@ -97,14 +97,13 @@ CORE_INLINE void coupled_rates(const coupled_params_t *p, coupled_state_t *x, fl
 }
 
 /* One period. i_ab: measured current at k [A]; u_ab: voltage applied over [k-1, k] without
- * dead-time compensation [V]; L_q, L_qq: apparent and incremental inductance [H]; psi_0: d flux
- * from the curve psi_d [Vs]; k_s: weight of injection; err: angle error that it sees [rad]; learn:
+ * dead-time compensation [V]; k_s: weight of injection; err: angle error that it sees [rad]; learn:
  * 0, or what to learn besides the drift: odd the gain of the sensors, even their offsets. y: angle
  * and speed, advanced to k+1; r = rot_of(the angle of y at k). Returns how far the angle turns
  * beyond its speed [rad]. */
-CORE_INLINE float coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
-                                  rot_t r, ab_t i_ab, ab_t u_ab, float L_q, float L_qq, float psi_0,
-                                  float k_s, float err, int learn, float T_s) {
+CORE_INLINE float coupled_observe(const coupled_params_t *p, const flux_model_t *m,
+                                  coupled_state_t *x, emf_estimate_t *y, rot_t r, ab_t i_ab,
+                                  ab_t u_ab, float k_s, float err, int learn, float T_s) {
     float rate = x->gain_0 + x->gain_w * abs_f(y->pll.omega);
     int led = abs_f(y->pll.omega) >= p->omega_floor || k_s > COUPLED_LED;
     int fresh = !led || !(y->valid > 0.0f);
@@ -112,19 +111,18 @@ CORE_INLINE float coupled_observe(const coupled_params_t *p, coupled_state_t *x,
     const drift_params_t *d = &p->drift;
     float loss = x->drift.loss;
     ab_t u_x = dead_time_excess(d->u_dt, d->u_dt_i, loss, d->inv_i_true * loss, i_m);
-    ab_t psi_ab = {x->psi.a + T_s * (u_ab.a + u_x.a - p->R_s * i_m.a),
-                   x->psi.b + T_s * (u_ab.b + u_x.b - p->R_s * i_m.b)};
+    ab_t psi_ab = {x->psi.a + T_s * (u_ab.a + u_x.a - m->R_s * i_m.a),
+                   x->psi.b + T_s * (u_ab.b + u_x.b - m->R_s * i_m.b)};
 
     dq_t i = ab_to_dq(i_ab, r);
-    dq_t model = {psi_0 + p->L_d * i.d, L_q * i.q};
-    dq_t aux = {model.d - L_qq * i.d, model.q - p->L_d * i.q};
-    float inv = 1.0f / max_f(aux.d * aux.d + aux.q * aux.q, p->psi_sq_min);
+    flux_of_current_t model = flux_of_current(m, i);
+    dq_t aux = model.aux;
     dq_t psi = ab_to_dq(psi_ab, r);
-    psi.d = fresh ? model.d : psi.d;
-    psi.q = fresh ? model.q : psi.q;
-    dq_t e = {model.d - psi.d, model.q - psi.q};
-    float eps = bound_f(inv * (e.d * aux.q - e.q * aux.d), 1.0f);
-    float along = inv * (e.d * aux.d + e.q * aux.q);
+    psi.d = fresh ? model.psi.d : psi.d;
+    psi.q = fresh ? model.psi.q : psi.q;
+    dq_t e = {model.psi.d - psi.d, model.psi.q - psi.q};
+    float eps = flux_across(&model, e);
+    float along = flux_along(&model, e);
     float slide = p->inv_layer > 0.0f ? p->layer * tanh_f(along * p->inv_layer) : along;
     float gain = rate * slide;
 
@@ -158,9 +156,9 @@ CORE_INLINE float coupled_observe(const coupled_params_t *p, coupled_state_t *x,
     if (SHORTCUT(learn <= 0)) {
         return jump;
     }
-    match_gain(&p->match, &x->match, learn > 0 && (learn & 1) != 0, i_ab, r, aux, inv, p->L_d, L_qq,
-               along, y->pll.omega, k_s);
-    match_offset(&p->match, &x->match, learn > 0 && (learn & 1) == 0, r, aux, inv, eps,
+    match_gain(&p->match, &x->match, learn > 0 && (learn & 1) != 0, i_ab, r, aux, model.inv, m->L_d,
+               m->L_qq, along, y->pll.omega, k_s);
+    match_offset(&p->match, &x->match, learn > 0 && (learn & 1) == 0, r, aux, model.inv, eps,
                  y->pll.omega);
     return jump;
 }

@@ -4,6 +4,18 @@
 
 #include "drive_types.h"
 
+/* The machine for an observer of the flux, at the torque current of pos. */
+CORE_INLINE flux_model_t drive_flux_model(const drive_params_t *p, curve_pos_t pos) {
+    flux_model_t m;
+    m.R_s = p->coupled.R_s;
+    m.L_d = p->coupled.L_d;
+    m.L_q = curve_at(&p->L_q, pos);
+    m.L_qq = curve_incremental(&p->L_q, pos);
+    m.psi_0 = curve_at(&p->coupled.psi_d, pos);
+    m.psi_sq_min = p->coupled.psi_sq_min;
+    return m;
+}
+
 /* The coupled observer, after the injection was demodulated. r: direction of its angle; cross: from
  * the injection's axis to the angle [rad]. theta_hfi and theta_smo become the observer's angle plus
  * the error that injection or flux sees. Gain and offset of the sensors are learned in turn, in
@@ -14,9 +26,9 @@ CORE_INLINE void drive_couple(const drive_params_t *p, drive_state_t *x, ab_t i_
     x->est.theta = x->emf.pll.theta;
     x->est.omega = x->emf.pll.omega;
     float err = bound_f(p->coupled.inv_slope * x->hfi.err, 1.0f);
-    x->hfi.jump = coupled_observe(&p->coupled, &x->coupled, &x->emf, r, i_ab, x->u_2,
-                                  curve_at(&p->L_q, pos), curve_incremental(&p->L_q, pos),
-                                  curve_at(&p->coupled.psi_d, pos), x->k_s, err, learn, p->T_s);
+    flux_model_t m = drive_flux_model(p, pos);
+    x->hfi.jump = coupled_observe(&p->coupled, &m, &x->coupled, &x->emf, r, i_ab, x->u_2, x->k_s,
+                                  err, learn, p->T_s);
     x->theta_hfi = wrap_pi(x->est.theta + err);
     x->theta_smo = wrap_pi(x->est.theta + x->emf.err);
     x->hfi.pll.theta = wrap_pi(x->emf.pll.theta - cross);
@@ -30,7 +42,6 @@ CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t 
                                 float k_s_ref) {
     curve_pos_t pos = curve_locate(x->control.i.q, p->control.curve_inv_step);
     float cross = times_sign_f(curve_at(&p->theta_cross, pos), x->control.i.q);
-    float L_q = curve_at(&p->L_q, pos);
 
     x->k_s = ks_approach(x->k_s, k_s_ref, p->k_s_step);
     int coupled = p->estimator == ESTIMATE_COUPLED || SCALAR_ONLY(x->start.again != 0);
@@ -55,11 +66,12 @@ CORE_INLINE rot_t drive_observe(const drive_params_t *p, drive_state_t *x, ab_t 
     hfi_follow(&p->hfi, &x->hfi, wrap_pi(x->est.theta - cross), x->est.omega, p->T_s);
     if (p->estimator == ESTIMATE_FLUX) {
         float lead = x->hfi.valid * x->k_s * wrap_pi(hfi.theta - smo.theta);
-        flux_observe(&p->flux, &x->flux, &x->emf, i_ab, x->coupled.i_1, x->u_2, L_q, x->est.omega,
+        flux_model_t m = drive_flux_model(p, pos);
+        flux_observe(&p->flux, &m, &x->flux, &x->emf, i_ab, x->coupled.i_1, x->u_2, x->est.omega,
                      x->est.theta, lead, p->T_s);
     } else {
         float share = pos.j > 0 ? 1.0f : pos.f;
-        L_q = smo_L_q(&p->smo, L_q, x->control.i.q * x->est.omega, share);
+        float L_q = smo_L_q(&p->smo, curve_at(&p->L_q, pos), x->control.i.q * x->est.omega, share);
         smo_observe(&p->smo, &x->smo, &x->emf, i_ab, x->u_2, L_q, x->est.omega, x->est.theta,
                     p->T_s);
     }

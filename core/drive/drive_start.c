@@ -37,8 +37,8 @@ CORE_COLD void drive_find_again(drive_state_t *x) {
 CORE_COLD void drive_change_observer(const drive_params_t *p, drive_state_t *x) {
     const coupled_params_t *c = &p->coupled;
     dq_t i = x->control.i;
-    curve_pos_t pos = curve_locate(i.q, p->control.curve_inv_step);
-    dq_t psi = {curve_at(&c->psi_d, pos) + c->L_d * i.d, curve_at(&p->L_q, pos) * i.q};
+    flux_model_t m = drive_flux_model(p, curve_locate(i.q, p->control.curve_inv_step));
+    dq_t psi = flux_of_current(&m, i).psi;
     x->start.again = 1;
     x->emf.pll.theta = wrap_pi(x->est.theta + p->T_s * x->est.omega);
     x->emf.pll.omega = x->est.omega;

@@ -101,19 +101,19 @@ void t_hfi_direction(const hfi_params_t *p, const hfi_state_t *x, float T_s, flo
     y[1] = r.s;
 }
 
-void t_flux_observe(const flux_params_t *p, flux_state_t *x, emf_estimate_t *y, const float *i,
-                    const float *before, const float *u, float L_q, float omega, float theta_idle,
-                    float lead, float T_s) {
+void t_flux_observe(const flux_params_t *p, const flux_model_t *m, flux_state_t *x,
+                    emf_estimate_t *y, const float *i, const float *before, const float *u,
+                    float omega, float theta_idle, float lead, float T_s) {
     ab_t i_ab = {i[0], i[1]};
     ab_t i_1 = {before[0], before[1]};
     ab_t u_ab = {u[0], u[1]};
-    flux_observe(p, x, y, i_ab, i_1, u_ab, L_q, omega, theta_idle, lead, T_s);
+    flux_observe(p, m, x, y, i_ab, i_1, u_ab, omega, theta_idle, lead, T_s);
 }
 
 /* n periods, all of which learn; i: currents, u: voltages over the period before, err: of the
  * injection; out: angle, speed, error, load, drift without torque, flux of each. */
-void t_coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estimate_t *y,
-                       const float *i, const float *u, const float *err, float L_q, float psi_0,
+void t_coupled_observe(const coupled_params_t *p, const flux_model_t *m, coupled_state_t *x,
+                       emf_estimate_t *y, const float *i, const float *u, const float *err,
                        float k_s, float T_s, float *out, int n) {
     coupled_correct(p, x, 1.0f);
     for (int j = 0; j < n; j++) {
@@ -121,8 +121,7 @@ void t_coupled_observe(const coupled_params_t *p, coupled_state_t *x, emf_estima
         ab_t u_ab = {u[2 * j], u[2 * j + 1]};
         out[7 * j] = y->pll.theta;
         float seen = bound_f(p->inv_slope * err[j], 1.0f);
-        coupled_observe(p, x, y, rot_of(y->pll.theta), i_ab, u_ab, L_q, L_q, psi_0, k_s, seen, 1,
-                        T_s);
+        coupled_observe(p, m, x, y, rot_of(y->pll.theta), i_ab, u_ab, k_s, seen, 1, T_s);
         x->i_1 = i_ab;
         out[7 * j + 1] = y->pll.omega;
         out[7 * j + 2] = y->err;

@@ -8,7 +8,9 @@ from sensorless.core.api import SIGNAL_N, Array, sim_run
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_1_scenarios
+from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
+from sensorless.observers.coupled_design import LEAST_FLUX
 
 
 class Alone(SimFactory):
@@ -31,3 +33,10 @@ def advance(sims: Array, periods: int, threads: int | None, k_s: float = 0.8) ->
     wanted, obs = np.full(n, k_s, np.float32), np.zeros((n, SIGNAL_N), np.float32)
     sim_run(sims, periods, wanted, obs, threads=threads)
     return sims
+
+
+def flux_model(motor: Motor) -> Floats:
+    """``flux_model_t`` of a machine whose iron does not saturate: R_s, L_d, L_q twice, psi_f."""
+    least = LEAST_FLUX * motor.psi_f
+    values = motor.R_s, motor.L_d, motor.L_q, motor.L_q, motor.psi_f, least**2
+    return np.array(values, dtype=np.float32)

@@ -3,7 +3,6 @@
 
 static coupled_params_t some_coupled(int j) {
     coupled_params_t p = {0};
-    p.R_s = 2.0f, p.L_d = 0.06f, p.psi_sq_min = j % 3 ? 0.05f : 1.4f;
     p.gain_0 = 0.004f, p.gain_w = 2e-5f, p.layer = 0.3f, p.inv_layer = j % 4 ? 3.3f : 0.0f;
     p.k_p = 0.024f, p.k_i = 5000.0f, p.k_l = 14.0f, p.k_tau = 90.0f;
     p.load_max = j % 5 ? 900.0f : 3.0f, p.alpha_rise = 0.2f, p.eps_rise = 0.05f, p.rise = 3.0f;
@@ -87,7 +86,7 @@ static void one(int j) {
     float k_s = j % 4 < 2 ? draw_f(0, 1) : (j % 8 < 4 ? draw_f(0, 0.02) : 0.0f),
           err = draw_f(-1, 1);
     int learn = j % 3 == 1 ? 1 + j % 2 : 0;
-    float L_q = 0.25f, L_qq = 0.2f, psi_0 = 0.9f;
+    flux_model_t m = {2.0f, 0.06f, 0.25f, 0.2f, 0.9f, j % 3 ? 0.05f : 1.4f};
     if (j % 9 == 0) { /* near lock: the flux that the current implies */
         vec_t at = cexp(I * (double)y.pll.theta), d = of_ab(i) * conj(at);
         vec_t psi = (0.9 + 0.06 * creal(d) + I * 0.25 * cimag(d)) * at;
@@ -97,20 +96,19 @@ static void one(int j) {
     coupled_correct(&p, &x, share);
     coupled_state_t was = x;
     emf_estimate_t old = y;
-    float jump = coupled_observe(&p, &x, &y, rot_of(y.pll.theta), i, u, L_q, L_qq, psi_0, k_s, err,
-                                 learn, 2e-4f);
+    float jump = coupled_observe(&p, &m, &x, &y, rot_of(y.pll.theta), i, u, k_s, err, learn, 2e-4f);
 
     int led = fabs((double)w) >= 30.0 || k_s > 0.01f;
     int fresh = !led || old.valid == 0.0f;
     vec_t r = cexp(I * (double)old.pll.theta);
     vec_t mean = 0.5 * (of_ab(i) + of_ab(was.i_1));
     vec_t psi =
-        of_ab(was.psi) + T * (of_ab(u) + excess(&p.drift, &was.drift, mean) - (double)p.R_s * mean);
+        of_ab(was.psi) + T * (of_ab(u) + excess(&p.drift, &was.drift, mean) - (double)m.R_s * mean);
     vec_t c = of_ab(i) * conj(r);
-    vec_t model = (double)psi_0 + (double)p.L_d * creal(c) + I * (double)L_q * cimag(c);
-    vec_t aux = model - (double)L_qq * creal(c) - I * (double)p.L_d * cimag(c);
+    vec_t model = (double)m.psi_0 + (double)m.L_d * creal(c) + I * (double)m.L_q * cimag(c);
+    vec_t aux = model - (double)m.L_qq * creal(c) - I * (double)m.L_d * cimag(c);
     psi = fresh ? model : psi * conj(r);
-    vec_t e = (model - psi) * conj(aux) / fmax(pow(cabs(aux), 2.0), (double)p.psi_sq_min);
+    vec_t e = (model - psi) * conj(aux) / fmax(pow(cabs(aux), 2.0), (double)m.psi_sq_min);
     double eps = bounded(-cimag(e), 1.0), along = creal(e);
     double inv = (double)p.inv_layer;
     double slide = inv > 0.0 ? (double)p.layer * (double)tanh_f((float)(along * inv)) : along;

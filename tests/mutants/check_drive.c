@@ -158,8 +158,9 @@ static void meets(int j) {
         flux_state_t flux = was.flux;
         emf_estimate_t y = was.emf;
         double lead = (double)x.k_s * wrapped(axis + cross - own);
-        flux_observe(&p.flux, &flux, &y, i, was.coupled.i_1, was.u_2, curve_at(&p.L_q, pos),
-                     x.est.omega, x.est.theta, (float)lead, p.T_s);
+        flux_model_t m = drive_flux_model(&p, pos);
+        flux_observe(&p.flux, &m, &flux, &y, i, was.coupled.i_1, was.u_2, x.est.omega, x.est.theta,
+                     (float)lead, p.T_s);
         check("meets: lead", near_v(of_ab(flux.psi), of_ab(x.flux.psi), 1e-6));
     }
     drive_in_t in = {1, 1, 540.0f, 90.0f, 0.5f};

@@ -160,10 +160,9 @@ static void sliding(void) {
 }
 
 static void flux(void) {
-    flux_params_t p = {
-        {80.0f, 4000.0f, 700.0f}, 2.0f, 0.06f, 0.9f, 0.05f, 0.004f, 2e-5f, 0.003f, 30.0f};
+    flux_params_t p = {{80.0f, 4000.0f, 700.0f}, 0.004f, 2e-5f, 0.003f, 30.0f};
     for (int j = 0; j < 1500; j++) {
-        p.psi_sq_min = j % 3 ? 0.05f : 1.5f;
+        flux_model_t m = {2.0f, 0.06f, 0.25f, 0.16f, 0.9f, j % 3 ? 0.05f : 1.5f};
         flux_state_t x = {{draw_f(-1, 1), draw_f(-1, 1)}};
         if (j % 5 == 0) {
             x.psi.a = 0.0f;
@@ -173,21 +172,21 @@ static void flux(void) {
         ab_t i = {draw_f(-5, 5), draw_f(-5, 5)}, u = {draw_f(-200, 200), draw_f(-200, 200)};
         ab_t i_1 = {draw_f(-5, 5), draw_f(-5, 5)};
         float w = j % 4 ? draw_f(-300, 300) : draw_f(-33, 33), idle = draw_f(-3, 3);
-        float lead = draw_f(-1, 1), L_q = 0.25f;
+        float lead = draw_f(-1, 1);
         flux_state_t was = x;
         emf_estimate_t old = y;
-        flux_observe(&p, &x, &y, i, i_1, u, L_q, w, idle, lead, 2e-4f);
+        flux_observe(&p, &m, &x, &y, i, i_1, u, w, idle, lead, 2e-4f);
         int valid = fabs((double)w) >= 30.0;
         int fresh = !valid || (was.psi.a == 0.0f && was.psi.b == 0.0f);
         double at = valid ? (double)old.pll.theta : (double)idle;
         double omega = valid ? (double)old.pll.omega : (double)w;
-        double L_d = (double)0.06f, psi_f = (double)0.9f;
+        double L_d = (double)0.06f, psi_d = (double)0.9f;
         vec_t r = unit(at), idq = of_ab(i) * conj(r);
-        vec_t model = psi_f + L_d * creal(idq) + I * 0.25 * cimag(idq);
-        vec_t aux = psi_f + (L_d - 0.25) * conj(idq);
+        vec_t model = psi_d + L_d * creal(idq) + I * 0.25 * cimag(idq);
+        vec_t aux = psi_d + (L_d - (double)0.16f) * creal(idq) + I * (0.25 - L_d) * cimag(idq);
         vec_t psi = (of_ab(was.psi) + 2e-4 * (of_ab(u) - of_ab(i) - of_ab(i_1))) * conj(r);
         psi = fresh ? model : psi;
-        double square = fmax(cabs(aux) * cabs(aux), (double)p.psi_sq_min);
+        double square = fmax(cabs(aux) * cabs(aux), (double)m.psi_sq_min);
         vec_t e = (model - psi) * conj(aux) / square; /* along and across the auxiliary flux */
         double gain = 2.0 * ((double)p.gain_0 + (double)p.gain_w * fabs(omega)) * creal(e);
         double turn = valid ? (double)p.k_turn * (double)lead : 0.0;

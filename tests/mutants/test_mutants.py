@@ -24,9 +24,9 @@ MISTAKES = {
         "filter: EMF",
     ),
     "a term of the flux error 10 % off": (
-        "flux_observer.h",
-        "(e.d * aux.q - e.q * aux.d)",
-        "(e.d * aux.q - 1.1f * e.q * aux.d)",
+        "flux_model.h",
+        "(e.d * y->aux.q - e.q * y->aux.d)",
+        "(e.d * y->aux.q - 1.1f * e.q * y->aux.d)",
         "flux's error",
     ),
     "a factor of the start 10 % off": (

@@ -15,6 +15,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.observers.coupled_design import bandwidths
+from tests.helpers.drives import flux_model
 
 Call = Callable[..., None]
 Floats = NDArray[np.float64]
@@ -71,8 +72,8 @@ class Run:
         self.out = np.zeros((n, len(COLUMNS)), dtype=np.float32)
         zero = np.zeros((n, 2), dtype=np.float32)
         errors = np.zeros(n) if err is None else err
-        c("coupled_observe", p, x, y, zero, u[:n].astype(np.float32), errors.astype(np.float32),
-          motor.L_q, motor.psi_f, k_s, T_S, self.out, n)  # fmt: skip
+        c("coupled_observe", p, flux_model(motor), x, y, zero, u[:n].astype(np.float32),
+          errors.astype(np.float32), k_s, T_S, self.out, n)  # fmt: skip
         self.t = np.arange(n) * T_S
         self.delta = (theta[:n] - self["theta"] + math.pi) % (2 * math.pi) - math.pi
         self.omega = omega

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from sensorless.core.api import struct_dtype
 from sensorless.machine.motor import Motor
 from tests.core.drive.test_coupled import COLUMNS, Call, params
+from tests.helpers.drives import flux_model
 
 Floats = NDArray[np.float64]
 
@@ -33,8 +34,8 @@ class Loaded:
         y["pll"]["theta"], y["valid"] = THETA, 1.0
         out = np.zeros((N, len(COLUMNS)), dtype=np.float32)
         volts = np.float32(motor.R_s) * samples
-        c("coupled_observe", p, x, y, samples, volts, err.astype(np.float32), motor.L_q,
-          motor.psi_f, 1.0, motor.T_s, out, N)  # fmt: skip
+        c("coupled_observe", p, flux_model(motor), x, y, samples, volts, err.astype(np.float32),
+          1.0, motor.T_s, out, N)  # fmt: skip
         self.out = out.astype(np.float64)
         self.k_p = float(p["k_p"][0])
 
