@@ -64,6 +64,10 @@ def _schedule(path: Path) -> TablePolicy | MlpSchedule:
         return TablePolicy(name, KsTable.load(path / TABLE))
     if (path / MLP).is_file():
         return MlpSchedule.load(path / MLP, name)
+    if (path / CONFIG).is_file():
+        raise UserError(
+            f"run: {str(path)!r} has no schedule yet; go on with: sensorless train --resume {path}"
+        )
     raise UserError(f"run: {str(path)!r} has no {TABLE} or {MLP}; give a training run's folder")
 
 

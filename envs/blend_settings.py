@@ -34,6 +34,8 @@ KINDS: dict[str, tuple[Any, str]] = {
 ROUNDING = np.float32(1.000001)
 """Largest magnitude of an action: rounding may carry one past 1, where it is clipped."""
 
+MOST_ENVS = 1_000_000
+"""Most drives of a vector environment: 3 GB."""
 MOST_SEED = 2**64 - 1
 """Largest seed of a drive."""
 
@@ -157,7 +159,8 @@ def checked_render_mode(mode: object, known: Sequence[str]) -> str | None:
     if mode is None or (isinstance(mode, str) and mode in known):
         return mode
     choices = ", ".join(["None", *(repr(name) for name in known)])
-    raise UserError(f"render_mode: {mode!r}; choose from {choices}")
+    several = "" if known else ": many environments at once draw nothing"
+    raise UserError(f"render_mode: {mode!r}; choose from {choices}{several}")
 
 
 def checked_count(n: object) -> int:
@@ -166,11 +169,11 @@ def checked_count(n: object) -> int:
     Raises
     ------
     UserError
-        It is not a whole number above 0.
+        It is not a whole number from 1 to ``MOST_ENVS``.
     """
     count = _index(n)
-    if count is None or count < 1:
-        raise UserError(f"num_envs: {n!r}; give a whole number above 0")
+    if count is None or not 1 <= count <= MOST_ENVS:
+        raise UserError(f"num_envs: {n!r}; give a whole number from 1 to {MOST_ENVS}")
     return count
 
 
@@ -225,8 +228,9 @@ def checked_actions(actions: ArrayLike, n: int, m: int) -> NDArray[np.float32]:
     if np.count_nonzero(good) < n * m:
         bad = int(np.argmin(good.all(axis=1)))
         value = np.reshape(actions, (n, m))[bad]
-        text = value[0] if m == 1 else value
-        raise UserError(f"action[{bad}]: {text}; give -1 to 1, which is k_s from 0 to 1")
+        j = int(np.argmin(good[bad]))
+        at, means = f"[{j}]" if m > 1 else "", ", which is k_s from 0 to 1" if j == 0 else ""
+        raise UserError(f"action[{bad}]{at}: {value[j]}; give -1 to 1{means}")
     return np.clip(action, np.float32(-1.0), np.float32(1.0))
 
 

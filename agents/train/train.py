@@ -33,6 +33,7 @@ from sensorless.evaluation.objective import Cost
 from sensorless.files import ensure_writable, sweep
 from sensorless.machine.motor import Motor
 from sensorless.policy import NO_SETTINGS, Settings
+from sensorless.settings import settings_of
 from sensorless.table.ks_table import KsTable
 
 VALUE_SCALE = 20.0
@@ -72,10 +73,11 @@ def train(
     Raises
     ------
     UserError
-        A setting is out of range, or the folder is in use.
+        A setting is out of range or would not be read, or the folder is in use.
     KeyboardInterrupt
         Raised after checkpoint and best schedule were saved.
     """
+    _refuse_unused(config)
     reference = Motor.load(config.motor)
     machines = Machines.of(reference, config.machines, config.seed)
     table = config.start_table(source, reference, design.k_s_slew)
@@ -174,6 +176,18 @@ def _learn(
         model.logger.close()
     assert watch.best is not None
     return watch.best
+
+
+def _refuse_unused(config: TrainConfig) -> None:
+    """Refuse settings that nothing in the run would read."""
+    unused = {} if config.gains else {"ripple_cost": "training with --gains"}
+    if config.policy_kind != "table":
+        names = "lr_nodes", "smoothness", "margin"
+        unused |= dict.fromkeys(names, "a table: --policy-kind table")
+    for name, reader in unused.items():
+        value = getattr(config, name)
+        if value != settings_of(TrainConfig)[name].default:
+            raise UserError(f"{name}: {value:g}: only for {reader}; leave it out")
 
 
 def new_model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:

@@ -81,7 +81,8 @@ class SuiteRows:
         if name not in SUITES:
             raise UserError(
                 f"suite: {name!r} does not exist; {like(name, SUITES)}choose from "
-                f"{', '.join(SUITES)}; evaluate, report, certify and falsify also know machines"
+                f"{', '.join(SUITES)}; simulate, evaluate, report, certify and falsify also know "
+                "machines"
             )
         if self.role not in ROLES:
             raise UserError(f"role: {self.role!r} does not exist; choose from {', '.join(ROLES)}")

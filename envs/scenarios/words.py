@@ -19,6 +19,8 @@ FOUND = re.compile(r"(.+\.json):(\d+)(:min)?")
 """Word of a scenario that a search found."""
 LONGEST = 1000.0
 """Longest plan [s]."""
+STEEPEST = 1e9
+"""Slopes of a speed reference are below this [r/min/s]: what is steeper is a step."""
 RUNAWAY_WORDS = f"{RUNAWAY:g} times rated speed, beyond which a drive counts as run away"
 OVERLOAD = 2.0
 """Largest load of a plan over the torque at the current limit: no drive holds more than that."""
@@ -86,6 +88,8 @@ def found_elsewhere(word: str, motor: Motor, estimator: str) -> str:
 
 def _found(path: Path, index: int, minimal: bool, motor: Motor) -> Scenarios:
     find = _find(path, index)
+    if minimal and find.lost_at is None:
+        raise UserError(f"scenario: {str(path)!r}: {index} was not lost; leave out :min")
     s = scenarios_of([find], motor)
     return without(s, find.nominal, motor) if minimal else s
 
@@ -145,8 +149,11 @@ def plan_from(
         raise UserError(
             f"duration: {duration:g} s; give {motor.T_s:g} s, one PWM period, to {LONGEST:g} s"
         )
-    if ramp is not None and not 0.0 < ramp < 1e9:
-        raise UserError(f"ramp: {ramp:g} r/min/s; give more than 0, or leave it out for steps")
+    if ramp is not None and not 0.0 < ramp < STEEPEST:
+        raise UserError(
+            f"ramp: {ramp:g} r/min/s; give more than 0 and less than {STEEPEST:g}, or leave it out "
+            "for steps"
+        )
     check_seed(seed)
     speeds, loads = _plan("speed", speed), _plan("load", load)
     _check_most("speed", "r/min", speeds, RUNAWAY * motor.n_rated_rpm, RUNAWAY_WORDS)

@@ -105,14 +105,19 @@ def certify_command(
             "engine": where,
             "progress": say_progress(size),
         }
-        if suite == MACHINES:
-            found = certify_machines(
-                lambda own: made.on(own).policy(policy), made.design, seed, size, **common
-            )
-        else:
-            found = certify(
-                made.policy(policy), made.motor, made.design, suite, seed, size, **common
-            )
+        try:
+            if suite == MACHINES:
+                found = certify_machines(
+                    lambda own: made.on(own).policy(policy), made.design, seed, size, **common
+                )
+            else:
+                found = certify(
+                    made.policy(policy), made.motor, made.design, suite, seed, size, **common
+                )
+        except KeyboardInterrupt:
+            if out is not None and out.is_file():
+                errors.print(f"{out} has what is done; rerun the command to go on")
+            raise
     feasible = found["scenarios"] - found["infeasible"]
     console.print(
         f"{found['policy']} on {suite}, seed {seed}, motor {found['motor']}: "

@@ -41,11 +41,16 @@ def _run() -> None:
         from sensorless.cli.app import app  # here, so that a stale core is one line, too
 
         app(standalone_mode=True)
+    except SystemExit as end:
+        asked = getattr(end.__context__, "__cause__", None)  # typer ends silently on Ctrl-C
+        if isinstance(asked, KeyboardInterrupt):
+            _interrupted(asked)
+        raise
     except (UserError, StaleCoreError) as error:
         _say(str(error))
         sys.exit(2)
     except KeyboardInterrupt as stop:
-        errors.print("ended by a signal" if isinstance(stop, Signalled) else "interrupted")
+        _interrupted(stop)
         sys.exit(130)
     except BrokenPipeError:
         os._exit(1)
@@ -69,6 +74,10 @@ def _run() -> None:
             f"of the program: please report it, with what {TRACEBACK}=1 shows"
         )
         sys.exit(70)
+
+
+def _interrupted(stop: KeyboardInterrupt) -> None:
+    errors.print("ended by a signal" if isinstance(stop, Signalled) else "interrupted")
 
 
 def _say(text: str) -> None:

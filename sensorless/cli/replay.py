@@ -95,7 +95,7 @@ def replay_command(
     from sensorless.replay.replay import SAMPLE, load, replay
     from sensorless.report.picture import check_drawable, write_waves
 
-    check_writable(out)
+    check_writable(out, ending=".csv")
     check_drawable(plot)
     made = bench_of([policy], motor, settings, override)
     rule = made.policy(policy)
@@ -106,7 +106,7 @@ def replay_command(
         machine,
         design,
         rule,
-        theta_0=math.radians(math.fmod(angle, 360.0)) if math.isfinite(angle) else angle,
+        theta_0=math.radians(angle),
         omega_0=machine.rpm_to_electrical(speed),
     )
     table = found.table(after)

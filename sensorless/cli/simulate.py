@@ -176,11 +176,10 @@ def simulate_command(
 
     made = bench_of([policy], motor, settings, override)
     if scenario is not None:
+        given = scenario
         own, scenario = own_machine(scenario)
         if own is not None and motor is not None:
-            raise UserError(
-                f"motor: {motor!r}: {scenario!r} has a machine of its own; leave it out"
-            )
+            raise UserError(f"motor: {motor!r}: {given!r} has a machine of its own; leave it out")
         made = made if own is None else made.on(own)
     machine, rule = made.motor, made.policy(policy)
     if scenario is not None:

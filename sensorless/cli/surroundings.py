@@ -26,6 +26,8 @@ WORDS = {
 }  # fmt: skip
 
 
+NARROWEST = 60
+"""Columns below which tables would cut their numbers: there the terminal breaks their lines."""
 WIDEST = 10_000
 """Columns of a terminal, from which on ``COLUMNS`` is taken for a mistake."""
 
@@ -132,12 +134,15 @@ def never_fail_to_print() -> None:
 class AnyConsole(Console):
     """A console that prints text as it is, without markup: a path may have brackets or :x:.
 
-    Its tables stay in line where its output lacks a sign.
+    Its tables stay in line where its output lacks a sign, and keep their numbers where it is
+    narrow.
     """
 
     def __init__(self, **how: Any) -> None:
         ignore_no_width()  # a console reads it when it is made
         super().__init__(markup=False, emoji=False, **how)
+        if self.width < NARROWEST:
+            self.width = NARROWEST
 
     def render_str(self, text: str, **how: Any) -> Text:
         """Text of a cell or a line, spelled if need be."""

@@ -78,7 +78,8 @@ def inertia_from(text: str) -> float:
         return float(word.removesuffix(unit)) * INERTIA[unit]
     except (KeyError, ValueError):
         raise UserError(
-            f"inertia: {text!r}; give a number with its unit, one of {', '.join(INERTIA)}"
+            f"inertia: {text!r}; give a number such as 0.5 with its unit, one of "
+            f"{', '.join(INERTIA)}"
         ) from None
 
 

@@ -121,8 +121,10 @@ def read_log(
     columns, lines = recording.columns, recording.lines
     for name in ("i_a", "i_b"):
         if name not in columns:
+            taken = {of.removeprefix("-").strip(): k for k, of in (names or {}).items()}.get(name)
+            why = "missing" if taken is None else f"--map reads it as {taken}"
             raise UserError(
-                f"{where}: column {name}: missing; name it with --map {name}=COLUMN; the file has "
+                f"{where}: column {name}: {why}; name it with --map {name}=COLUMN; the file has "
                 f"{', '.join(recording.names)[:200]}"
             )
     notes = list(_put_right(columns, motor))

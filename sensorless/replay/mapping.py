@@ -19,17 +19,23 @@ def names_from(words: Sequence[str] | None) -> dict[str, str]:
     Raises
     ------
     UserError
-        A word is neither, or a file cannot be read.
+        A word is neither, a column is named twice, or a file cannot be read.
     """
     names: dict[str, str] = {}
     for word in words or ():
         name, equals, column = word.partition("=")
         if equals:
-            names[name.strip()] = column.strip()
+            more = {name.strip(): column.strip()}
         elif word.endswith(".toml"):
-            names |= _from_file(Path(word))
+            more = _from_file(Path(word))
         else:
             raise UserError(f"map: {word!r}; give NAME=COLUMN, as in i_a=Ia, or a .toml file")
+        for name, column in more.items():
+            if name in names:
+                raise UserError(f"map: {name}: given twice; give it once")
+            if not column.removeprefix("-").strip():
+                raise UserError(f"map: {name}: no column; give NAME=COLUMN, as in i_a=Ia")
+        names |= more
     return names
 
 

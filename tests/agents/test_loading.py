@@ -66,6 +66,13 @@ def test_a_damaged_configuration_is_named(text: str, tmp_path: Path) -> None:
         load_run(run, MOTOR)
 
 
+def test_a_run_that_has_no_schedule_yet_is_named(tmp_path: Path) -> None:
+    run = write(tmp_path / "run", None, "smo")
+    (run / TABLE).unlink()
+    with pytest.raises(UserError, match=f"no schedule yet; .* --resume {run}"):
+        load_run(run, MOTOR)
+
+
 def test_an_estimator_that_does_not_exist_is_named(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="estimator: 'magic': must be smo"):
         load_run(write(tmp_path / "run", None, "magic"), MOTOR)

@@ -7,6 +7,7 @@ import time
 from types import ModuleType
 
 import pytest
+import typer
 
 from sensorless.cli.main import NO_MEMORY, main
 from sensorless.errors import StaleCoreError, UserError
@@ -75,6 +76,31 @@ def test_an_error_of_the_program_is_one_line_that_asks_for_a_report(
     monkeypatch.setenv("SENSORLESS_TRACEBACK", "1")
     with pytest.raises(ZeroDivisionError):
         main()
+
+
+def test_ctrl_c_in_a_command_is_said(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Typer turns it into an exit of its own; a command that has said it is not repeated."""
+    app = typer.Typer()
+
+    @app.command()
+    def stopped(quiet: bool = False) -> None:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            if quiet:
+                raise typer.Exit(130) from None
+            raise
+
+    module = ModuleType("sensorless.cli.app")
+    module.app = app  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "sensorless.cli.app", module)
+    for words, said in (([], "interrupted\n"), (["--quiet"], "")):
+        monkeypatch.setattr(sys, "argv", ["sensorless", *words])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        assert ended.value.code == 130 and capsys.readouterr().err == said
 
 
 class Killed(ModuleType):

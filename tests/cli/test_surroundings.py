@@ -12,6 +12,7 @@ import pytest
 from rich.table import Table
 
 from sensorless.cli.surroundings import (
+    NARROWEST,
     AnyConsole,
     Signalled,
     ended_by_signals,
@@ -107,6 +108,11 @@ def test_a_width_that_no_terminal_has(
 def test_a_width_that_a_terminal_has(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "132")
     assert AnyConsole(file=io.StringIO()).width == 132
+
+
+def test_a_narrow_terminal_keeps_the_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "20")
+    assert AnyConsole(file=io.StringIO()).width == NARROWEST
 
 
 class Dies:

@@ -146,6 +146,10 @@ def test_an_action_past_one_by_rounding_is_clipped() -> None:
     env.step(one)
     with pytest.raises(UserError, match="give -1 to 1"):
         env.step(np.full((2, 5), 1.01))
+    wrong = np.zeros((2, 5))
+    wrong[1, 3] = 5.0
+    with pytest.raises(UserError, match=r"action\[1\]\[3\]: 5.0; give -1 to 1$"):
+        env.step(wrong)
 
 
 def test_a_picture_shows_the_run() -> None:

@@ -45,6 +45,10 @@ def test_what_a_search_finds_comes_back_by_its_word(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["simulate", "--scenario", f"{out}:0"])
     said = "found on motor paper with estimator=smo; this run is on paper with estimator=coupled"
     assert done.exit_code == 0 and said in " ".join(done.output.split())
+    facts["finds"][0]["lost_at"] = None
+    out.write_text(json.dumps(facts), encoding="utf-8")
+    with pytest.raises(UserError, match="0 was not lost; leave out :min"):
+        scenario_from(f"{out}:0:min", PAPER)
 
 
 def test_a_find_on_a_random_machine_comes_back_on_it(tmp_path: Path) -> None:

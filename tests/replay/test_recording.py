@@ -244,6 +244,8 @@ def test_mistakes_are_named(read: Read, tmp_path: Path) -> None:
     text = csv_of(columns())
     for words, said in (
         (["i_a"], "NAME=COLUMN"), (["i_x=Ia"], "'i_x' is no column"), (["i_a=Ia"], "Ia, which"),
+        (["i_a=i_a", "i_a=i_b"], "i_a: given twice"), (["i_a="], "i_a: no column"),
+        (["i_a=i_b"], "column i_b: --map reads it as i_a"),
         ([str(tmp_path / "none.toml")], "No such file"),
     ):  # fmt: skip
         with pytest.raises(UserError, match="map") as error:

@@ -5,6 +5,7 @@ import itertools
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -168,6 +169,23 @@ def test_a_run_of_another_motor_is_refused(tmp_path: Path) -> None:
     config["train"]["motor"] = str(path)
     with pytest.raises(UserError, match="digest"):
         resume({"motor": str(path), "steps": 64}, folder)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"ripple_cost": 3.0}, "ripple_cost: 3: only for training with --gains"),
+        ({"policy_kind": "mlp", "smoothness": 3.0}, "smoothness: 3: only for a table"),
+        ({"policy_kind": "mlp", "margin": 0.5}, "margin: 0.5: only for a table"),
+        ({"policy_kind": "mlp", "lr_nodes": 0.1}, "lr_nodes: 0.1: only for a table"),
+    ],
+)
+def test_what_a_run_would_not_read_is_refused(
+    given: dict[str, Any], said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UserError, match=said):
+        train(replace(SMALL, **given), DriveDesign(), tmp_path / "run", START)
+    assert not (tmp_path / "run").exists()
 
 
 def test_a_folder_in_use_is_refused(tmp_path: Path) -> None:
