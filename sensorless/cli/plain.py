@@ -6,7 +6,7 @@ from typer import BadParameter
 from typer.core import TyperCommand, TyperGroup
 
 from sensorless.cli.apart import keep_apart, keep_motor_files
-from sensorless.errors import shown
+from sensorless.errors import UserError, shown
 
 P = TypeVar("P")
 
@@ -20,6 +20,10 @@ def without_types(params: list[P]) -> list[P]:
     return params
 
 
+def _single(param: Any) -> bool:
+    return param.param_type_name == "option" and not (param.multiple or param.is_flag)
+
+
 class Command(TyperCommand):
     """A command with plain flags, which never writes over its own input, or over a motor file."""
 
@@ -28,7 +32,14 @@ class Command(TyperCommand):
         return without_types(super().get_params(ctx))
 
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
-        """Read the words; a value of the wrong type is named, whatever the library says of it."""
+        """Read the words; a value of the wrong type is named, whatever the library says of it.
+
+        An option with one value may stand once: the library would take the last one in silence.
+        """
+        _, _, given = self.make_parser(ctx).parse_args(list(args))
+        for option in {p.name: p for p in given if _single(p)}.values():
+            if given.count(option) > 1:
+                raise UserError(f"{option.opts[0]}: given twice; give it once")
         try:
             return super().parse_args(ctx, args)
         except BadParameter as error:

@@ -26,7 +26,7 @@ from sensorless.units import RPM_TO_RAD_S
 
 DIP, MUCH_DIP = 0.1, 0.3
 """Wanted ``load_dip``, and that of a light shaft, since on half the inertia it is twice as much.
-``motor check`` notes more, which 27 of 1024 random machines have."""
+``motor check`` notes more, which 28 of 1024 random machines have."""
 LOOP_SHARE = 1.0 / 18.0
 """Largest natural frequency of the speed loop over the bandwidth of the flux: faster, and the loop
 makes torque of the estimate's lag and noise."""

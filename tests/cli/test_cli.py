@@ -95,6 +95,7 @@ def test_help_teaches(command: str, tmp_path: Path) -> None:
         (["simulate", "--plant", "a.json", "--log", "b"], "log, plant: a machine alone has no"),
         (["simulate", "--show", "faults"], "show: there is no picture; give --plot"),
         (["simulate", "--set", "speed_hz=4", "--set", "speed_hz=5"], "set: speed_hz: given twice"),
+        (["evaluate", "--suite", "stress", "--suite", "stress-1"], "--suite: given twice"),
         (["train", "--name", "x", "--steps", "9", "--minutes", "1"], "steps, minutes: 9 and 1"),
         (["train", "--resume", ".", "--steps", "9", "--minutes", "1"], "steps, minutes: 9 and 1"),
         (["train", "--name", "x", "--minutes", "0"], "minutes, steps: 0 and 0"),
