@@ -14,6 +14,7 @@ int gain_schedule_init(const gain_schedule_params_t *p, gain_schedule_state_t *x
     x->check = found == KS_OK ? KS_GOOD : found;
     x->ks.fault |= found == KS_OK ? 0 : KS_FAULT_GAINS;
     x->next = 0;
+    x->word = 0;
     for (int g = 0; g < GAIN_N; g++) {
         x->value[g] = 0.0f;
     }
@@ -46,6 +47,38 @@ static void advance(const gain_schedule_params_t *p, gain_schedule_state_t *x,
     x->next = g + 1;
 }
 
+/* Word k of the parameters, whatever is in it. */
+static uint32_t word_at(const drive_params_t *p, uint32_t k) {
+    const unsigned char *b = (const unsigned char *)p + 4U * k;
+    return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+/* Restores a word that differs, unless one of the n gains of the table has set it. */
+CORE_COLD static void restore(const gain_table_t *t, uint32_t n, gain_schedule_state_t *x,
+                              const drive_params_t *drive, drive_params_t *live) {
+    for (uint32_t g = 0; g < n; g++) {
+        if (gain_writes(t->gain[g], drive->estimator, x->word)) {
+            return;
+        }
+    }
+    const unsigned char *from = (const unsigned char *)drive + 4U * x->word;
+    unsigned char *to = (unsigned char *)live + 4U * x->word;
+    for (int j = 0; j < 4; j++) {
+        to[j] = from[j];
+    }
+    x->ks.fault |= KS_FAULT_PARAMS;
+}
+
+/* Compares one word of `live` with the parameters; n: gains that may have set it. */
+static void compare(const gain_table_t *t, uint32_t n, gain_schedule_state_t *x,
+                    const drive_params_t *drive, drive_params_t *live) {
+    x->word = x->word < sizeof *drive / 4U ? x->word : 0;
+    if (word_at(drive, x->word) != word_at(live, x->word)) {
+        restore(t, n, x, drive, live);
+    }
+    x->word += 1;
+}
+
 /* Takes the static gains where check is neither good nor what an init may have found. */
 CORE_COLD static void give_up(gain_schedule_state_t *x, const drive_params_t *drive,
                               drive_params_t *live) {
@@ -61,13 +94,17 @@ float gain_schedule_step(const gain_schedule_params_t *p, gain_schedule_state_t 
                          const signal_state_t *signals) {
     if (x->check != KS_GOOD) {
         give_up(x, drive, live);
+        compare(0, 0, x, drive, live);
         return ks_schedule_step(&p->ks, &x->ks, &drive->signal, signals);
     }
     if (x->ks.wait <= 0 || x->ks.wait > p->ks.periods) {
         x->ks.k_s_ref = decide(p, x, &drive->signal, signals);
         x->ks.wait = p->ks.periods;
-    } else if (x->next < p->table->n_gains) {
-        advance(p, x, drive, live);
+    } else {
+        compare(p->table, p->table->n_gains, x, drive, live);
+        if (x->next < p->table->n_gains) {
+            advance(p, x, drive, live);
+        }
     }
     x->ks.wait -= 1;
     while (x->ks.wait == 0 && x->next < p->table->n_gains) {

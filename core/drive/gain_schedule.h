@@ -7,6 +7,10 @@
  * the next periods, so that no period carries much more than a decision on k_s alone; the last
  * period of a decision takes all that are left.
  *
+ * One word of `live` that no gain sets is compared with the parameters in every period without a
+ * decision, and restored if it differs; a gain's words are written anew at every decision. So damage
+ * lasts for as many periods as there are words (sizeof(drive_params_t) / 4), and those of decisions.
+ *
  * Where a signal is not finite, the gains stay as they are. Without a good k_s table the built-in
  * rule decides on k_s; then, and without a good gain table, all gains are static.
  */
@@ -16,7 +20,11 @@
 #include "gain_table.h"
 #include "ks_schedule.h"
 
-enum { KS_FAULT_GAINS = 4 }; /* further bit of ks_schedule_state_t.fault: gain table refused */
+/* Further bits of ks_schedule_state_t.fault. */
+enum {
+    KS_FAULT_GAINS = 4, /* gain table refused */
+    KS_FAULT_PARAMS = 8 /* a parameter of `live` was damaged, and is restored */
+};
 
 typedef struct {
     ks_schedule_params_t ks;
@@ -28,6 +36,7 @@ typedef struct {
     ks_schedule_state_t ks;
     int check;           /* KS_GOOD, or why the gains are static: KS_BAD_*, 0 before init */
     uint32_t next;       /* grid of the table that comes next */
+    uint32_t word;       /* word of the parameters that is compared next */
     ks_cell_t cell;      /* place of the last decision */
     float value[GAIN_N]; /* in force, by grid */
 } gain_schedule_state_t;

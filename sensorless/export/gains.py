@@ -138,7 +138,8 @@ It also sets gains of the drive (`core/gains.h`), one in each of the periods aft
 {rows}
 
 A damaged table of gains (`KS_FAULT_GAINS`) leaves them all at 1; `k_s` goes on by its own table.
-`live` is not checked: where `FAULT_STATE` comes back by itself, open the bridge and make the calls
-of `control_start`, which write it anew.
+A damaged word of `live` is restored within as many periods as it has words and decisions
+(`KS_FAULT_PARAMS`). Until then it may keep the drive without voltage (`FAULT_STATE` in every period)
+or hide an over-current from the core: leave that to the trip.
 """,
     }

@@ -261,3 +261,40 @@ def _obs(speed: float) -> Array:
     obs = np.zeros((1, SIGNAL_N), dtype=np.float32)
     obs[0, 0] = speed
     return obs
+
+
+@pytest.mark.parametrize("estimator", ["smo", "flux", "coupled"])
+@pytest.mark.parametrize("gains", [GAIN_NAMES, ("l_q",), ()])
+def test_any_damaged_parameter_is_restored(
+    motor: Motor, estimator: str, gains: tuple[str, ...]
+) -> None:
+    """A gain's words come back with its decision, others one by one, and are told."""
+    sims = SimFactory(motor, DriveDesign(estimator=estimator)).build(suite("stress-1", motor, 3, 1))
+    both = [Firmware(table(gains or ("l_q",)), sims["control"], 5, 1e-3) for _ in range(2)]
+    signals = signals_at(0.3, motor)
+    for firmware in both:
+        if not gains:
+            firmware.values[3] = 0.25
+            firmware.start()
+        for _ in range(100):
+            firmware.step(signals)
+    firmware, sound = both
+    words, wanted = firmware.live.view(np.uint32), sound.live.view(np.uint32)
+
+    def settle(periods: int) -> None:
+        for _ in range(periods):
+            firmware.step(signals)
+            sound.step(signals)
+        np.testing.assert_array_equal(words, wanted)
+
+    gain_words = set(np.flatnonzero(wanted != firmware.design.view(np.uint32)))
+    assert firmware.state.ks.fault in (0, lib.KS_FAULT_GAINS) and bool(gain_words) == bool(gains)
+    for word in range(words.size):
+        firmware.state.ks.fault, firmware.state.word = 0, word
+        words[word] ^= 0x7FC00001
+        settle(7)
+        told = bool(firmware.state.ks.fault & lib.KS_FAULT_PARAMS)
+        assert told == (word not in gain_words), word
+    words[7] ^= 1
+    firmware.state.word = 0xFFFFFFFF
+    settle(words.size * 5 // 4 + 5)

@@ -1,0 +1,1 @@
+/* Stands in for the system header while declarations are extracted; see binding.py. */
