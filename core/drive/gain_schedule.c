@@ -57,7 +57,7 @@ static uint32_t word_at(const drive_params_t *p, uint32_t k) {
 CORE_COLD static void restore(const gain_table_t *t, uint32_t n, gain_schedule_state_t *x,
                               const drive_params_t *drive, drive_params_t *live) {
     for (uint32_t g = 0; g < n; g++) {
-        if (gain_writes(t->gain[g], drive->estimator, x->word)) {
+        if (gain_writes(t->gain[g], drive, x->word)) {
             return;
         }
     }

@@ -17,8 +17,6 @@
 #ifndef SENSORLESS_GAINS_H
 #define SENSORLESS_GAINS_H
 
-#include <stddef.h>
-
 #include "drive_types.h"
 
 /* The gains: indices of the arrays below. */
@@ -93,20 +91,20 @@ CORE_INLINE void gain_apply(uint32_t which, float factor, const drive_params_t *
     }
 }
 
+/* Below a field, the difference wraps to a large number. */
 #define GAIN_WORD(field)                                                                           \
-    (word - offsetof(drive_params_t, field) / 4U < sizeof(((drive_params_t *)0)->field) / 4U)
+    (word - (uint32_t)((const char *)&p->field - (const char *)p) / 4U < sizeof p->field / 4U)
 #define GAIN_PLL(at) (GAIN_WORD(at.pll.k_p) || GAIN_WORD(at.pll.k_i))
 
-/* Whether gain_apply writes this word, of 4 bytes, of the parameters. Below a field, the difference
- * wraps to a large number. */
-CORE_INLINE int gain_writes(uint32_t which, int estimator, uint32_t word) {
-    int coupled = estimator == ESTIMATE_COUPLED;
+/* Whether gain_apply writes this word, of 4 bytes, of the parameters. */
+CORE_INLINE int gain_writes(uint32_t which, const drive_params_t *p, uint32_t word) {
+    int coupled = p->estimator == ESTIMATE_COUPLED;
     switch (which) {
     case GAIN_OBSERVER:
         if (coupled) {
             return GAIN_WORD(coupled.k_p) || GAIN_WORD(coupled.k_i) || GAIN_WORD(coupled.k_l);
         }
-        return estimator == ESTIMATE_FLUX ? GAIN_PLL(flux) : GAIN_PLL(smo);
+        return p->estimator == ESTIMATE_FLUX ? GAIN_PLL(flux) : GAIN_PLL(smo);
     case GAIN_INJECTION:
         return coupled ? GAIN_WORD(coupled.k_h) || GAIN_WORD(coupled.drift.k) : GAIN_PLL(hfi);
     case GAIN_L_Q:

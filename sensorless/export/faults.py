@@ -26,7 +26,8 @@ DO = {
     "KS_FAULT_INPUT": "run on; the sample behind it has a bit of its own, but in a "
     "drive with `ks_hook_step`: check what it is given",
     "KS_FAULT_GAINS": "run on, all gains are static; write the table to flash again",
-    "KS_FAULT_PARAMS": "run on, the word is restored; if it repeats, look for what overwrites memory",
+    "KS_FAULT_PARAMS": "run on, the word is restored; if it repeats, look for what overwrites "
+    "memory",
     "BRING_UP_FAULT_CURRENT": "look for a wrong scale or a short circuit",
     "BRING_UP_FAULT_MOVES": "let the shaft come to rest; correct the offset of the sensors",
     "BRING_UP_FAULT_DEAF": "switch the PWM on, connect the motor, check both scales",

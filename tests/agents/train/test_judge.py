@@ -12,7 +12,8 @@ from sensorless.baselines.linear import linear_table
 from sensorless.table.ks_table import KsTable
 from tests.helpers.command import run
 
-TINY = "--steps 64 --n-envs 8 --n-steps 8 --n-epochs 1 --validate-size 16 --warm-up 9".split()
+SMALL = "--n-envs 8 --n-epochs 1 --validate-size 16".split()
+TINY = [*SMALL, *"--steps 64 --n-steps 8 --warm-up 9".split()]
 
 
 @pytest.mark.usefixtures("brief")
@@ -49,7 +50,7 @@ def test_whether_a_run_moved_is_told_by_its_weights(
     tmp_path: Path, given: list[str], said: str
 ) -> None:
     longer = ["--steps", "1600", "--n-steps", "100", "--warm-up", "0"]
-    done = run("train", "--name", "slow", *TINY, *longer, *given, cwd=tmp_path)
+    done = run("train", "--name", "slow", *SMALL, *longer, *given, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert said in done.stdout.splitlines()[-1]
     folder = tmp_path / "runs/slow"

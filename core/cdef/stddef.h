@@ -1,1 +1,0 @@
-/* Stands in for the system header while declarations are extracted; see binding.py. */
