@@ -69,14 +69,16 @@ CORE_COLD static void restore(const gain_table_t *t, uint32_t n, gain_schedule_s
     x->ks.fault |= KS_FAULT_PARAMS;
 }
 
-/* Compares one word of `live` with the parameters; n: gains that may have set it. */
+/* Compares the next words of `live` with the parameters; n: gains that may have set them. */
 static void compare(const gain_table_t *t, uint32_t n, gain_schedule_state_t *x,
                     const drive_params_t *drive, drive_params_t *live) {
-    x->word = x->word < sizeof *drive / 4U ? x->word : 0;
-    if (word_at(drive, x->word) != word_at(live, x->word)) {
-        restore(t, n, x, drive, live);
+    for (int j = 0; j < PARAMS_COMPARED; j++) {
+        x->word = x->word < sizeof *drive / 4U ? x->word : 0;
+        if (word_at(drive, x->word) != word_at(live, x->word)) {
+            restore(t, n, x, drive, live);
+        }
+        x->word += 1;
     }
-    x->word += 1;
 }
 
 /* Takes the static gains where check is neither good nor what an init may have found. */
@@ -100,11 +102,9 @@ float gain_schedule_step(const gain_schedule_params_t *p, gain_schedule_state_t 
     if (x->ks.wait <= 0 || x->ks.wait > p->ks.periods) {
         x->ks.k_s_ref = decide(p, x, &drive->signal, signals);
         x->ks.wait = p->ks.periods;
-    } else {
         compare(p->table, p->table->n_gains, x, drive, live);
-        if (x->next < p->table->n_gains) {
-            advance(p, x, drive, live);
-        }
+    } else if (x->next < p->table->n_gains) {
+        advance(p, x, drive, live);
     }
     x->ks.wait -= 1;
     while (x->ks.wait == 0 && x->next < p->table->n_gains) {

@@ -7,9 +7,9 @@
  * the next periods, so that no period carries much more than a decision on k_s alone; the last
  * period of a decision takes all that are left.
  *
- * One word of `live` that no gain sets is compared with the parameters in every period without a
- * decision, and restored if it differs; a gain's words are written anew at every decision. So damage
- * lasts for as many periods as there are words (sizeof(drive_params_t) / 4), and those of decisions.
+ * A decision compares PARAMS_COMPARED words of `live` with the parameters and restores one that differs,
+ * unless a gain sets it: such words are written anew after every decision. So damage lasts for some
+ * 60 decisions at most (sizeof(drive_params_t) / 4 words).
  *
  * Where a signal is not finite, the gains stay as they are. Without a good k_s table the built-in
  * rule decides on k_s; then, and without a good gain table, all gains are static.
@@ -19,6 +19,8 @@
 
 #include "gain_table.h"
 #include "ks_schedule.h"
+
+enum { PARAMS_COMPARED = 4 }; /* words of `live` that a decision compares */
 
 /* Further bits of ks_schedule_state_t.fault. */
 enum {

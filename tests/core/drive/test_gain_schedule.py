@@ -292,9 +292,9 @@ def test_any_damaged_parameter_is_restored(
     for word in range(words.size):
         firmware.state.ks.fault, firmware.state.word = 0, word
         words[word] ^= 0x7FC00001
-        settle(7)
+        settle(11)
         told = bool(firmware.state.ks.fault & lib.KS_FAULT_PARAMS)
         assert told == (word not in gain_words), word
     words[7] ^= 1
     firmware.state.word = 0xFFFFFFFF
-    settle(words.size * 5 // 4 + 5)
+    settle(5 * (words.size // lib.PARAMS_COMPARED + 2))
