@@ -35,7 +35,7 @@ ROUNDING = np.float32(1.000001)
 """Largest magnitude of an action: rounding may carry one past 1, where it is clipped."""
 
 MOST_ENVS = 1_000_000
-"""Most drives of a vector environment: 3 GB."""
+"""Most drives of a vector environment: 5 GB."""
 MOST_SEED = 2**64 - 1
 """Largest seed of a drive."""
 

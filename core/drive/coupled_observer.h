@@ -3,9 +3,10 @@
  * The voltage model gives the fast part. In the estimated rotor frame, the flux that follows from
  * the measured current minus the integrated flux is the error
  *   e = (error of the integrated flux) - j delta psi_a,   delta = theta_e - theta_e_hat,
- * psi_a the auxiliary flux (flux_model.h). Its part across the auxiliary flux psi_a, eps, drives angle, speed and load (the load torque is a
- * third state, besides the torque of current and flux). Its part along psi_a corrects the flux
- * through a sigmoid with a boundary layer: sliding mode far from the model, linear near it.
+ * psi_a the auxiliary flux (flux_model.h). Its part across psi_a, eps, drives angle, speed and load
+ * (the load torque is a third state, besides the torque of current and flux). Its part along psi_a
+ * corrects the flux through a sigmoid with a boundary layer: sliding mode far from the model, linear
+ * near it.
  *
  * Injection gives the slow part with weight k_s. Its error e_h turns the angle, and moves the flux
  * by what such a turn does to e, j e_h psi_a: so its noise never reaches eps and the speed, whatever

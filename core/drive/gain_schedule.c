@@ -3,6 +3,9 @@
 
 #include "ks_lookup.h"
 
+#define PARAMS_N (sizeof(drive_params_t) / 4U)
+typedef char params_have_their_bits[PARAMS_N <= 32U * SET_N ? 1 : -1];
+
 int gain_schedule_init(const gain_schedule_params_t *p, gain_schedule_state_t *x,
                        const drive_params_t *drive, drive_params_t *live) {
     *live = *drive;
@@ -15,6 +18,13 @@ int gain_schedule_init(const gain_schedule_params_t *p, gain_schedule_state_t *x
     x->ks.fault |= found == KS_OK ? 0 : KS_FAULT_GAINS;
     x->next = 0;
     x->word = 0;
+    for (uint32_t k = 0; k < PARAMS_N; k++) {
+        uint32_t bit = 0;
+        for (uint32_t g = 0; found == KS_OK && g < p->table->n_gains; g++) {
+            bit |= gain_writes(p->table->gain[g], drive, k) ? 1U : 0U;
+        }
+        x->set[k / 32U] = (k % 32U ? x->set[k / 32U] : 0U) | bit << k % 32U;
+    }
     for (int g = 0; g < GAIN_N; g++) {
         x->value[g] = 0.0f;
     }
@@ -53,32 +63,24 @@ static uint32_t word_at(const drive_params_t *p, uint32_t k) {
     return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/* Restores a word that differs, unless one of the n gains of the table has set it. */
-CORE_COLD static void restore(const gain_table_t *t, uint32_t n, gain_schedule_state_t *x,
-                              const drive_params_t *drive, drive_params_t *live) {
-    for (uint32_t g = 0; g < n; g++) {
-        if (gain_writes(t->gain[g], drive, x->word)) {
-            return;
-        }
-    }
-    const unsigned char *from = (const unsigned char *)drive + 4U * x->word;
-    unsigned char *to = (unsigned char *)live + 4U * x->word;
+/* Copies word k from the parameters. */
+CORE_COLD static void restore(const drive_params_t *drive, drive_params_t *live, uint32_t k) {
+    const unsigned char *from = (const unsigned char *)drive + 4U * k;
+    unsigned char *to = (unsigned char *)live + 4U * k;
     for (int j = 0; j < 4; j++) {
         to[j] = from[j];
     }
-    x->ks.fault |= KS_FAULT_PARAMS;
 }
 
-/* Compares the next words of `live` with the parameters; n: gains that may have set them. */
-static void compare(const gain_table_t *t, uint32_t n, gain_schedule_state_t *x,
-                    const drive_params_t *drive, drive_params_t *live) {
-    for (int j = 0; j < PARAMS_COMPARED; j++) {
-        x->word = x->word < sizeof *drive / 4U ? x->word : 0;
-        if (word_at(drive, x->word) != word_at(live, x->word)) {
-            restore(t, n, x, drive, live);
-        }
-        x->word += 1;
+/* Compares the next word of `live` with the parameters. A damaged bit of `set` does no harm: it
+ * leaves a word as it is, or a gain static until its table comes next. */
+static void compare(gain_schedule_state_t *x, const drive_params_t *drive, drive_params_t *live) {
+    uint32_t k = x->word < PARAMS_N ? x->word : 0;
+    if (word_at(drive, k) != word_at(live, k) && !(x->set[k / 32U] >> k % 32U & 1U)) {
+        restore(drive, live, k);
+        x->ks.fault |= KS_FAULT_PARAMS;
     }
+    x->word = k + 1;
 }
 
 /* Takes the static gains where check is neither good nor what an init may have found. */
@@ -86,6 +88,9 @@ CORE_COLD static void give_up(gain_schedule_state_t *x, const drive_params_t *dr
                               drive_params_t *live) {
     if (x->check < KS_BAD_MAGIC || x->check > KS_BAD_MOTOR) {
         *live = *drive;
+        for (uint32_t j = 0; j < SET_N; j++) {
+            x->set[j] = 0;
+        }
         x->check = KS_BAD_MAGIC;
     }
     x->ks.fault |= KS_FAULT_GAINS;
@@ -96,15 +101,17 @@ float gain_schedule_step(const gain_schedule_params_t *p, gain_schedule_state_t 
                          const signal_state_t *signals) {
     if (x->check != KS_GOOD) {
         give_up(x, drive, live);
-        compare(0, 0, x, drive, live);
+        compare(x, drive, live);
         return ks_schedule_step(&p->ks, &x->ks, &drive->signal, signals);
     }
     if (x->ks.wait <= 0 || x->ks.wait > p->ks.periods) {
         x->ks.k_s_ref = decide(p, x, &drive->signal, signals);
         x->ks.wait = p->ks.periods;
-        compare(p->table, p->table->n_gains, x, drive, live);
+        compare(x, drive, live);
     } else if (x->next < p->table->n_gains) {
         advance(p, x, drive, live);
+    } else {
+        compare(x, drive, live);
     }
     x->ks.wait -= 1;
     while (x->ks.wait == 0 && x->next < p->table->n_gains) {

@@ -7,9 +7,10 @@
  * the next periods, so that no period carries much more than a decision on k_s alone; the last
  * period of a decision takes all that are left.
  *
- * A decision compares PARAMS_COMPARED words of `live` with the parameters and restores one that differs,
- * unless a gain sets it: such words are written anew after every decision. So damage lasts for some
- * 60 decisions at most (sizeof(drive_params_t) / 4 words).
+ * A period that sets no gain compares one word of `live` with the parameters and restores it if it
+ * differs, unless a gain sets it: such words are written anew after every decision. So damage lasts
+ * for as many decisions as there are words (sizeof(drive_params_t) / 4), or fewer where a decision
+ * has periods to spare.
  *
  * Where a signal is not finite, the gains stay as they are. Without a good k_s table the built-in
  * rule decides on k_s; then, and without a good gain table, all gains are static.
@@ -20,7 +21,7 @@
 #include "gain_table.h"
 #include "ks_schedule.h"
 
-enum { PARAMS_COMPARED = 4 }; /* words of `live` that a decision compares */
+enum { SET_N = 8 }; /* words with a bit for each word of the parameters */
 
 /* Further bits of ks_schedule_state_t.fault. */
 enum {
@@ -39,6 +40,7 @@ typedef struct {
     int check;           /* KS_GOOD, or why the gains are static: KS_BAD_*, 0 before init */
     uint32_t next;       /* grid of the table that comes next */
     uint32_t word;       /* word of the parameters that is compared next */
+    uint32_t set[SET_N]; /* a bit for each word: whether a gain of the table writes it */
     ks_cell_t cell;      /* place of the last decision */
     float value[GAIN_N]; /* in force, by grid */
 } gain_schedule_state_t;

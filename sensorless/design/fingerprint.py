@@ -12,6 +12,8 @@ from sensorless.machine.motor import Motor
 
 OBSERVER = {"smo": "smo", "unwrapped": "smo", "errors": "smo", "flux": "flux", "coupled": "coupled"}
 """Part of ``drive_params_t`` that an estimator reads, by ``DriveDesign.estimator``."""
+SHARED = {"flux": tuple(f"coupled.{name}" for name in ("R_s", "L_d", "psi_d", "psi_sq_min"))}
+"""What it reads of another part: ``drive_flux_model``."""
 LATER = {"control.by_reference", "control.i_q_brake"} | {
     f"coupled.{name}" for name in ("brake", "brake_least", "idle", "inv_i_idle", "match.alone")
 }
@@ -25,18 +27,26 @@ DIGITS = 4
 def fingerprint(motor: Motor, design: DriveDesign) -> dict[str, str]:
     """Eight hexadecimal digits of each part of a drive, by name; unused observers do not count."""
     record = control_record(motor, design)
+    shared = SHARED.get(design.estimator, ())
     parts = {
         "injection": ("hfi",),
-        "observer": (OBSERVER[design.estimator], "L_q", "theta_cross"),
+        "observer": (OBSERVER[design.estimator], *shared, "L_q", "theta_cross"),
         "control": ("control",),
         "signals": ("signal",),
     }
     return {
         part: hashlib.sha256(
-            "\n".join(line for name in names for line in _lines(record[name], name)).encode()
+            "\n".join(line for name in names for line in _lines(_part(record, name), name)).encode()
         ).hexdigest()[:8]
         for part, names in parts.items()
     }
+
+
+def _part(record: Array, path: str) -> Array:
+    """What stands at a path such as ``coupled.R_s``."""
+    for name in path.split("."):
+        record = record[name]
+    return record
 
 
 def _lines(record: Array, path: str) -> Iterator[str]:

@@ -138,8 +138,8 @@ It also sets gains of the drive (`core/gains.h`), one in each of the periods aft
 {rows}
 
 A damaged table of gains (`KS_FAULT_GAINS`) leaves them all at 1; `k_s` goes on by its own table.
-A damaged word of `live` is restored within 61 decisions (`KS_FAULT_PARAMS`). Until then it may keep
-the drive without voltage (`FAULT_STATE` in every period) or hide an over-current from the core:
-leave that to the trip.
+A damaged word of `live` is restored within as many decisions as it has words (`KS_FAULT_PARAMS`).
+Until then it may keep the drive without voltage (`FAULT_STATE` in every period) or hide an
+over-current from the core: leave that to the trip.
 """,
     }
