@@ -16,6 +16,8 @@ static coupled_params_t some_coupled(int j) {
     p.drift.calm = 0.3f, p.drift.calm_rise = 1.2f;
     p.brake = j % 4 ? 6e4f : 0.0f, p.brake_least = j % 3 ? 0.4f : 0.0f;
     p.idle = j % 2 ? 0.006f : 0.0f, p.inv_i_idle = 0.4f;
+    p.match.alpha = 0.5f, p.match.err_max = 1.0f, p.match.k_offset = 0.1f;
+    p.match.offset_max = 1.0f;
     p.omega_floor = 30.0f, p.omega_max = j % 6 ? 700.0f : 250.0f;
     return p;
 }
@@ -143,6 +145,8 @@ static void one(int j) {
     vec_t emf = I * r * (double)y.pll.omega * creal(aux);
     check("coupled: EMF", cabs(of_ab(y.e) - emf) <= 1e-6 * fabs((double)y.pll.omega));
     check("coupled: valid", y.valid == (led ? 1.0f : 0.0f));
+    check("coupled: gain in odd periods", (x.match.mean != 0.0f) == (!fresh && learn == 1));
+    check("coupled: offsets in even periods", (x.match.offset_a != 0.0f) == (!fresh && learn == 2));
 }
 
 /* The share of the correction that leans the angle no more than braking allows; more of it without

@@ -159,6 +159,11 @@ static void meets(int j) {
         emf_estimate_t y = was.emf;
         double lead = (double)x.k_s * wrapped(axis + cross - own);
         flux_model_t m = drive_flux_model(&p, pos);
+        const coupled_params_t *c = &p.coupled;
+        check("meets: flux of the machine",
+              m.R_s == c->R_s && m.L_d == c->L_d && m.psi_sq_min == c->psi_sq_min &&
+                  m.L_q == curve_at(&p.L_q, pos) && m.L_qq == curve_incremental(&p.L_q, pos) &&
+                  m.psi_0 == curve_at(&c->psi_d, pos));
         flux_observe(&p.flux, &m, &flux, &y, i, was.coupled.i_1, was.u_2, x.est.omega, x.est.theta,
                      (float)lead, p.T_s);
         check("meets: lead", near_v(of_ab(flux.psi), of_ab(x.flux.psi), 1e-6));
