@@ -86,7 +86,7 @@ def test_contradictions_and_gaps_are_named(changes: dict[str, object], said: lis
 @pytest.mark.parametrize("text", ["3 oz in s2", "5", "kg m2"])
 def test_inertia_without_a_known_unit(text: str) -> None:
     """A wheel of 5 kg cm2 is not one of 5 kg m2."""
-    with pytest.raises(UserError, match=rf"inertia: '{text}'; give a number such as 0.5 with its unit.*gcm2"):
+    with pytest.raises(UserError, match=rf"inertia: '{text}'; give a number .* its unit.*gcm2"):
         inertia_from(text)
 
 
