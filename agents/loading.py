@@ -1,6 +1,7 @@
 """Loads a trained schedule from its run folder, without pickle or torch."""
 
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from sensorless.agents.mlp.schedule import MlpSchedule
@@ -66,7 +67,8 @@ def _schedule(path: Path) -> TablePolicy | MlpSchedule:
         return MlpSchedule.load(path / MLP, name)
     if (path / CONFIG).is_file():
         raise UserError(
-            f"run: {str(path)!r} has no schedule yet; go on with: sensorless train --resume {path}"
+            f"run: {str(path)!r} has no schedule yet; go on with: sensorless train --resume "
+            f"{quote(str(path))}"
         )
     raise UserError(f"run: {str(path)!r} has no {TABLE} or {MLP}; give a training run's folder")
 

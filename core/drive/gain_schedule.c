@@ -6,25 +6,32 @@
 #define PARAMS_N (sizeof(drive_params_t) / 4U)
 typedef char params_have_their_bits[PARAMS_N <= 32U * SET_N ? 1 : -1];
 
+/* Word k of the parameters, whatever is in it. */
+static uint32_t word_at(const drive_params_t *p, uint32_t k) {
+    const unsigned char *b = (const unsigned char *)p + 4U * k;
+    return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
 int gain_schedule_init(const gain_schedule_params_t *p, gain_schedule_state_t *x,
                        const drive_params_t *drive, drive_params_t *live) {
-    *live = *drive;
     int found = ks_schedule_init(&p->ks, &x->ks);
     if (found == KS_OK) {
         found = p->table != 0 && p->values != 0 ? gain_table_check(p->table, p->ks.table, p->values)
                                                 : KS_BAD_MAGIC;
     }
+    *live = *drive;
     x->check = found == KS_OK ? KS_GOOD : found;
     x->ks.fault |= found == KS_OK ? 0 : KS_FAULT_GAINS;
     x->next = 0;
     x->word = 0;
+    for (uint32_t g = 0; found == KS_OK && g < p->table->n_gains; g++) {
+        gain_apply(p->table->gain[g], 8.0f, drive, live); /* changes every word that it may */
+    }
     for (uint32_t k = 0; k < PARAMS_N; k++) {
-        uint32_t bit = 0;
-        for (uint32_t g = 0; found == KS_OK && g < p->table->n_gains; g++) {
-            bit |= gain_writes(p->table->gain[g], drive, k) ? 1U : 0U;
-        }
+        uint32_t bit = word_at(drive, k) != word_at(live, k) ? 1U : 0U;
         x->set[k / 32U] = (k % 32U ? x->set[k / 32U] : 0U) | bit << k % 32U;
     }
+    *live = *drive;
     for (int g = 0; g < GAIN_N; g++) {
         x->value[g] = 0.0f;
     }
@@ -55,12 +62,6 @@ static void advance(const gain_schedule_params_t *p, gain_schedule_state_t *x,
     x->value[g] =
         gain_step(&p->table->limit[g], p->table->gain[g], x->value[g], wanted, drive, live);
     x->next = g + 1;
-}
-
-/* Word k of the parameters, whatever is in it. */
-static uint32_t word_at(const drive_params_t *p, uint32_t k) {
-    const unsigned char *b = (const unsigned char *)p + 4U * k;
-    return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
 /* Copies word k from the parameters. */

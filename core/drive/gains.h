@@ -91,30 +91,6 @@ CORE_INLINE void gain_apply(uint32_t which, float factor, const drive_params_t *
     }
 }
 
-/* Below a field, the difference wraps to a large number. */
-#define GAIN_WORD(field)                                                                           \
-    (word - (uint32_t)((const char *)&p->field - (const char *)p) / 4U < sizeof p->field / 4U)
-#define GAIN_PLL(at) (GAIN_WORD(at.pll.k_p) || GAIN_WORD(at.pll.k_i))
-
-/* Whether gain_apply writes this word, of 4 bytes, of the parameters. */
-CORE_INLINE int gain_writes(uint32_t which, const drive_params_t *p, uint32_t word) {
-    int coupled = p->estimator == ESTIMATE_COUPLED;
-    switch (which) {
-    case GAIN_OBSERVER:
-        if (coupled) {
-            return GAIN_WORD(coupled.k_p) || GAIN_WORD(coupled.k_i) || GAIN_WORD(coupled.k_l);
-        }
-        return p->estimator == ESTIMATE_FLUX ? GAIN_PLL(flux) : GAIN_PLL(smo);
-    case GAIN_INJECTION:
-        return coupled ? GAIN_WORD(coupled.k_h) || GAIN_WORD(coupled.drift.k) : GAIN_PLL(hfi);
-    case GAIN_L_Q:
-        return GAIN_WORD(L_q) || GAIN_WORD(lock.L_q_true);
-    default: /* GAIN_AMPLITUDE */
-        return GAIN_WORD(hfi.u_inj) || GAIN_WORD(lock.answer) || GAIN_WORD(lock.rest) ||
-               GAIN_WORD(lock.most);
-    }
-}
-
 /* Moves the value of one gain towards `wanted`, keeps it in its bounds and applies it. Returns the
  * value in force. */
 CORE_INLINE float gain_step(const gain_limits_t *p, uint32_t which, float value, float wanted,

@@ -32,7 +32,6 @@ FLUX_ALONE = "flux alone"
 """What the coupled observer's flux model would give without injection."""
 LITTLE = 0.05
 """Weight of an estimator in the blend from which it counts as its signal."""
-TURN = 2.0 * math.pi
 MOST_SPEED = 10.0
 """First speed of the estimators over rated, at most."""
 
@@ -198,7 +197,7 @@ def replay(
     UserError
         The policy needs the true angle, or sets gains.
     """
-    if not (abs(theta_0) <= TURN and abs(omega_0) <= MOST_SPEED * motor.omega_rated):
+    if not (abs(theta_0) <= 2.0 * math.pi and abs(omega_0) <= MOST_SPEED * motor.omega_rated):
         most = MOST_SPEED * motor.n_rated_rpm
         raise UserError(
             f"angle, speed: give -360 to 360 degrees, and a speed of at most {most:g} r/min"
