@@ -61,20 +61,26 @@ typedef struct {
 } control_state_t;
 
 /* Torque-current reference from the speed error [A]. omega_ref, omega: electrical [rad/s].
+ * What weakens the field adds reluctance torque, and the torque current falls by as much. Otherwise
+ * the speed loop would have to take it back, and field weakening would act through that loop.
  * Without voltage to spare the reference waits for field weakening: short of voltage the flux falls
  * behind the rotor, which lowers the torque of a motor and raises that of a generator, until it
  * slips. Where the d current can weaken no more, the torque current gives way. */
 CORE_INLINE float speed_control(const control_params_t *p, control_state_t *x, float omega_ref,
                                 float omega, float T_s) {
-    float want = p->k_p_speed * (p->weight_ref * omega_ref - omega) + x->i_int;
     float i_d = x->i_ref.d;
+    float less = min_f(p->L_d - p->L_q, 0.0f);
+    float alone = p->psi_f + less * min_f(i_d - x->i_d_fw, 0.0f);
+    float share = alone / (p->psi_f + less * i_d);
+    float want = share * (p->k_p_speed * (p->weight_ref * omega_ref - omega) + x->i_int);
     float i_q_max = sqrt_f(p->i_max * p->i_max - i_d * i_d);
     float held = abs_f(x->i_ref.q);
     held = i_d > x->i_d_end ? held : max_f(held - p->i_q_step, x->i_q_least);
     i_q_max = x->u_abs > x->u_max ? min_f(i_q_max, held) : i_q_max;
     float step = bound_f(want - x->i_ref.q, p->i_q_step);
     float i_q = bound_f(x->i_ref.q + step, i_q_max);
-    x->i_int += T_s * p->k_i_speed * (omega_ref - omega + (i_q - want) / p->k_p_speed);
+    float cut = (i_q - want) / (share * p->k_p_speed);
+    x->i_int += T_s * p->k_i_speed * (omega_ref - omega + cut);
     return i_q;
 }
 

@@ -142,7 +142,8 @@ def design_control(
 
     Each period moves the speed integrator towards i_q plus the part of the reference that the
     proportional part leaves out, so it stays within ``i_int_max``, the largest of these; with a
-    hundredth of that part more, for rounding.
+    hundredth of that part more, for rounding. It counts torque currents as without weakening, and
+    those are smaller by up to psi_f over the auxiliary flux at the most d current.
 
     Parameters
     ----------
@@ -161,6 +162,7 @@ def design_control(
     L_q = half_load_inductance(motor)
     k_p = 2.0 * w * motor.J / k_t
     i_d_min = -DEMAGNETISING * motor.i_max
+    least = motor.psi_f / (motor.psi_f + min(motor.L_d - L_q, 0.0) * i_d_min)
     return {
         "k_p_speed": k_p,
         "k_i_speed": w * w * motor.J / k_t,
@@ -181,7 +183,7 @@ def design_control(
         "fw_margin": USABLE,
         "i_d_min": i_d_min,
         "i_q_brake": braking_current(motor, i_d_min),
-        "i_int_max": motor.i_max + k_p * (1.01 - speed_weight) * omega_max,
+        "i_int_max": motor.i_max / least + k_p * (1.01 - speed_weight) * omega_max,
         "u_dt": u_dt,
         "inv_i_dt": 1.0 / (COMPENSATED * motor.i_rated),
         "curve_inv_step": (CURVE_N - 1) / motor.i_max,

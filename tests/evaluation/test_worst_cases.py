@@ -40,7 +40,7 @@ def entry(name: str, seed: int, size: int, policy: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize(
     ("name", "seed", "size", "policy"),
-    [("stress-1", 3, 33, "hfi"), ("envelope", 1, 25, "smo"), ("handoff", 3, 8, "gated")],
+    [("stress-1", 6, 33, "hfi"), ("envelope", 1, 25, "smo"), ("handoff", 3, 8, "gated")],
 )
 def test_a_replay_ends_as_it_was_judged(name: str, seed: int, size: int, policy: str) -> None:
     listed = entry(name, seed, size, policy)["worst"]
@@ -57,7 +57,7 @@ def test_a_replay_ends_as_it_was_judged(name: str, seed: int, size: int, policy:
 
 
 def test_the_list_is_in_order_and_names_scenarios_of_the_suite() -> None:
-    found = entry("stress-1", 3, 33, "hfi")
+    found = entry("stress-1", 6, 33, "hfi")
     rows, listed = found["scenarios"], found["worst"]
     index = [int(case["scenario"].split(":")[2]) for case in listed]
     assert len(listed) == WORST == len(set(index))
@@ -89,7 +89,7 @@ def test_words_that_name_none(word: str) -> None:
 def test_simulate_replays_and_draws(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     picture = tmp_path / "case.png"
-    case = entry("stress-1", 3, 33, "hfi")["worst"][0]
+    case = entry("stress-1", 6, 33, "hfi")["worst"][0]
     words = ["simulate", "--scenario", case["scenario"], "--policy", "hfi", "--plot", str(picture)]
     words += ["--set", "estimator=smo", "--set", "L_q_motoring=0.7"]
     done = CliRunner().invoke(app, words)

@@ -40,6 +40,10 @@ static void control(int j) {
 
     double w = (double)est.omega, ref = (double)w_ref;
     double want = (double)p.k_p_speed * ((double)p.weight_ref * ref - w) + (double)was.i_int;
+    double less = fmin((double)p.L_d - (double)p.L_q, 0.0);
+    double alone = (double)p.psi_f + less * fmin((double)was.i_ref.d - (double)was.i_d_fw, 0.0);
+    double share = alone / ((double)p.psi_f + less * (double)was.i_ref.d);
+    want *= share;
     double most = sqrt(fmax(pow((double)p.i_max, 2.0) - pow((double)was.i_ref.d, 2.0), 0.0));
     double held = fabs((double)was.i_ref.q);
     held =
@@ -48,7 +52,7 @@ static void control(int j) {
     double i_q = (double)was.i_ref.q;
     i_q = bounded(i_q + bounded(want - i_q, (double)p.i_q_step), most);
     check("torque current", near((double)x.i_ref.q, i_q, 1e-5));
-    double grow = ref - w + (i_q - want) / (double)p.k_p_speed;
+    double grow = ref - w + (i_q - want) / (share * (double)p.k_p_speed);
     check("speed's integrator",
           near((double)x.i_int, (double)was.i_int + T * (double)p.k_i_speed * grow, 1e-5));
 
