@@ -13,7 +13,7 @@ static float start_sum(const start_state_t *x) {
 }
 
 static float signal_sum(const signal_state_t *x) {
-    float sum = x->omega_2 + x->i_q + x->disagree + x->emf + x->hf;
+    float sum = x->omega + x->omega_2 + x->i_q + x->disagree + x->emf + x->hf;
     return sum + x->hfi_var + x->smo_var + x->voltage;
 }
 
@@ -50,7 +50,7 @@ float drive_seek_sum(const drive_state_t *x) {
     float sum = h->pll.theta + h->pll.omega + h->i_1.d + h->i_1.q + h->sign_1 + h->sign_3;
     sum += h->amplitude + h->answer + h->valid + x->emf.pll.theta + x->emf.pll.omega;
     sum += x->emf.valid + x->coupled.match.offset_a + x->coupled.match.offset_b;
-    sum += x->est.theta + x->est.omega;
-    sum += c->i_1.d + c->i_1.q + c->i.d + c->i_ref.d + c->i_ref.q;
+    sum += x->est.theta + x->est.omega + x->theta_hfi + x->theta_smo;
+    sum += c->i_1.d + c->i_1.q + c->i.d + c->i.q + c->i_ref.d + c->i_ref.q;
     return sum + c->u_int.d + c->u_int.q + c->i_d_fw + c->u_max;
 }

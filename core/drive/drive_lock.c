@@ -31,5 +31,6 @@ ab_t drive_lock(const drive_params_t *p, drive_state_t *x, ab_t u) {
     } else if (drive_acts(p, x)) {
         drive_act(p, x);
     }
+    u = x->start.phase == START_STOPPED ? x->u_1 : u;
     return drive_unless(begun && drive_lock_counts(x) && drive_loops_sound(p, x), &p->guard, u);
 }

@@ -163,7 +163,9 @@ static void block_take(const block_t *block, sim_t *sims, uint32_t bits, sim_t *
 static void block_act(sim_t *sims, uint32_t bits) {
     for (int l = 0; l < LANES; l++) {
         if ((bits >> l & 1U) != 0 && drive_acts(&sims[l].control, &sims[l].drive.x)) {
-            drive_act(&sims[l].control, &sims[l].drive.x);
+            drive_state_t *x = &sims[l].drive.x;
+            drive_act(&sims[l].control, x);
+            sims[l].drive.u = x->start.phase == START_STOPPED ? x->u_1 : sims[l].drive.u;
         }
     }
 }

@@ -98,7 +98,7 @@ static void state_seeks(void) {
 
 /* Both sums have each of their words once, none that is the other's, and nothing else. */
 static void state_sums(void) {
-    enum { WORDS = sizeof(drive_state_t) / sizeof(float), IN_CONTROL = 74, SEEKING = 25 };
+    enum { WORDS = sizeof(drive_state_t) / sizeof(float), IN_CONTROL = 75, SEEKING = 28 };
     int ours = 0, besides = 0;
     for (int w = 0; w < WORDS; w++) {
         float words[WORDS] = {0.0f};

@@ -219,6 +219,15 @@ def test_report_changes_nothing_else() -> None:
     assert here["drive"]["y"].tobytes() == there["drive"]["y"].tobytes()
 
 
+def test_the_period_that_says_stopped_applies_no_voltage() -> None:
+    sims = at_speed(0.5, 0.3, lost_lock="stop")
+    sims["control"]["lock"]["i_off"] = -1.0
+    while not sims["drive"]["x"]["fault"][0] & lib.FAULT_STOPPED:
+        run(sims, MOTOR.T_s, 0.5)
+    x = sims["drive"]["x"]
+    assert (x["u_1"]["a"][0], x["u_1"]["b"][0]) == (0.0, 0.0)
+
+
 def test_stop_is_for_good() -> None:
     sims = at_speed(0.5, 0.3, lost_lock="stop")
     sims["control"]["lock"]["i_off"] = -1.0

@@ -89,6 +89,17 @@ def test_every_word_heals_or_is_flagged(
             assert drive.sound(), (name, value)
 
 
+@pytest.mark.parametrize("seek", [False, True])
+def test_what_a_low_pass_would_hide_is_flagged_at_once(motor: Motor, seek: bool) -> None:
+    """A word that its low-pass follows slowly holds a huge number for long, and no sum shows it."""
+    drive = Drive(motor, "coupled", seek, 12)
+    for name in ("control.i.q", "theta_hfi", "theta_smo", "signal.omega"):
+        drive.back()
+        drive.words[FLOATS[name]] = 1e16
+        drive.step()
+        assert drive.sound(), name
+
+
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_a_damaged_spacing_of_the_curves_reads_no_other_word(motor: Motor, estimator: str) -> None:
     """With a sign that is wrong it is as without: the left node is never below the first."""
@@ -242,14 +253,19 @@ def test_what_is_finite_but_impossible_is_flagged_within_a_test_of_the_lock(
 def test_the_speed_integrator_is_flagged_beyond_what_speed_control_can_make_it(
     machine: str, weight: float
 ) -> None:
-    """Its bound: the current limit, and what the reference leaves to it at the highest speed."""
+    """Its bound: the current limit, and what the reference leaves to it at the highest speed.
+
+    The limit as it counts at the most d current, where reluctance makes much of the torque.
+    """
     motor = Motor.load(machine)
     for share, flagged in ((1.0, False), (-1.0, False), (1.5, True), (-1.5, True)):
         drive = Drive(motor, "coupled", False, 4, weight)
         p = drive.params["control"]
         omega = drive.params["coupled"]["omega_max"][0]
         assert omega >= drive.params["guard"]["omega"][0]
-        most = p["i_max"][0] + p["k_p_speed"][0] * (1.0 - weight) * omega
+        aux = p["psi_f"][0] + (p["L_d"][0] - p["L_q"][0]) * p["i_d_min"][0]
+        most = p["i_max"][0] * aux / p["psi_f"][0]
+        most += p["k_p_speed"][0] * (1.0 - weight) * omega
         n = int(drive.params["lock"]["n"][0])
         for _ in range(n):
             drive.x["control"]["i_int"] = share * most
