@@ -42,6 +42,10 @@ SCALE, SENSORS = 0.16, 0.1
 L_d near the motor file's take of it."""
 MOST_THRESHOLD = 1.1
 """Middle of the largest thresholds of the switches [V]."""
+LOPSIDED, SENSED, BY_LOST = 0.06, 0.02, 0.4
+"""Most share of the probe's steps that turns them, which one channel's gain, some 20 % off, makes;
+what sensors make of it, and lost voltage over the lost share of a pulse: a leg that carries little
+current loses its voltage in the one or the other direction as the rotor lies."""
 
 
 @dataclass(frozen=True)
@@ -172,6 +176,16 @@ def plan_bring_up(motor: Motor) -> Plan:
     return Plan(replace(push, cycles=CYCLES[0]), 0.0, band, tuple(limits))
 
 
+def lopsided(motor: Motor, u_probe: float) -> float:
+    """Most share of the steps by pulses of ``u_probe`` [V] that turns them in a drive built right.
+
+    Inductances turn nothing: with the steps a of pulses along alpha and b along beta, it is
+    |a_beta - b_alpha| over |a_alpha + b_beta|. A gain of one channel makes a sqrt(12)th of itself.
+    """
+    lost = LEGS * MOST_DEAD_TIME * motor.dead_time_voltage / u_probe
+    return max(LOPSIDED, SENSED + BY_LOST * lost)
+
+
 def design_bring_up(motor: Motor) -> dict[str, Any]:
     """Fields of ``bring_up_params_t``.
 
@@ -197,6 +211,7 @@ def design_bring_up(motor: Motor) -> dict[str, Any]:
         "i_stop": 0.95 * min(motor.i_trip, motor.adc_range),
         "delay_band": 0.1,
         "scale_band": plan.scale_band,
+        "lopsided": lopsided(motor, u_probe),
         "lost_least": LEAST_LOST + threshold,
         "n_rest": 8,
         "n_probe": 16,

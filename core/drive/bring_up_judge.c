@@ -60,10 +60,9 @@ static float oddity(const bring_up_params_t *p, map_t m) {
     return across * across + excess * excess + none;
 }
 
-#define LOPSIDED 0.06f /* share of the steps that one channel's gain, some 20 % off, turns around */
-#define LEANS 0.2f     /* anisotropy beyond the machine's that a leg without its duty makes */
-#define ODD 0.3f       /* oddity from which on a wiring does not explain the steps */
-#define R_LEAST 0.6f   /* resistance over its nominal value, bounds of what is believed */
+#define LEANS 0.2f   /* anisotropy beyond the machine's that a leg without its duty makes */
+#define ODD 0.3f     /* oddity from which on a wiring does not explain the steps */
+#define R_LEAST 0.6f /* resistance over its nominal value, bounds of what is believed */
 #define R_MOST 1.6f
 #define LIKEWISE 0.15f /* share of the largest step from which on a lag counts */
 
@@ -139,7 +138,7 @@ void bring_up_judge_probe(const bring_up_params_t *p, bring_up_state_t *x) {
     x->fault |= abs_f(x->delay - 1.0f) > p->delay_band ? BRING_UP_FAULT_DELAY : 0;
     judge_wiring(p, x, m);
     /* inductances are symmetric; a gain of one channel makes (g_a - g_b) / sqrt(12) of this */
-    int lopsided = x->wiring == WIRING_RIGHT && abs_f(m.p.b) > LOPSIDED * norm_ab(m.p);
+    int lopsided = x->wiring == WIRING_RIGHT && abs_f(m.p.b) > p->lopsided * norm_ab(m.p);
     int leans = x->wiring == WIRING_RIGHT && norm_ab(m.q) > (p->anisotropy + LEANS) * norm_ab(m.p);
     x->fault |= lopsided || leans ? BRING_UP_FAULT_SCALE : 0;
 }

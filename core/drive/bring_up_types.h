@@ -60,6 +60,7 @@ typedef struct {
     float i_stop;     /* current that ends the check [A] */
     float delay_band; /* most difference of the delay from one period [periods] */
     float scale_band; /* most difference of the scale from 1 */
+    float lopsided;   /* most share of the steps across their axes that is the same on both */
     float lost_least; /* least share of u_lost that has to be lost */
     int32_t n_rest;   /* periods of REST */
     int32_t n_probe;  /* pulses of PROBE, a multiple of 8 */
