@@ -250,7 +250,7 @@ def design_lock(
         "leads": 0.0 if one_axis else LEADS,
         **answer_shares(motor),
         "n": n,
-        "n_alarm": max(1, round(ALARM / step)),
+        "n_alarm": max(2, round(ALARM / step)),
         "n_act": max(2, round(ACT / step)),
         "n_clear": max(1, round(CLEAR / step)),
         "n_calm": round(CALM / step),
