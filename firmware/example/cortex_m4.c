@@ -22,6 +22,9 @@
 #if DEAD_TIME_STEPS < 1 || DEAD_TIME_STEPS > 1008
 #error "TIM1 inserts a dead time of 1 to 1008 steps: slow its clock down with CKD, or set it here"
 #endif
+#if MOTOR_T_S_NS / 1000u * TIMER_MHZ / 2u > 65535
+#error "TIM1 counts to 65535, up and down in a period: slow its clock down with PSC, and TIMER_MHZ"
+#endif
 /* The same as DTG of TIM1_BDTR: in steps of 1, 2, 8 and 16, rounded up, for too short a dead time
  * shorts the DC link. */
 #define DEAD_TIME_CODE(steps)                                                                      \

@@ -90,6 +90,7 @@ def params_header(motor: Motor, start: str, gains: bool = False) -> str:
 #define MOTOR_U_DC {c_float(motor.u_dc)} /* rated DC link [V] */
 #define MOTOR_DEAD_TIME_NS {_nanoseconds(motor.dead_time)}u /* of a leg [ns], at least */
 #define MOTOR_T_S {c_float(motor.T_s)} /* PWM period [s] */
+#define MOTOR_T_S_NS {_nanoseconds(motor.T_s)}u /* the same in whole steps [ns], at least */
 {start}
 
 #ifdef __cplusplus
