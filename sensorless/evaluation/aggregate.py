@@ -1,4 +1,8 @@
-"""From numbers per scenario to rates, means and paired differences, with their intervals."""
+"""From numbers per scenario to rates, means and paired differences, with their intervals.
+
+Scenarios that resemble each other, say those on one machine, tell less than as many independent
+ones. ``groups`` says which belong together; intervals then resample groups.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -8,7 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
-from sensorless.evaluation.rates import Bools, Interval, difference_interval, mean, rate_interval
+from sensorless.evaluation.rates import (
+    Bools,
+    Groups,
+    Interval,
+    difference_interval,
+    mean,
+    rate_interval,
+)
 from sensorless.evaluation.rollout import CAUSES, Floats, are_feasible
 
 RESAMPLES = 2000
@@ -17,12 +28,16 @@ RESAMPLES = 2000
 Rows = NDArray[np.intp]
 
 
-def mean_interval(x: Floats, seed: int) -> Interval:
-    """95 % percentile bootstrap interval of the mean; NaN for fewer than two values.
+def mean_interval(x: Floats, seed: int, groups: Groups | None = None) -> Interval:
+    """95 % percentile bootstrap interval of the mean; NaN for fewer than two values or groups.
 
     The same ``seed`` draws the same samples, so an interval does not depend on earlier ones.
     """
-    return _interval(x, np.mean, seed)
+    if groups is None:
+        return _interval(x, np.mean, seed)
+    count, total = np.bincount(groups), np.bincount(groups, x)
+    total, count = total[count > 0], count[count > 0]
+    return interval_of(lambda of: total[of].sum(-1) / count[of].sum(-1), len(count), seed)
 
 
 def interval_of(statistic: Callable[[Rows], Floats], n: int, seed: int) -> Interval:
@@ -50,7 +65,9 @@ def _interval(x: Floats | Rows, statistic: Callable[..., Any], seed: int) -> Int
     return float(result.confidence_interval.low), float(result.confidence_interval.high)
 
 
-def mean_of(values: Mapping[str, Floats], rows: Bools, seed: int) -> dict[str, Any]:
+def mean_of(
+    values: Mapping[str, Floats], rows: Bools, seed: int, groups: Groups | None = None
+) -> dict[str, Any]:
     """Mean over ``rows``, interval and number of defined values of each metric.
 
     The keys are ``NAME`` and ``NAME_ci``, and ``defined`` with the numbers by name. A metric leaves
@@ -59,14 +76,24 @@ def mean_of(values: Mapping[str, Floats], rows: Bools, seed: int) -> dict[str, A
     out: dict[str, Any] = {}
     defined = {}
     for name, x in values.items():
-        known = x[rows & np.isfinite(x)]
+        there = rows & np.isfinite(x)
+        known = x[there]
         out[name] = float(np.mean(known, dtype=np.float64)) if len(known) else math.nan
-        out[f"{name}_ci"] = mean_interval(known, seed)
+        out[f"{name}_ci"] = mean_interval(known, seed, _of(groups, there))
         defined[name] = len(known)
     return {**out, "defined": defined}
 
 
-def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -> dict[str, Any]:
+def _of(groups: Groups | None, rows: Bools) -> Groups | None:
+    return None if groups is None else groups[rows]
+
+
+def summary(
+    lost: NDArray[np.int32],
+    metrics: Mapping[str, Floats],
+    seed: int,
+    groups: Groups | None = None,
+) -> dict[str, Any]:
     """Lost and not-held rates over the feasible scenarios, means of ``metrics`` over survivors.
 
     A scenario is not feasible if its sensored twin, the same drive with the true angle, trips or
@@ -79,7 +106,7 @@ def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -
     survived, feasible = lost == 0, are_feasible(lost)
     out = {
         "lost_rate": mean(~survived[feasible]),
-        "lost_ci": rate_interval(~survived[feasible]),
+        "lost_ci": rate_interval(~survived[feasible], _of(groups, feasible)),
         "infeasible_rate": float(np.mean(~feasible)),
         "lost_by_cause": {name: int(np.sum(lost & bit != 0)) for name, bit in CAUSES.items()},
     }
@@ -87,9 +114,9 @@ def summary(lost: NDArray[np.int32], metrics: Mapping[str, Floats], seed: int) -
         loose = _not_held(lost, metrics)[feasible]
         out |= {
             "not_held_rate": mean(loose),
-            "not_held_rate_ci": rate_interval(loose > 0.0),
+            "not_held_rate_ci": rate_interval(loose > 0.0, _of(groups, feasible)),
         }
-    return {**out, "survived": int(survived.sum()), **mean_of(metrics, survived, seed)}
+    return {**out, "survived": int(survived.sum()), **mean_of(metrics, survived, seed, groups)}
 
 
 def _not_held(lost: NDArray[np.int32], metrics: Mapping[str, Floats]) -> Floats:
@@ -103,6 +130,7 @@ def paired(
     reference_lost: NDArray[np.int32],
     reference: Mapping[str, Floats],
     seed: int,
+    groups: Groups | None = None,
 ) -> dict[str, Any]:
     """Differences to a reference, scenario by scenario; negative if this policy has less.
 
@@ -124,8 +152,11 @@ def paired(
         "lost_only_here": int(np.sum(here & ~there)),
         "lost_only_there": int(np.sum(there & ~here)),
         **{name: mean(x) - mean(y) for name, (x, y) in rates.items()},
-        **{f"{name}_ci": difference_interval(x, y) for name, (x, y) in rates.items()},
-        **mean_of(apart, both, seed),
+        **{
+            f"{name}_ci": difference_interval(x, y, _of(groups, feasible))
+            for name, (x, y) in rates.items()
+        },
+        **mean_of(apart, both, seed, groups),
         "there": {
             **{name: mean(y) for name, (_, y) in rates.items()},
             **{name: mean(x) for name, x in base.items()},
@@ -133,7 +164,7 @@ def paired(
     }
 
 
-def by_place(places: Array, survived: Bools) -> dict[str, list[Any]]:
+def by_place(places: Array, survived: Bools, groups: Groups | None = None) -> dict[str, list[Any]]:
     """Lost rate and errors in each of p places, lists of p.
 
     ``came`` counts the scenarios that were in the place, ``lost`` those lost there, with rate and
@@ -160,7 +191,7 @@ def by_place(places: Array, survived: Bools) -> dict[str, list[Any]]:
             float(np.mean(x[c])) if c.any() else math.nan for x, c in _columns(lost, came)
         ],
         "lost_ci": [
-            rate_interval(x[c]) if c.any() else (math.nan, math.nan)
+            rate_interval(x[c], _of(groups, c)) if c.any() else (math.nan, math.nan)
             for x, c in _columns(lost, came)
         ],
         "time_share": (count / max(int(count.sum()), 1)).tolist(),

@@ -23,6 +23,7 @@ from sensorless.evaluation.lock import LOCK, lock_summary
 from sensorless.evaluation.metrics.catalogue import METRICS
 from sensorless.evaluation.metrics.place import QUADRANTS, SPEED_EDGES
 from sensorless.evaluation.metrics.place import by_place as sums_by_place
+from sensorless.evaluation.rates import Groups
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.rollout import (
     CHUNK,
@@ -126,6 +127,7 @@ def results_of(
     motor: Motor | Machines,
     seeds: Seeds,
     words: Sequence[str],
+    groups: Groups | None = None,
 ) -> Results:
     """Results of all policies on n scenarios.
 
@@ -135,6 +137,8 @@ def results_of(
         Name of the suite, its seed and its size.
     seeds, words
         Seed of each scenario, and what replays it.
+    groups
+        Scenarios that belong together, see ``aggregate``.
     """
     suite, seed, size = drawn
     return Results(
@@ -150,10 +154,10 @@ def results_of(
                 "estimator": _estimator(policies[name], design),
                 "own": _own(policies[name], design),
             }
-            | _entry(s, seeds, words, seed, knows_truth(policies[name]))
+            | _entry(s, seeds, words, seed, knows_truth(policies[name]), groups)
             for name, s in scores.items()
         },
-        paired=_paired(scores, seed),
+        paired=_paired(scores, seed, groups),
     )
 
 
@@ -215,15 +219,25 @@ def _report(progress: PolicyProgress, name: str) -> Progress:
     return lambda done: progress(name, done)
 
 
-def _entry(s: Scores, seeds: Seeds, words: Sequence[str], seed: int, bound: bool) -> dict[str, Any]:
+def _entry(
+    s: Scores,
+    seeds: Seeds,
+    words: Sequence[str],
+    seed: int,
+    bound: bool,
+    groups: Groups | None,
+) -> dict[str, Any]:
     """Results of one policy."""
     survived = s.lost == 0
     return {
         "bound": bound,
-        **summary(s.lost, s.metrics, seed),
+        **summary(s.lost, s.metrics, seed, groups),
         **lock_summary(s.lock, s.lost, s.time),
-        "by_quadrant": {"place": QUADRANTS, **by_place(s.places["quadrant"], survived)},
-        "by_speed": {"from_rated_speed": SPEED_EDGES, **by_place(s.places["speed"], survived)},
+        "by_quadrant": {"place": QUADRANTS, **by_place(s.places["quadrant"], survived, groups)},
+        "by_speed": {
+            "from_rated_speed": SPEED_EDGES,
+            **by_place(s.places["speed"], survived, groups),
+        },
         "worst": _worst(s, words),
         "scenarios": {
             "seed": seeds.tolist(),
@@ -252,13 +266,15 @@ def _worst(s: Scores, words: Sequence[str]) -> list[dict[str, Any]]:
     ]
 
 
-def _paired(scores: Mapping[str, Scores], seed: int) -> dict[str, dict[str, Any]]:
+def _paired(
+    scores: Mapping[str, Scores], seed: int, groups: Groups | None
+) -> dict[str, dict[str, Any]]:
     first, *others = scores
     ref = scores[first]
     return {
         name: {
             "with": first,
-            **paired(scores[name].lost, scores[name].metrics, ref.lost, ref.metrics, seed),
+            **paired(scores[name].lost, scores[name].metrics, ref.lost, ref.metrics, seed, groups),
         }
         for name in others
     }

@@ -1,7 +1,8 @@
 """Runs every policy on random machines, each with a design of its own: the suite ``machines``.
 
 A schedule that was made on another machine runs as it is: its signals and speeds are shares of
-rated ones. Losses and errors are also compared with the first policy's on the same machine.
+rated ones. Losses and errors are also compared with the first policy's on the same machine. All
+intervals are over machines, since scenarios on one machine resemble each other.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -76,6 +77,7 @@ def evaluate_machines(
         machines,
         np.concatenate([r.seed for r in rows]),
         [scenario_word(NAME, seed, i, i + 1) for i in range(SCENARIOS * size)],
+        np.repeat(np.arange(size), SCENARIOS),
     )
     first = next(iter(parts.values()))
     for name, found in parts.items():

@@ -33,6 +33,17 @@ def test_mean_interval_depends_on_values_and_seed_only() -> None:
     assert mean_interval(x, 1) != mean_interval(x, 2)
 
 
+def test_values_that_come_in_groups_are_drawn_by_groups() -> None:
+    machines, groups = np.random.default_rng(5).normal(0.0, 1.0, 30), np.repeat(np.arange(30), 16)
+    assert mean_interval(np.repeat(machines, 16), 1, groups) == pytest.approx(
+        mean_interval(machines, 1)
+    )
+    some = groups > 2  # the numbers of groups need not begin at 0
+    assert mean_interval(np.repeat(machines, 16)[some], 1, groups[some]) == pytest.approx(
+        mean_interval(machines[3:], 1)
+    )
+
+
 def test_too_few_values_have_no_interval() -> None:
     assert all(map(math.isnan, mean_interval(np.ones(1), 0)))
     assert mean_interval(np.ones(2), 0) == (1.0, 1.0)

@@ -12,6 +12,7 @@ from sensorless.envs.scenarios.machines_suite import SCENARIOS, on_machine, rows
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.words import scenario_from
 from sensorless.errors import UserError
+from sensorless.evaluation.aggregate import mean_interval
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.machines import evaluate_machines
 from sensorless.evaluation.results import Results
@@ -35,6 +36,15 @@ def policies_on(motor: Motor) -> Mapping[str, Policy]:
 @pytest.fixture(scope="module")
 def results() -> Results:
     return evaluate_machines(DESIGN, SEED, N, policies_on)
+
+
+def test_intervals_are_over_machines(results: Results) -> None:
+    found = results.policies["reference"]
+    dev = np.array(found["scenarios"]["torque_dev_rms"])
+    groups = np.repeat(np.arange(N), SCENARIOS)
+    kept = np.array([cause is None for cause in found["scenarios"]["lost_cause"]])
+    want = mean_interval(dev[kept], SEED, groups[kept])
+    assert found["torque_dev_rms_ci"] == pytest.approx(want)
 
 
 def test_each_machine_is_as_if_judged_alone(results: Results) -> None:

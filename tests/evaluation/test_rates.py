@@ -8,7 +8,7 @@ import pytest
 from sensorless.evaluation.rates import Bools, difference_interval, rate_interval
 
 
-def wilson(hits: int, n: int, z: float = 1.959964) -> tuple[float, float]:
+def wilson(hits: float, n: int, z: float = 1.959964) -> tuple[float, float]:
     """Textbook formula (doi 10.1080/01621459.1927.10502953)."""
     p = hits / n
     centre = (p + z * z / (2 * n)) / (1 + z * z / n)
@@ -64,3 +64,32 @@ def test_no_scenario_has_no_interval() -> None:
     nothing = np.zeros(0, dtype=np.bool_)
     for interval in (rate_interval(nothing), difference_interval(nothing, nothing)):
         assert np.isnan(interval).all()
+
+
+def test_groups_that_end_alike_count_as_one_each() -> None:
+    """16 scenarios on each of 50 machines tell as much as one on 49."""
+    machines = np.arange(50) < 5
+    groups = np.repeat(np.arange(50), 16)
+    found = rate_interval(np.repeat(machines, 16), groups)
+    assert found == pytest.approx(wilson(0.1 * 49, 49), abs=1e-6)
+
+
+def test_groups_without_a_pattern_change_little() -> None:
+    hits, groups = np.random.default_rng(3).random(16_000) < 0.1, np.repeat(np.arange(1000), 16)
+    free, grouped = rate_interval(hits), rate_interval(hits, groups)
+    assert np.ptp(grouped) == pytest.approx(np.ptp(free), rel=0.05)
+    assert np.ptp(grouped) >= np.ptp(free)
+
+
+def test_95_of_100_grouped_intervals_hold_the_truth() -> None:
+    """Losses gather: a tenth of the machines lose a quarter, the others a hundredth."""
+    rng, groups = np.random.default_rng(2), np.repeat(np.arange(64), 16)
+    held, free, truth = 0, 0, 0.1 * 0.25 + 0.9 * 0.01
+    for _ in range(400):
+        rate = np.where(rng.random(64) < 0.1, 0.25, 0.01)
+        hits = rng.random(1024) < rate[groups]
+        for name in ("grouped", "free"):
+            low, high = rate_interval(hits, groups if name == "grouped" else None)
+            inside = low <= truth <= high
+            held, free = held + (inside and name == "grouped"), free + (inside and name == "free")
+    assert held / 400 >= 0.9 > 0.85 >= free / 400
