@@ -19,7 +19,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG, Scenarios, SimFactory
 from sensorless.errors import UserError
 from sensorless.evaluation.lock import EARLY
-from sensorless.evaluation.metrics.held import BAND_PCT, not_held
+from sensorless.evaluation.metrics.held import BAND_PCT, not_held, twin_swing_pct
 from sensorless.evaluation.rollout import CAUSES, cause_of, rollouts, twins_alone, weights
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
@@ -30,10 +30,11 @@ Trace = dict[str, Array]
 """Columns of ``TRACE_NAMES`` (``core/sim/trace.h``), each (periods,): SI units, rad, rad/s.
 Beside them ``lost``, bits of the verdict in every row, for a lost drive with its twin's to the end
 of the scenario; ``twin_fails``, when the twin trips or runs away [s], else infinity; ``judged``, 1
-after the verdict; ``not_held``, 1 if an evaluation counts the run so; ``alarm``, 1 while the
-drive's own tests tell lost lock; ``recovering``, 1 while it seeks its rotor after that or has
-stopped; ``fault``, the drive's fault bits; ``reason``, bits of the tests that failed in alarms so
-far. The last four are as of the end of a decision."""
+after the verdict; ``not_held``, 1 if an evaluation counts the run so; ``twin_swings``, 1 if the
+twin itself swings by as much; ``alarm``, 1 while the drive's own tests tell lost lock;
+``recovering``, 1 while it seeks its rotor after that or has stopped; ``fault``, the drive's fault
+bits; ``reason``, bits of the tests that failed in alarms so far. The last four are as of the end of
+a decision."""
 TESTS = {
     "EMF": lib.LOCK_EMF,
     "speed": lib.LOCK_SPEED,
@@ -109,14 +110,12 @@ def trace(
     out["judged"] = np.arange(len(table)) >= (sim["k_lost"][0] or len(table))
     out["alarm"], out["recovering"] = of_rows[:, 0] != 0, of_rows[:, 1] != 0
     out["fault"], out["reason"] = of_rows[:, 2], of_rows[:, 3]
-    loose = not lost and change is None and _is_loose(policy, scenario, factory)
-    out["not_held"] = np.full(len(table), loose)
+    loose, swings = False, False
+    if not lost and change is None:
+        (r,) = rollouts(policy, scenario, factory)
+        loose, swings = not_held(r)[0] == 1.0, twin_swing_pct(r)[0] > BAND_PCT
+    out["not_held"], out["twin_swings"] = np.full(len(table), loose), np.full(len(table), swings)
     return out
-
-
-def _is_loose(policy: Policy, scenario: Scenarios, factory: SimFactory) -> bool:
-    """Whether an evaluation counts the scenario as not held."""
-    return any(not_held(r)[0] == 1.0 for r in rollouts(policy, scenario, factory))
 
 
 def lost_cause(t: Trace) -> str | None:
@@ -159,6 +158,8 @@ def _doubts(t: Trace) -> Iterator[str]:
         yield from missed
     elif t["not_held"].any():
         yield f"the speed swings, or stays away, by more than {BAND_PCT:g} % of rated (not held)"
+    if t["twin_swings"].any():
+        yield f"the control itself swings: with an encoder too by more than {BAND_PCT:g} % of rated"
 
 
 def _missed(t: Trace) -> Iterator[str]:

@@ -128,13 +128,13 @@ class Fixed:
 
 @pytest.mark.parametrize(
     ("weights", "said"),
-    [([-1.0], "a weight of -1"), ([2.0], "a weight of 2"), ([np.nan], "a weight of nan"),
-     ([], "weights of shape (0,)"), ([[1.0]], "weights of shape (1, 1)"),
-     (None, "weights of shape ()"), (1.0, "weights of shape ()")],
+    [([-1.0], "-1; give 0 to 1"), ([2.0], "2; give 0 to 1"), ([np.nan], "nan; give 0 to 1"),
+     ([], "shape (0,) for 1 drives; give (1,)"), ([[1.0]], "shape (1, 1) for 1 drives"),
+     (None, "shape () for 1 drives"), (1.0, "shape () for 1 drives")],
 )  # fmt: skip
 def test_a_wrong_weight_is_no_trace(weights: object, said: str) -> None:
     """The core would take 1 in its place: evaluate refuses it, too."""
     motor = Motor.load("paper")
     case = plan_from("0:40", "0:0", None, 0.1, motor, 1)
-    with pytest.raises(UserError, match=f"^policy fixed: {re.escape(said)}; return"):
+    with pytest.raises(UserError, match=f"^policy fixed: act gave {re.escape(said)}"):
         trace(Fixed(weights), case, motor, DriveDesign())

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sensorless.evaluation.metrics.held import away_s, not_held, swing_pct
+from sensorless.evaluation.metrics.held import away_s, not_held, swing_pct, twin_swing_pct
 from sensorless.evaluation.metrics.hop import hops, k_s_hop
 from sensorless.evaluation.metrics.ripple import (
     torque_p2p_handover,
@@ -115,6 +115,7 @@ METRICS: dict[str, Callable[[Rollout], Floats]] = {
         speed_dev_rms,
         away_s,
         swing_pct,
+        twin_swing_pct,
         not_held,
         angle_err_mean_deg,
         angle_err_rms_deg,

@@ -5,11 +5,13 @@ estimator. A change is any movement of the speed reference, the load or the DC l
 beginning to its end; the start counts as one.
 """
 
+from itertools import combinations
+
 import numpy as np
 
 from sensorless.core.api import Array
 from sensorless.evaluation.lock import BAND
-from sensorless.evaluation.metrics.profile import since_change
+from sensorless.evaluation.metrics.profile import reference, since_change
 from sensorless.evaluation.rollout import Floats, Rollout
 
 BAND_PCT = 100.0 * BAND
@@ -28,10 +30,13 @@ BLOCK = 0.1
 def away_s(r: Rollout) -> Floats:
     """max_j t_j with |omega_m - omega_m_twin| > 2 % of rated, t_j since the last change [s].
 
-    Speeds are means over decision j; 0 if the speed was never off while nothing changed.
+    Speeds are means over decision j; 0 if the speed was never off while nothing changed. A drive
+    within that band of the reference is not off, whatever its twin does.
     """
     band = 0.01 * BAND_PCT * r.motor.omega_m_rated
     off = np.abs(r.mean("omega_m") - r.mean("omega_m_twin")) > band
+    if off.any():
+        off &= np.abs(r.mean("omega_m") - reference(r)) > band
     time = np.where(off, np.maximum(since_change(r), 0.0), 0.0)
     return np.asarray(np.where(r.periods > 0, time.max(axis=0, initial=0.0), np.nan))
 
@@ -43,16 +48,46 @@ def swing_pct(r: Rollout) -> Floats:
     the last change, the last ends before the next change; windows begin every 0.1 s. NaN without
     three such windows.
     """
-    size = max(1, round(BLOCK / r.decision_time))
-    blocks = len(r.sums) // size
-    if blocks < 6:
+    if (size := _block_of(r)) == 0:
         return np.full(len(r.lost), np.nan)
-    quiet = in_blocks(np.where(r.alive, since_change(r), -1.0), size).min(axis=1) >= QUIET
     drive, twin = (_peak_to_peak(in_blocks(r.mean(x), size)) for x in ("omega_m", "omega_m_twin"))
-    swing = drive - twin
-    lasting = np.minimum(np.minimum(swing[:-4], swing[2:-2]), swing[4:])
-    inside = np.logical_and.reduce([quiet[j : blocks - 5 + j] for j in range(6)])
-    most = np.where(inside, lasting, -np.inf).max(axis=0, initial=-np.inf)
+    return _most(r, size, _lasting(drive - twin))
+
+
+def twin_swing_pct(r: Rollout) -> Floats:
+    """The same of the twin alone, and no more than it goes up, down and up again in 0.6 s [%].
+
+    Or down, up and down. Beyond 2 % the control itself swings; a speed that settles does not.
+    """
+    if (size := _block_of(r)) == 0:
+        return np.full(len(r.lost), np.nan)
+    x = in_blocks(r.mean("omega_m_twin"), size)
+    high, low, n = x.max(axis=1), x.min(axis=1), len(x) - 5
+    swing = np.zeros((n, x.shape[2]))
+    for at in combinations(range(6), 4):  # blocks of a turning point each
+        for a, b, sign in ((high, low, 1.0), (low, high, -1.0)):
+            ends = [(a if j % 2 == 0 else b)[k : n + k] for j, k in enumerate(at)]
+            legs = (ends[0] - ends[1], ends[2] - ends[1], ends[2] - ends[3])
+            swing = np.maximum(swing, np.min([sign * leg for leg in legs], axis=0))
+    return _most(r, size, np.minimum(_lasting(_peak_to_peak(x)), swing))
+
+
+def _block_of(r: Rollout) -> int:
+    """Decisions in a block; 0 where there are not six blocks, as three windows take."""
+    size = max(1, round(BLOCK / r.decision_time))
+    return size if len(r.sums) // size >= 6 else 0
+
+
+def _lasting(swing: Floats) -> Floats:
+    """The least in three successive windows, of swings in windows that begin every block."""
+    return np.asarray(np.minimum(np.minimum(swing[:-4], swing[2:-2]), swing[4:]))
+
+
+def _most(r: Rollout, size: int, swing: Floats) -> Floats:
+    """(n,) largest swing over rated speed where nothing changes [%]; NaN without such a time."""
+    quiet = in_blocks(np.where(r.alive, since_change(r), -1.0), size).min(axis=1) >= QUIET
+    inside = np.logical_and.reduce([quiet[j : len(swing) + j] for j in range(6)])
+    most = np.where(inside, swing, -np.inf).max(axis=0, initial=-np.inf)
     return np.asarray(np.where(np.isfinite(most), 100.0 * most / r.motor.omega_m_rated, np.nan))
 
 

@@ -8,7 +8,7 @@ from sensorless.core.api import SIM
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import suite
-from sensorless.evaluation.metrics.held import away_s, not_held, swing_pct
+from sensorless.evaluation.metrics.held import away_s, not_held, swing_pct, twin_swing_pct
 from sensorless.evaluation.metrics.profile import reference, since_change
 from sensorless.evaluation.rollout import Rollout, rollout
 from sensorless.machine.motor import Motor
@@ -55,9 +55,16 @@ def test_a_limit_cycle_shows_its_peak_to_peak(hz: float) -> None:
         assert away_s(r)[0] == 0.0, "it stays within the band all the while"
 
 
+def test_a_drive_at_its_reference_is_not_away_from_a_twin_that_swings() -> None:
+    r = made_up(load_at(0.5), NONE, wave(6.0, 5.0))
+    assert away_s(r)[0] == 0.0 and not_held(r)[0] == 0.0
+    assert twin_swing_pct(r)[0] > 2.0
+
+
 def test_what_the_twin_swings_too_is_no_fault() -> None:
     twin = wave(5.0, 10.0)
     assert swing_pct(made_up(load_at(0.5), twin, twin))[0] == pytest.approx(0.0, abs=1e-5)
+    assert twin_swing_pct(made_up(load_at(0.5), twin, twin))[0] == pytest.approx(5.0, rel=0.03)
     assert swing_pct(made_up(load_at(0.5), 1.5 * twin, twin))[0] == pytest.approx(2.5, rel=0.03)
 
 
