@@ -62,7 +62,7 @@ class Judged:
         if self.nominal < LEAST_FEASIBLE * self.drawn:
             failed = f"{self.drawn - self.nominal} of {self.drawn} scenarios of {SUITE}"
             return f"even with an encoder, the drive fails {failed}"
-        return f"it is {self.eq25.sentence}" if self.eq25.word == "worse" else ""
+        return self.eq25.sentence if self.eq25.word == "worse" else ""
 
     @property
     def sentence(self) -> str:
@@ -118,7 +118,7 @@ def require_fit(judged: Judged, name: str) -> None:
         )
         raise UserError(f"export: {name}: {judged.objection}: {mend}")
     if judged.objection:
-        worse = judged.objection == f"it is {judged.eq25.sentence}"
+        worse = judged.objection == judged.eq25.sentence
         better = "export eq25, or train" if worse or judged.suits else "train"
         raise UserError(
             f"export: {name}: {judged.objection}: {better} or tune one for this machine, or add "

@@ -61,6 +61,16 @@ def test_few_losses_more_are_no_proof() -> None:
     one, thirty = (contrast(ended(DEV, n), ended(DEV), "it") for n in (1, 30))
     assert (one.word, thirty.word) == ("level", "worse")
     assert "lost 30 instead of 0 of 400 scenarios" in thirty.sentence
+    assert "rarer" not in thirty.sentence
+
+
+def test_none_lost_does_not_mean_that_none_would_be() -> None:
+    """With 95 % confidence the rate is at most 3 of 400."""
+    found = contrast(ended(DEV - 0.001), ended(DEV), "it")
+    assert found.word == "better"
+    assert found.sentence.endswith(
+        "that it was not made on, which may miss a loss rarer than 1 in 133"
+    )
 
 
 def test_what_is_not_feasible_does_not_count() -> None:

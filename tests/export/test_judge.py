@@ -43,7 +43,7 @@ def suits(weight: str) -> Check:
         (Judged(10, 200, 200, LEVEL), ""),
         (Judged(0, 200, 200, BETTER), ""),
         (Judged(11, 200, 200, BETTER), "it loses 11 of 200 scenarios of nominal, more than 5 %"),
-        (Judged(0, 200, 200, WORSE), "it is worse than Eq. 25"),
+        (Judged(0, 200, 200, WORSE), "worse than Eq. 25"),
         (Judged(3, 42, 200, BETTER), "it loses 3 of 42 feasible scenarios (200 drawn) of nominal"),
         (Judged(0, 0, 200, LEVEL), "no scenario of nominal is feasible"),
         (Judged(0, 99, 200, LEVEL), "even with an encoder, the drive fails 101 of 200"),
