@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from sensorless.core.api import Array
-from sensorless.core.gains import Gain, Values, write_wanted
+from sensorless.core.gains import GAIN_N, Gain, Values, write_wanted
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.table.ks_table import KsTable
@@ -18,6 +18,9 @@ Signals = NDArray[np.float32]
 Settings = Mapping[str, Any]
 """Settings of ``DriveDesign`` by name."""
 NO_SETTINGS: Settings = {}
+
+ROUNDING = 1e-5
+"""How far an answer of a policy may lie beyond its range; it is clipped."""
 
 
 class Policy(Protocol):
@@ -109,12 +112,46 @@ def decide_gains(policy: Policy, obs: Signals, gains: Array) -> None:
     Raises
     ------
     UserError
-        One is not finite; the core would take the static gain in its place.
+        As ``act_gains``.
     """
-    wanted: Values = policy.act_gains(obs)  # type: ignore[attr-defined] # as for ``decide``
-    if not np.isfinite(wanted).all():
-        raise UserError(f"policy {policy.name}: a gain that is not finite; return -1 to 1")
-    write_wanted(gains, wanted)
+    write_wanted(gains, act_gains(policy, obs))
+
+
+def act_gains(policy: Policy, obs: Signals) -> Values:
+    """Values (n, GAIN_N) that a policy with ``gains_of`` wants, -1 to 1.
+
+    Raises
+    ------
+    UserError
+        They have another shape, or one is not from -1 to 1.
+    """
+    found = policy.act_gains(obs)  # type: ignore[attr-defined] # as for ``decide``
+    return checked(found, (len(obs), GAIN_N), -1.0, f"policy {policy.name}: act_gains")
+
+
+def checked(x: ArrayLike, shape: tuple[int, ...], low: float, where: str) -> NDArray[np.float32]:
+    """What a policy answered, clipped where it is no more than ``ROUNDING`` beyond its range.
+
+    Parameters
+    ----------
+    shape : what it has to be, the drives first
+    low : least value; 1 is the largest
+    where : begin of an error's text
+
+    Raises
+    ------
+    UserError
+        It has another shape, or one number is not from ``low`` to 1; the core would keep the last
+        weight, or take the static gain in its place.
+    """
+    values = np.asarray(x, dtype=np.float32)
+    if values.shape != shape:
+        raise UserError(f"{where} gave shape {values.shape} for {shape[0]} drives; give {shape}")
+    least, most = low - ROUNDING, 1.0 + ROUNDING
+    if not (values.min(initial=1.0) >= least and values.max(initial=low) <= most):
+        inside = (values >= least) & (values <= most)
+        raise UserError(f"{where} gave {values[~inside][0]:g}; give {low:g} to 1")
+    return values.clip(low, 1.0)
 
 
 class TablePolicy:

@@ -20,13 +20,18 @@ from sensorless.core.gains import gain_records
 from sensorless.core.runs import Run
 from sensorless.decision import decision_periods, decision_time
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.errors import UserError
 from sensorless.evaluation.lock import LockWatch
 from sensorless.machine.motor import Motor
-from sensorless.policy import NO_SETTINGS, Policy, Settings, Signals, decide, decide_gains, gains_of
-
-ROUNDING = 1e-5
-"""How far a weight may lie beyond 0 to 1; it is clipped."""
+from sensorless.policy import (
+    NO_SETTINGS,
+    Policy,
+    Settings,
+    Signals,
+    checked,
+    decide,
+    decide_gains,
+    gains_of,
+)
 
 CHUNK = 256
 """Scenarios at a time: with ``sums_t`` of 88 bytes, 2 s of them take 45 MB."""
@@ -158,16 +163,9 @@ def weights(policy: Policy, obs: Signals, sims: Array) -> NDArray[np.float32]:
     Raises
     ------
     UserError
-        They have another shape, or one is not from 0 to 1; the core would keep the last one.
+        They have another shape, or one is not from 0 to 1.
     """
-    k_s = np.asarray(decide(policy, obs, sims), dtype=np.float32)
-    n = len(obs)
-    if k_s.shape != (n,):
-        raise UserError(f"policy {policy.name}: weights of shape {k_s.shape}; return ({n},)")
-    if not (k_s.min(initial=0.0) >= -ROUNDING and k_s.max(initial=1.0) <= 1.0 + ROUNDING):
-        bad = k_s[~((k_s >= -ROUNDING) & (k_s <= 1.0 + ROUNDING))][0]
-        raise UserError(f"policy {policy.name}: a weight of {bad:g}; return 0 to 1")
-    return k_s.clip(0.0, 1.0)
+    return checked(decide(policy, obs, sims), (len(obs),), 0.0, f"policy {policy.name}: act")
 
 
 def with_twin_to_the_end(

@@ -24,12 +24,10 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.signals import bounded
 from sensorless.errors import UserError, has_control, shown
 from sensorless.machine.motor import Motor
-from sensorless.policy import NO_SETTINGS, Settings, Signals, gains_of
+from sensorless.policy import NO_SETTINGS, Settings, Signals, checked, gains_of
 from sensorless.settings import settings_of
 
 WORD = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*")
-ROUNDING = 1e-5
-"""How far an answer may lie beyond its range; it is clipped."""
 
 
 class PythonPolicy:
@@ -98,31 +96,13 @@ class PythonPolicy:
         """Weights (n,)."""
         with self._told("act"):
             k_s = np.asarray(self._own.act(bounded(obs)), dtype=np.float32)
-        return self._checked(k_s, (len(obs),), 0.0, "act")
+        return checked(k_s, (len(obs),), 0.0, f"policy: {self._spec!r} act")
 
     def act_gains(self, obs: Signals) -> Values:
         """Values of the gains (n, GAIN_N)."""
         with self._told("act_gains"):
             values = np.asarray(self._own.act_gains(bounded(obs)), dtype=np.float32)
-        return self._checked(values, (len(obs), GAIN_N), -1.0, "act_gains")
-
-    def _checked(
-        self, x: NDArray[np.float32], shape: tuple[int, ...], low: float, where: str
-    ) -> NDArray[np.float32]:
-        """Array as it came, within its range.
-
-        Raises
-        ------
-        UserError
-            Of another shape, not finite, or beyond ``low`` to 1.
-        """
-        if x.shape != shape:
-            raise self._error(f"{where} gave shape {x.shape} for {shape[0]} drives; give {shape}")
-        if not np.isfinite(x).all():
-            raise self._error(f"{where} gave {x[~np.isfinite(x)][0]}; give {low:g} to 1")
-        if x.min(initial=1.0) < low - ROUNDING or x.max(initial=low) > 1.0 + ROUNDING:
-            raise self._error(f"{where} gave {x.min():g} to {x.max():g}; give {low:g} to 1")
-        return x.clip(low, 1.0)
+        return checked(values, (len(obs), GAIN_N), -1.0, f"policy: {self._spec!r} act_gains")
 
     @contextmanager
     def _told(self, where: str) -> Iterator[None]:

@@ -157,18 +157,25 @@ def test_a_weight_out_of_range_is_no_result(weight: float) -> None:
     """The core would take another one in its place."""
     policy = Recorder()
     policy.act = lambda obs: np.full(len(obs), weight, np.float32)  # type: ignore[method-assign]
-    with pytest.raises(UserError, match=f"policy recorder: a weight of {weight:g}; return 0 to 1"):
+    with pytest.raises(UserError, match=f"policy recorder: act gave {weight:g}; give 0 to 1"):
         rollout(policy, short(5, 0.02), FACTORY)
 
 
-def test_a_gain_that_is_not_finite_is_no_result() -> None:
+@pytest.mark.parametrize(
+    ("shape", "value", "said"),
+    [((5, GAIN_N), np.nan, "nan; give -1 to 1"), ((5, GAIN_N), 7.0, "7; give -1 to 1"),
+     ((1, GAIN_N), 0.0, "shape"), ((5, 1), 0.0, "shape")],
+)  # fmt: skip
+def test_a_wrong_gain_is_no_result(shape: tuple[int, int], value: float, said: str) -> None:
+    """The core would clip it, or take the static gain in its place."""
+
     class Gains(Recorder):
         ranges = DEFAULT
 
         def act_gains(self, obs: Signals) -> Values:
-            return np.full((len(obs), GAIN_N), np.nan, np.float32)
+            return np.full(shape, value, np.float32)
 
-    with pytest.raises(UserError, match="policy recorder: a gain that is not finite"):
+    with pytest.raises(UserError, match=f"policy recorder: act_gains gave {said}"):
         rollout(Gains(), short(5, 0.02), FACTORY)
 
 
@@ -184,7 +191,7 @@ def test_a_weight_rounded_beyond_the_range_is_clipped() -> None:
 
 
 def test_a_policy_with_the_wrong_number_of_weights_is_stopped() -> None:
-    with pytest.raises(UserError, match="policy recorder: weights of shape"):
+    with pytest.raises(UserError, match="policy recorder: act gave shape"):
         rollout(Crooked(), short(3), FACTORY)
 
 
