@@ -4,6 +4,7 @@ import copy
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from itertools import chain, islice
 
 from sensorless.core.api import threads_allowed
@@ -13,7 +14,8 @@ from sensorless.evaluation.engines.engine import Chunk, Result
 class Threads:
     """As many threads as calls of the core may use.
 
-    Every chunk runs on copies of the function and of itself: policies keep what they saw.
+    Every chunk runs on copies of the function and of itself, on one thread too: policies keep what
+    they saw.
     """
 
     def map(self, function: Callable[[Chunk], Result], chunks: Iterable[Chunk]) -> Iterator[Result]:
@@ -21,17 +23,23 @@ class Threads:
 
         Work that cannot be copied, say of a policy that holds a file, is done one by one.
         """
-        count, waiting = threads_allowed(), iter(chunks)
-        if count == 1:
-            return map(function, waiting)
+        waiting = iter(chunks)
         first = list(islice(waiting, 1))
         every = chain(first, waiting)
         if not _can_be_copied((function, first)):
             return map(function, every)
+        count = threads_allowed()
+        if count == 1:
+            return map(partial(_on_copies, function), every)
         return _side_by_side(function, every, count)
 
 
 LOCAL = Threads()
+
+
+def _on_copies(function: Callable[[Chunk], Result], chunk: Chunk) -> Result:
+    own, its_own = copy.deepcopy((function, chunk))
+    return own(its_own)
 
 
 def _side_by_side(

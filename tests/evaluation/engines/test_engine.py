@@ -50,8 +50,11 @@ class Counting:
         return self.calls
 
 
-def test_every_chunk_gets_a_function_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("SENSORLESS_THREADS", "2")
+@pytest.mark.parametrize("threads", ["1", "2"])
+def test_every_chunk_gets_a_function_of_its_own(
+    monkeypatch: pytest.MonkeyPatch, threads: str
+) -> None:
+    monkeypatch.setenv("SENSORLESS_THREADS", threads)
     fresh = Counting(None)
     assert list(LOCAL.map(fresh, range(6))) == [1] * 6
     assert fresh.calls == 0
