@@ -29,7 +29,7 @@ class GainEnv(BlendEnv):
     **Reward**
     The terms of `WindowWeights`: running costs over the last 20 ms, integrated over time, together
     at most 0.30 per 1 ms, and lost_penalty (-200, once). A return does not depend on a decision
-    period of up to 20 ms but for what the decisions themselves change.
+    period that divides 20 ms but for what the decisions themselves change.
     ``sensorless.envs.window_reward`` has the formulas.
 
     Parameters

@@ -173,7 +173,7 @@ class TrainConfig:
         0,
         1e6,
         "take this reward away when lock is lost; it must exceed the running costs that it ends: "
-        "151 in a scenario of 2 s at the very worst, without those of the angle",
+        "151 in a scenario of 2 s at the very worst, 192 with --gains, without those of the angle",
     )
     angle_cost: float = number(
         1.0,

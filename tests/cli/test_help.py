@@ -18,6 +18,7 @@ from sensorless.envs.counter_random import combine
 from sensorless.envs.reward import ANGLE_FREE, RewardWeights
 from sensorless.envs.scenarios.stress import DURATION
 from sensorless.envs.scenarios.suites import ROLES, SUITES
+from sensorless.envs.window_reward import WindowWeights
 from sensorless.machine.motor import MOTORS, Motor
 
 ACTIONS = {"--help", "--install-completion", "--show-completion"}
@@ -153,10 +154,14 @@ def test_the_help_of_train_has_the_figures_of_the_code() -> None:
 
     assert figures("n_steps", r"(\d+) of (\d+) ms") == [config.n_steps, config.decision_ms]
     assert config.n_steps * config.decision_ms == 1e3 * DURATION, "a whole scenario"
-    worst, of = figures("lost_penalty", r"(\d+) in a scenario of (\d+) s")
+    worst, of, gains = figures(
+        "lost_penalty", r"(\d+) in a scenario of (\d+) s.* (\d+) with --gains"
+    )
     assert of == DURATION
     without_angle = weights.worst_running - weights.angle
     assert worst == pytest.approx(1e3 * DURATION * without_angle, abs=0.5)
+    beside = WindowWeights().worst_running - WindowWeights().angle
+    assert gains == pytest.approx(1e3 * DURATION * beside, abs=0.5)
     assert figures("angle_cost", r"begins at (\d+) degrees") == [math.degrees(ANGLE_FREE)]
 
 
