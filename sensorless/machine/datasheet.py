@@ -174,31 +174,65 @@ def _inductances(s: Datasheet) -> tuple[Number, Number]:
 
 
 def _magnet(s: Datasheet, n_p: int) -> Number:
-    """Magnet flux linkage [Vs] from Ke, else from Kt; where both are given they must agree."""
-    from_ke = from_kt = None
+    """Magnet flux linkage [Vs] from Ke, else from Kt; where both are given they must agree.
+
+    A Kt may be that of the magnet alone, or torque over current at the rated point, which has the
+    reluctance's torque in it. Kt alone is the latter if it is the sheet's own torque over current.
+    """
+    from_ke = from_kt = rated = None
     if s.ke is not None:
         volt = s.ke * KE_KINDS[s.ke_kind] / math.sqrt(3.0)
         from_ke = volt / (n_p * 1000.0 * RPM_TO_RAD_S)
     if s.kt is not None:
         from_kt = s.kt * KT_KINDS[s.kt_kind] / (1.5 * n_p)
+        rated = _beside_reluctance(s, from_kt)
     if from_ke is not None and from_kt is not None:
+        known, likely = from_ke, _likely(from_kt / from_ke)
+        from_kt = min((from_kt, rated or from_kt), key=lambda x: abs(x / known - 1.0))
         off = from_kt / from_ke
         if abs(off - 1.0) > TOLERANCE:
             raise UserError(
                 f"ke, kt: Ke = {s.ke:g} V/krpm ({s.ke_kind}) is a magnet flux of {from_ke:.4g} Vs, "
                 f"Kt = {s.kt:g} N m/A ({s.kt_kind}) one of {from_kt:.4g} Vs, {off:.3g} times as "
-                f"much{_likely(off)}; correct one (they may differ by {100 * TOLERANCE:.0f} %), or "
+                f"much{likely}; correct one (they may differ by {100 * TOLERANCE:.0f} %), or "
                 "give only one"
             )
     if from_ke is not None:
         beside = f"; Kt gives {from_kt:.4g} Vs" if from_kt is not None else ""
         return Number(from_ke, f"datasheet: Ke = {s.ke:g} V/krpm line to line {s.ke_kind}{beside}")
     if from_kt is not None:
-        return Number(
-            from_kt,
-            f"datasheet: Kt = {s.kt:g} N m/A {s.kt_kind}, taken as the magnet's alone",
-        )
+        told = f"datasheet: Kt = {s.kt:g} N m/A {s.kt_kind}, "
+        if rated is not None and _is_rated(s):
+            return Number(rated, told + "torque over current: less what L_q - L_d makes of it")
+        return Number(from_kt, told + "taken as the magnet's alone")
     raise UserError("ke, kt: none given; give at least one of them")
+
+
+def _is_rated(s: Datasheet) -> bool:
+    """Whether the sheet's Kt is its torque over its current."""
+    amperes = s.current_rms * KT_KINDS[s.kt_kind] / KT_KINDS["rms"]
+    return s.kt is not None and abs(s.kt * amperes / _torque(s).value - 1.0) <= ROUNDED
+
+
+def _beside_reluctance(s: Datasheet, psi: float) -> float | None:
+    """Magnet flux [Vs] that makes, beside reluctance, the torque that ``psi`` would make alone.
+
+    At rated current i and the angle of most torque, i_d = (x - sqrt(x^2 + 8 (D i)^2)) / (4 D) with
+    D = L_q - L_d and the flux x: psi i = (x - D i_d) sqrt(i^2 - i_d^2). None if reluctance alone
+    makes more.
+    """
+    from scipy.optimize import brentq
+
+    D = _inductances(s)[1].value - _inductances(s)[0].value
+    i = math.sqrt(2.0) * s.current_rms
+    if not D > 0.0:
+        return psi
+
+    def excess(x: float) -> float:
+        i_d = (x - math.sqrt(x * x + 8.0 * (D * i) ** 2)) / (4.0 * D)
+        return (x - D * i_d) * math.sqrt(max(i * i - i_d * i_d, 0.0)) - psi * i
+
+    return None if excess(0.0) >= 0.0 else float(brentq(excess, 0.0, psi))
 
 
 def _likely(off: float) -> str:

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from sensorless.errors import UserError
@@ -46,6 +47,23 @@ def test_kt_alone_and_its_tie_to_ke() -> None:
     assert both == values(SHEET)
 
 
+def test_kt_may_have_the_torque_of_reluctance_in_it() -> None:
+    """1.5 n_p (psi + D i_q sin) i: the most over all angles of 100 A is what Kt says."""
+    sheet = replace(
+        SHEET, between="phase", L_d=1.2e-3, L_q=2.6e-3, current_rms=70.7, torque=110.0, ke=71.8
+    )
+    from_ke = values(sheet)
+    assert values(replace(sheet, kt=1.556)) == from_ke, "beside Ke either may agree"
+    v = values(replace(sheet, ke=None, kt=1.556))
+    beta = np.linspace(0.0, np.pi / 2, 100_001)
+    i = v["i_rated"]
+    torque = 6.0 * (v["psi_f"] + 1.4e-3 * i * np.sin(beta)) * i * np.cos(beta)
+    assert torque.max() == pytest.approx(1.556 * 70.7, rel=1e-4)
+    assert v["psi_f"] == pytest.approx(from_ke["psi_f"], rel=0.02)
+    magnet = values(replace(sheet, ke=None, kt=1.2))["psi_f"]
+    assert magnet == pytest.approx(1.2 / math.sqrt(2.0) / 6.0), "not torque over current"
+
+
 def test_power_instead_of_torque() -> None:
     assert values(replace(SHEET, torque=None, power=754.0))["tau_rated"] == pytest.approx(
         2.4, rel=1e-3
@@ -65,7 +83,7 @@ def test_inertia_has_its_unit(text: str, kg_m2: float) -> None:
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"kt": 1.6}, ["Ke = 40 V/krpm", "Kt = 1.6 N m/A", "0.07797 Vs", "0.1886 Vs"]),
+        ({"kt": 1.6}, ["Ke = 40 V/krpm", "Kt = 1.6 N m/A", "0.07797 Vs", "0.1879 Vs"]),
         ({"kt": 0.936}, ["RMS and peak"]),
         ({"power": 1500.0}, ["1500 W at 3000 r/min is 4.775 N m", "2.4 N m"]),
         ({"torque": None}, ["power, torque: none given"]),
