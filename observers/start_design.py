@@ -1,12 +1,13 @@
 """Start sequence: from the machine's flux map and its limits to ``start_params_t``."""
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from sensorless.machine.magnetics import currents, flux
+from sensorless.machine.magnetics import Floats, currents, flux, plant_currents
 from sensorless.machine.motor import Motor
 from sensorless.observers.hfi_design import error_slope
 from sensorless.observers.injection_signal import sample_error
@@ -65,10 +66,16 @@ def peaks(motor: Motor, volt_seconds: float) -> tuple[float, float]:
 
     They follow from the flux map at psi_d0 +- the volt-seconds: from rest, without resistance.
     """
+    return _peaks(motor, volt_seconds, lambda psi: currents(motor.saturation, psi))
+
+
+def _peaks(
+    motor: Motor, volt_seconds: float, currents_at: Callable[[Floats], Floats]
+) -> tuple[float, float]:
     rest = flux(motor.saturation, np.zeros((1, 2)))
     move = np.array([[volt_seconds, 0.0]])
-    plus = currents(motor.saturation, rest + move)[0, 0]
-    minus = currents(motor.saturation, rest - move)[0, 0]
+    none = currents_at(rest)[0, 0]
+    plus, minus = (currents_at(rest + sign * move)[0, 0] - none for sign in (1.0, -1.0))
     return float(plus), float(minus)
 
 
@@ -95,7 +102,17 @@ def polarity_pulse(motor: Motor) -> tuple[float, float]:
 
 def knows_poles(motor: Motor) -> bool:
     """Whether saturation shows the north pole: peaks that differ by twice ``POLE_ERROR``."""
-    return abs(polarity_pulse(motor)[1]) >= 2.0 * POLE_ERROR * motor.i_rated
+    return abs(pole_difference(motor)) >= 2.0 * POLE_ERROR * motor.i_rated
+
+
+def pole_difference(motor: Motor) -> float:
+    """Difference of the pulses' peaks [A], by the saturation model or by the map, if that is less.
+
+    A model that fits a map within a percent may still see a saturation that is not there.
+    """
+    volt_seconds, by_model = polarity_pulse(motor)
+    by_map = sum(_peaks(motor, volt_seconds, lambda psi: plant_currents(motor, psi)))
+    return min(by_model, by_map, key=abs) if by_model * by_map > 0.0 else 0.0
 
 
 def spin_speed(motor: Motor) -> float:
@@ -105,7 +122,7 @@ def spin_speed(motor: Motor) -> float:
 
 def alike(motor: Motor) -> str:
     """Why the poles of a machine look alike, in words."""
-    found = abs(polarity_pulse(motor)[1]) / motor.i_rated
+    found = abs(pole_difference(motor)) / motor.i_rated
     needed = f"{2.0 * POLE_ERROR:.0%} are needed"
     return f"pulses to both poles differ by {found:.1%} of rated current, {needed}"
 

@@ -81,6 +81,7 @@ def import_map_command(
     from sensorless.machine.motor import Motor
     from sensorless.machine.motor_file import check_motor_out, table_lines, written
     from sensorless.plots.figure import check_picture
+    from sensorless.suitability.pole import pole_unsure
 
     check_motor_out(out)
     check_picture(plot)
@@ -104,6 +105,8 @@ def import_map_command(
         f"psi_f = {made.psi_f:.4g} Vs"
     )
     for note in far_from(made, machine):
+        console.print(f"note: {note}")
+    for note in pole_unsure(made, i, psi):
         console.print(f"note: {note}")
     beyond = ""
     if max(d, q) > WANTED:
