@@ -42,7 +42,7 @@ SCALE, SENSORS = 0.16, 0.1
 L_d near the motor file's take of it."""
 MOST_THRESHOLD = 1.1
 """Middle of the largest thresholds of the switches [V]."""
-LOPSIDED, SENSED, BY_LOST = 0.06, 0.02, 0.4
+LOPSIDED, SENSED, BY_LOST = 0.06, 0.02, 0.45
 """Most share of the probe's steps that turns them, which one channel's gain, some 20 % off, makes;
 what sensors make of it, and lost voltage over the lost share of a pulse: a leg that carries little
 current loses its voltage in the one or the other direction as the rotor lies."""

@@ -9,8 +9,6 @@ from typer.testing import CliRunner
 from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record
-from sensorless.envs.blend_vector_env import BlendVectorEnv
-from sensorless.envs.returns import acts
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.envs.scenarios.words import plan_from
@@ -86,13 +84,3 @@ def test_a_run_that_an_evaluation_counts_as_not_held_says_so() -> None:
 def test_a_motor_file_is_no_policy(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="is a motor file; give it to --motor"):
         make_policy(str(tmp_path / "mine.toml"), MOTOR)
-
-
-def test_a_policy_with_act_alone_acts() -> None:
-    class Always:
-        def act(self, obs: np.ndarray) -> np.ndarray:
-            return np.ones(len(obs), np.float32)
-
-    env = BlendVectorEnv(2)
-    obs, _ = env.reset(seed=1)
-    assert np.all(acts(Always(), env)(obs)[:, 0] == 1.0)  # type: ignore[arg-type]

@@ -26,6 +26,12 @@ from sensorless.observers.lock_design import (
 from sensorless.observers.tracking import rated_acceleration
 
 
+@pytest.mark.parametrize("T_s", [5e-5, 2e-4, 8e-4, 1e-3])
+def test_it_takes_two_failed_tests_to_raise_an_alarm(T_s: float) -> None:
+    motor = replace(Motor.load("pmsyrm_5600w"), T_s=T_s)
+    assert 2 <= control_record(motor, DriveDesign())["lock"]["n_alarm"] <= 12
+
+
 def test_a_large_dead_time_leaves_little_of_the_answer() -> None:
     """As little as the file's own dead time leaves, and something in any case."""
     motor = Motor.load("formula_wheel")

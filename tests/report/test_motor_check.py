@@ -51,6 +51,11 @@ def test_alarms_of_drives_that_hold_are_told(alarms: float, weight: str) -> None
     assert found.weight == weight and f"lost {100 * alarms:.0f} times in 100" in found.text
 
 
+def test_a_control_that_swings_with_an_encoder_too_is_told() -> None:
+    (found,) = judged([QuickRun("hold", 100, 0.0, 0.0, 0.0, 0.01, twin_swings=0.1)])
+    assert found.weight == LIMIT and "with an encoder too" in found.text
+
+
 def test_losses_that_the_drive_does_not_tell_are_told() -> None:
     (found,) = judged([QuickRun("hold", 100, 0.1, 0.0, 0.0, 0.01, told=0.25)])
     assert "of hold, and tells 25% of them in time" in found.text

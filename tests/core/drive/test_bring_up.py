@@ -1,6 +1,7 @@
 """The check of a drive's installation, on pulses whose answer is known in closed form."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from sensorless.core.bring_up import FAULTS, WIRINGS
 from sensorless.design.records import bring_up_record
 from sensorless.export.faults import DO
 from sensorless.identify.bring_up.words import CURE
-from sensorless.machine.motor import Motor
+from sensorless.machine.motor import Motor, Saturation
 
 SWAP_AB = np.array([[-0.5, 0.75**0.5], [0.75**0.5, 0.5]])
 """Phases a and b exchanged, alpha-beta: worked out by hand from Clarke's matrix."""
@@ -39,10 +40,13 @@ class Coil:
             a, b = sensor @ i
             u = lib.bring_up_step(self.p, self.x, a, -0.5 * a + 0.75**0.5 * b)
             waiting.append(volts * np.array([u.a, u.b]))
-            size = float(np.hypot(*i))
-            drop = self.R * i + (self.lost * i / size if size > 0.0 else 0.0)
-            i = i + self.gain @ (waiting.pop(0) - drop)
+            i = i + self.gain @ (waiting.pop(0) - self.drop(i))
         return np.array(out)
+
+    def drop(self, i: Array) -> Array:
+        """Voltage that resistance and dead time take [V]."""
+        size = float(np.hypot(*i))
+        return self.R * i + (self.lost * i / size if size > 0.0 else 0.0 * i)
 
     @property
     def faults(self) -> set[str]:
@@ -195,3 +199,46 @@ def test_a_shaft_that_turns_slowly_shows_as_a_scale(params: Array, motor: Motor)
     assert found == {"scale"}
     for name in found:
         assert "shaft" in CURE[name] and "shaft" in DO[f"BRING_UP_FAULT_{name.upper()}"]
+
+
+LEGS = np.array([[1.0, 0.0], [-0.5, 0.75**0.5], [-0.5, -(0.75**0.5)]])
+"""Phase currents of alpha and beta."""
+
+
+class Legs(Coil):
+    """A winding on an inverter whose legs lose a voltage each, against their current."""
+
+    lost: float
+
+    def drop(self, i: Array) -> Array:
+        """Voltage that resistance and legs take [V]."""
+        size = float(self.p[0].i_rest)
+        return self.R * i + 2.0 / 3.0 * LEGS.T @ (self.lost * np.tanh(LEGS @ i / (0.1 * size)))
+
+
+@pytest.mark.parametrize("share", [0.25, 1.0, 1.5])
+def test_a_right_drive_that_loses_much_voltage_is_not_flagged(share: float) -> None:
+    """A fifth of the probe's pulses goes to dead time; the bound has room for what that turns."""
+    spindle = replace(
+        Motor.load("paper"), name="spindle", n_p=2, R_s=0.15, L_d=3e-4, L_q=5.5e-4, psi_f=0.0566,
+        J=4e-4, B=0.0, tau_rated=3.0, i_rated=18.4, n_rated_rpm=14000.0, u_dc=325.0, T_s=5e-5,
+        u_inj=30.0, i_max=27.0, i_trip=55.0, dead_time=1e-6, adc_range=60.0,
+        saturation=Saturation.linear(3e-4, 5.5e-4, 0.0566),
+    )  # fmt: skip
+    record = bring_up_record(spindle).reshape(1)
+    assert record["lopsided"] > 0.1
+    turned, wrong = 0, 0
+    for theta in np.linspace(0.0, math.pi, 36, endpoint=False):
+        coil = Legs(record, theta, spindle.R_s, share * spindle.dead_time_voltage)
+        coil.run()
+        assert not coil.faults and WIRINGS[coil.x.wiring] == "right", theta
+        tight = record.copy()
+        tight["lopsided"] = 0.06
+        coil = Legs(tight, theta, spindle.R_s, share * spindle.dead_time_voltage)
+        coil.run()
+        turned += bool(coil.faults)
+        coil = Legs(record, theta, spindle.R_s, share * spindle.dead_time_voltage)
+        coil.run(sensor=np.array([[2.0, 0.0], [0.0, 1.0]]))
+        wrong += bool(coil.faults)
+    assert (turned > 0) == (share >= 1.0), "what the bound is for"
+    assert wrong > 20, "a channel with twice its gain, at most angles"
