@@ -45,7 +45,7 @@ def exact_interval(hits: int, of: int) -> tuple[float, float]:
     return float(interval.low), float(interval.high)
 
 
-def counted(out: Path, run: dict[str, Any]) -> Tally:
+def read_tally(out: Path, run: dict[str, Any]) -> Tally:
     """Tally of an earlier file.
 
     Raises

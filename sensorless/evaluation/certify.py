@@ -17,7 +17,7 @@ from sensorless.envs.scenarios.machines_suite import EACH, NAME, SCENARIOS, mach
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import UserError
-from sensorless.evaluation.certificate import Tally, counted, result, write
+from sensorless.evaluation.certificate import Tally, read_tally, result, write
 from sensorless.evaluation.engines.engine import Engine
 from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.metrics.held import NEEDED, not_held
@@ -124,7 +124,7 @@ def _counted(
 ) -> dict[str, Any]:
     """Count what ``jobs`` from a number of scenarios on yields; ``certify`` has the rest."""
     check_writable(out, ending=".json")
-    tally = counted(out, run) if out is not None and out.exists() else Tally()
+    tally = read_tally(out, run) if out is not None and out.exists() else Tally()
     if tally.scenarios > size:
         raise UserError(
             f"size: {size}, but {str(out)!r} has {tally.scenarios} scenarios already; give as many "

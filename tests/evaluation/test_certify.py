@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
-from sensorless.evaluation.certificate import Tally, counted, exact_interval, write
+from sensorless.evaluation.certificate import Tally, exact_interval, read_tally, write
 from sensorless.evaluation.certify import certify, certify_machines
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.machines import evaluate_machines
@@ -105,12 +105,12 @@ def test_a_damaged_tally_is_refused(damage: dict[str, object], tmp_path: Path) -
     """It would count in the rates."""
     out = tmp_path / "c.json"
     write(out, {"suite": SUITE, "seed": SEED}, Tally(scenarios=4))
-    assert counted(out, {}) == Tally(scenarios=4)
+    assert read_tally(out, {}) == Tally(scenarios=4)
     known = json.loads(out.read_text())
     known["tally"] |= damage
     out.write_text(json.dumps(known))
     with pytest.raises(UserError, match="not a file of sensorless certify"):
-        counted(out, {})
+        read_tally(out, {})
 
 
 def test_what_knows_the_truth_is_not_certified() -> None:

@@ -2,7 +2,7 @@
 
 The sensored twin is the yardstick: what it does too under the same load is no fault of an
 estimator. A change is any movement of the speed reference, the load or the DC link, from its
-beginning to its end; the start counts as one.
+beginning to its end; the start counts as one. Each metric is (n,), a number per scenario.
 """
 
 from itertools import combinations

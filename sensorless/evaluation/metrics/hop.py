@@ -1,6 +1,7 @@
 """Whether a schedule moves k_s where nothing asks for it: at constant speed, load and DC link.
 
-The sensored twin tells when a change has passed, so the time is the same for every policy.
+The sensored twin tells when a change has passed, so the time is the same for every policy. Each
+metric is (n,), a number per scenario.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""How drives started that first had to find their rotor: one function per metric, NaN for others.
+"""How drives started that first had to find their rotor: metrics (n,), NaN for others.
 
 While the start sequence runs, ``sums["starting"]`` counts its periods, angle errors read 0 and lost
 lock does not count. The sensored twin waits at zero torque and begins to control in the same

@@ -2,7 +2,8 @@
 
 A step is a segment of the profile whose target differs from the one before by at least ``MIN_STEP``
 of rated speed or torque; a ramp counts as a step of its whole height. Speeds are means over a
-decision. If a scenario has several steps, the worst one counts.
+decision. If a scenario has several steps, the worst one counts. Each metric is (n,), a number per
+scenario.
 """
 
 from dataclasses import dataclass
