@@ -1,6 +1,6 @@
 """What the documentation names exists, and its figures are those of the code and the results."""
 
-import ast
+import csv
 import re
 import sys
 from collections.abc import Iterator
@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from sensorless.envs.reward import RewardWeights
 from sensorless.machine.motor import Motor
 
 if sys.version_info >= (3, 11):
@@ -135,80 +134,46 @@ def rows(text: str) -> list[list[str]]:
     return [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| ")]
 
 
+FIGURES = {
+    "torque deviation [%]": ("torque_dev_rms", 100.0),
+    "torque ripple [%]": ("torque_ripple_rms", 100.0),
+    "overshoot beyond the twin's [%]": ("overshoot_excess_pct", 1.0),
+    "angle error [°]": ("angle_err_rms_deg", 1.0),
+}
+"""Heading: column of the leaderboard, and factor."""
+
+
+def figure(row: dict[str, str], heading: str) -> str:
+    """Mean ± half its interval."""
+    name, factor = FIGURES[heading]
+    mean, low, high = (factor * float(row[f"{name}{end}"]) for end in ("", "_low", "_high"))
+    return f"{mean:.2f} ± {(high - low) / 2.0:.2f}"
+
+
 @pytest.mark.parametrize(("name_of", "count"), [("README.md", 5), ("docs/index.md", 5)])
-def test_the_first_table_is_that_of_the_results(name_of: str, count: int) -> None:
-    """Update both pages when ``make reference`` has written another page of results."""
-    page = (ROOT / "results" / "reference" / "results.md").read_text(encoding="utf-8")
-    title, stress = page.split("## ")[1].split("\n", maxsplit=1)
-    size = int(re.findall(r"(\d+) scenarios", title)[0])
-    heading, *judged = rows(stress)
-    results = {line[0]: dict(zip(heading, line, strict=True)) for line in judged}
+def test_the_first_table_is_that_of_the_leaderboard(name_of: str, count: int) -> None:
+    """Same suite, seed and size: update both pages when studies/leaderboard.py has run anew."""
+    with (ROOT / "results" / "leaderboard.csv").open(encoding="utf-8") as file:
+        known = {row["policy"]: row for row in csv.DictReader(file) if row["suite"] == "stress-1"}
+    size = int(known["eq25"]["feasible"])
     mine = next(part for part in prose(ROOT / name_of).split("\n## ") if "| lost, of" in part)
     top, *lines = rows(mine.replace("| | lost", "| policy | lost"))
     assert top[1] == f"lost, of {size}"
     assert len(lines) == count
     for label, lost, *figures in lines:
         (name,) = re.findall(r"`(.+)`", label)
-        known = results[name if name in results else f"{name}-tuned"]
-        assert int(lost) == round(float(known["lost [%]"].split()[0]) / 100 * size)
-        assert figures == [known[column] for column in top[2:]]
+        assert int(lost) == int(known[name]["lost"])
+        assert figures == [figure(known[name], heading) for heading in top[2:]]
     if name_of != "README.md":
         return
-    paper = results["sliding_mode"]
-    lost_there = round(float(paper["lost [%]"].split()[0]) / 100 * size)
-    deviation = paper["torque deviation [%]"].split()[0]
+    paper, default, *others = (
+        figure(known[name], "torque deviation [%]").split()[0]
+        for name in ("sliding_mode", "eq25", "reference", "fuzzy-coupled-tuned")
+    )
     page = " ".join(prose(ROOT / name_of).split())
-    worst = f"loses {lost_there} of {size} random scenarios; its torque deviates by {deviation} %"
-    assert worst in page
-    default, *others = (
-        float(results[name]["torque deviation [%]"].split()[0])
-        for name in ("eq25", "reference", "fuzzy-coupled-tuned")
-    )
-    assert float(results["eq25"]["lost [%]"].split()[0]) == 0.0
-    assert f"loses 0 of {size} and deviates by {default:.2f} %" in page
-    shares = sorted({f"{100 * (1 - x / default):.0f}" for x in others}, key=int)
+    worst = f"loses {known['sliding_mode']['lost']} of {size} random scenarios; its torque deviates"
+    assert f"{worst} by {paper} %" in page
+    assert known["eq25"]["lost"] == "0"
+    assert f"loses 0 of {size} and deviates by {default} %" in page
+    shares = sorted({f"{100 * (1 - float(x) / float(default)):.0f}" for x in others}, key=int)
     assert f"takes {' to '.join(shares)} % off that" in page
-
-
-def test_the_reward_is_that_of_the_environment() -> None:
-    table = {line[0]: line[1] for line in rows(prose(ROOT / "docs" / "how-it-learns.md"))}
-    weights = vars(RewardWeights()).copy()
-    assert float(table.pop("lost_penalty").split(",")[0]) == weights.pop("lost")
-    assert {name: float(table[name]) for name in weights} == weights
-
-
-def test_the_layers_are_those_of_the_test() -> None:
-    tree = ast.parse((ROOT / "tests" / "test_layers.py").read_text(encoding="utf-8"))
-    (layers,) = (
-        ast.literal_eval(node.value)
-        for node in tree.body
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "LAYERS"
-    )
-    page = prose(ROOT / "docs" / "layout.md")
-    told = re.findall(r"^\d+\. (.*)$", page, re.MULTILINE)
-    listed = [tuple(re.findall(r"`(\w+)`", line)) for line in told]
-    assert listed == list(layers), "list the layers of tests/test_layers.py in docs/layout.md"
-
-
-def test_the_tree_has_every_folder() -> None:
-    (tree,) = blocks(ROOT / "docs" / "layout.md", "")
-    told, above = set(), [ROOT]
-    for indent, name in re.findall(r"^( *)([\w-]+)/ ", tree, re.MULTILINE):
-        above = [*above[: 1 + len(indent) // 2], above[len(indent) // 2] / name]
-        told.add(above[-1])
-    assert all(folder.is_dir() for folder in told)
-    packages = {init.parent for name in TOP for init in (ROOT / name).glob("*/__init__.py")}
-    links = {path for path in packages if path.is_symlink()}
-    assert packages - links <= told, "add a line to the tree of docs/layout.md"
-
-
-def test_the_list_of_the_firmware_has_every_file() -> None:
-    page = (ROOT / "firmware" / "README.md").read_text(encoding="utf-8")
-    files = {path.name for path in (ROOT / "firmware").iterdir()} - {"README.md"}
-    missing = {n for n in files if f"`{n}`" not in page and f"`{n}/`" not in page}
-    assert not missing, "list them in firmware/README.md"
-
-
-def test_the_citation_has_the_version() -> None:
-    version = re.findall(r'^version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)
-    assert re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.M) == version
