@@ -40,20 +40,20 @@ def test_every_test_on_the_target_passes(report: Report) -> None:
 
 
 def test_instruction_budgets(report: Report) -> None:
-    """Two axes: any lookup within 65, any period with its decision within 1555.
+    """Two axes: any lookup within 65, any period with its decision within 1570.
 
-    That is 155 beyond 1400: the check of every word, and what lasts of an EMF
-    (docs/integrate-the-table.md).
+    That is 170 beyond 1400: the check of every word, what lasts of an EMF, and the torque in field
+    weakening (docs/integrate-the-table.md).
     """
     count = report["instructions"]
     assert 30 < count["lookup_f32"]["min"] and count["lookup_f32"]["max"] <= 65
     assert count["lookup_q15"]["max"] <= 80, "four nodes more to convert"
-    assert 500 < count["drive_step"]["min"] and count["period"]["max"] <= 1555
+    assert 500 < count["drive_step"]["min"] and count["period"]["max"] <= 1570
 
 
 def test_memory_budgets(report: Report) -> None:
     assert report["flash_table_and_check"] <= 4096
-    assert round(report["flash_core"] / 1000) == 31, "the README says 31 kB"
+    assert report["flash_core"] // 1000 == 31, "the README says 31 kB"
     assert report["ram_state"] <= 1024
     assert report["stack"] <= 1024
     for name in ("drive.o", "ks_schedule.o", "ks_table.o"):
