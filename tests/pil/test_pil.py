@@ -90,7 +90,7 @@ def test_three_axes_stay_within_the_budgets(motor: Motor, monkeypatch: pytest.Mo
         assert passed(found)
         assert found["instructions"]["lookup_f32"]["max"] <= 130
     # As exported, -O2.
-    assert found["instructions"]["period"]["max"] <= 1555
+    assert found["instructions"]["period"]["max"] <= 1570
 
 
 def test_without_the_tools_one_line_names_the_packages(
