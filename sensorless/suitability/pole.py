@@ -40,8 +40,8 @@ def pole_unsure(motor: Motor, i: Floats, psi: Floats) -> Iterator[str]:
             found = float(plus + minus - 2.0 * none) / sum(peaks(motor, share * pulse)) * model
             if not abs(found) >= 2.0 * POLE_ERROR:
                 yield (
-                    f"by the model, pulses at rest tell the pole with {model:.1%} of rated current,"
-                    f" by the map with {found:.1%} (from pulses of {share:.0%}), and "
+                    f"by the model, pulses at rest tell the pole with {abs(model):.1%} of rated "
+                    f"current, by the map with {abs(found):.1%} (from pulses of {share:.0%}), and "
                     f"{2.0 * POLE_ERROR:.0%} are needed{tail}"
                 )
             return
