@@ -78,18 +78,15 @@ def acts(policy: Policy, env: BlendVectorEnv) -> Act:
 def _check(policy: Policy, env: BlendVectorEnv) -> None:
     """Refuse what actions of the environment cannot be."""
     name = getattr(policy, "name", type(policy).__name__)
-    if not hasattr(policy, "sensored"):
-        return  # a policy of the user's own may have act alone
-    require_runnable(policy)
     settings = env.batch.settings
-    has, needs = asdict(settings.design), asdict(design_for(policy, settings.design))
-    other = [key for key, value in needs.items() if value != has[key]]
-    if other:
-        key = other[0]
-        raise UserError(
-            f"policy {name}: needs a drive with {key} = {needs[key]!r}, the environment's has "
-            f"{has[key]!r}; make it with design=design_for(policy, design) of sensorless.policy"
-        )
+    if hasattr(policy, "sensored"):  # a policy of the user's own may have act alone
+        require_runnable(policy)
+        has, needs = asdict(settings.design), asdict(design_for(policy, settings.design))
+        for key in (key for key, value in needs.items() if value != has[key]):
+            raise UserError(
+                f"policy {name}: needs a drive with {key} = {needs[key]!r}, the environment's has "
+                f"{has[key]!r}; make it with design=design_for(policy, design) of sensorless.policy"
+            )
     for gain, x in gains_of(policy).items():
         if settings.ranges.get(gain) != x:
             raise UserError(

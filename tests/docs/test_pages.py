@@ -1,5 +1,6 @@
 """What the documentation names exists, and its figures are those of the code and the results."""
 
+import ast
 import csv
 import re
 import sys
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from sensorless.envs.reward import RewardWeights
 from sensorless.machine.motor import Motor
 
 if sys.version_info >= (3, 11):
@@ -177,3 +179,47 @@ def test_the_first_table_is_that_of_the_leaderboard(name_of: str, count: int) ->
     assert f"loses 0 of {size} and deviates by {default} %" in page
     shares = sorted({f"{100 * (1 - float(x) / float(default)):.0f}" for x in others}, key=int)
     assert f"takes {' to '.join(shares)} % off that" in page
+
+
+def test_the_reward_is_that_of_the_environment() -> None:
+    table = {line[0]: line[1] for line in rows(prose(ROOT / "docs" / "how-it-learns.md"))}
+    weights = vars(RewardWeights()).copy()
+    assert float(table.pop("lost_penalty").split(",")[0]) == weights.pop("lost")
+    assert {name: float(table[name]) for name in weights} == weights
+
+
+def test_the_layers_are_those_of_the_test() -> None:
+    tree = ast.parse((ROOT / "tests" / "test_layers.py").read_text(encoding="utf-8"))
+    (layers,) = (
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "LAYERS"
+    )
+    page = prose(ROOT / "docs" / "layout.md")
+    told = re.findall(r"^\d+\. (.*)$", page, re.MULTILINE)
+    listed = [tuple(re.findall(r"`(\w+)`", line)) for line in told]
+    assert listed == list(layers), "list the layers of tests/test_layers.py in docs/layout.md"
+
+
+def test_the_tree_has_every_folder() -> None:
+    (tree,) = blocks(ROOT / "docs" / "layout.md", "")
+    told, above = set(), [ROOT]
+    for indent, name in re.findall(r"^( *)([\w-]+)/ ", tree, re.MULTILINE):
+        above = [*above[: 1 + len(indent) // 2], above[len(indent) // 2] / name]
+        told.add(above[-1])
+    assert all(folder.is_dir() for folder in told)
+    packages = {init.parent for name in TOP for init in (ROOT / name).glob("*/__init__.py")}
+    links = {path for path in packages if path.is_symlink()}
+    assert packages - links <= told, "add a line to the tree of docs/layout.md"
+
+
+def test_the_list_of_the_firmware_has_every_file() -> None:
+    page = (ROOT / "firmware" / "README.md").read_text(encoding="utf-8")
+    files = {path.name for path in (ROOT / "firmware").iterdir()} - {"README.md"}
+    missing = {n for n in files if f"`{n}`" not in page and f"`{n}/`" not in page}
+    assert not missing, "list them in firmware/README.md"
+
+
+def test_the_citation_has_the_version() -> None:
+    version = re.findall(r'^version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)
+    assert re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.M) == version

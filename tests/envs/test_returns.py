@@ -5,7 +5,7 @@ import copy
 import numpy as np
 import pytest
 
-from sensorless.core.gains import GAIN_NAMES
+from sensorless.core.gains import DEFAULT, GAIN_NAMES
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_v1 import GainVectorEnv
 from sensorless.envs.blend_vector_env import BlendVectorEnv
@@ -38,6 +38,17 @@ def test_a_policy_that_an_environment_cannot_run_is_refused(word: str, said: str
     """It would run as another policy, and its return would be said to be its own."""
     with pytest.raises(UserError, match=said):
         acts(make_policy(word, MOTOR), BlendVectorEnv(2))
+
+
+def test_gains_of_an_own_policy_are_refused_too() -> None:
+    class Own:
+        ranges = DEFAULT
+
+        def act(self, obs: np.ndarray) -> np.ndarray:
+            return np.ones(len(obs), np.float32)
+
+    with pytest.raises(UserError, match="policy Own: sets the gain observer in a range"):
+        acts(Own(), BlendVectorEnv(2))  # type: ignore[arg-type]
 
 
 def test_a_policy_with_gains_acts_where_the_environment_has_them() -> None:

@@ -14,7 +14,7 @@ from sensorless.policies.registry import make_policy
 from tests.core.drive.test_control import Call, params, rest, step
 
 FERRITE = str(Path(__file__).parents[2] / "data" / "ferrite_4kw.toml")
-"""Four fifths of its torque is the reluctance's, and rated speed needs a third of ``i_max``."""
+"""Three quarters of its torque is the reluctance's, and its rated point needs a weaker field."""
 
 
 @pytest.mark.parametrize("weakened", [0.0, -2.0, -4.0])
