@@ -101,8 +101,11 @@ def polarity_pulse(motor: Motor) -> tuple[float, float]:
 
 
 def knows_poles(motor: Motor) -> bool:
-    """Whether saturation shows the north pole: peaks that differ by twice ``POLE_ERROR``."""
-    return abs(pole_difference(motor)) >= 2.0 * POLE_ERROR * motor.i_rated
+    """Whether saturation shows the north pole: peaks that differ by twice ``POLE_ERROR``.
+
+    Not where the motor file says ``pole_at_rest = false``.
+    """
+    return motor.pole_at_rest and abs(pole_difference(motor)) >= 2.0 * POLE_ERROR * motor.i_rated
 
 
 def pole_difference(motor: Motor) -> float:
@@ -122,6 +125,8 @@ def spin_speed(motor: Motor) -> float:
 
 def alike(motor: Motor) -> str:
     """Why the poles of a machine look alike, in words."""
+    if not motor.pole_at_rest:
+        return "its file says pole_at_rest = false"
     found = abs(pole_difference(motor)) / motor.i_rated
     needed = f"{2.0 * POLE_ERROR:.0%} are needed"
     return f"pulses to both poles differ by {found:.1%} of rated current, {needed}"

@@ -63,7 +63,8 @@ def import_map_command(
     reciprocal by construction, as iron is. Points beyond the motor's i_max are ignored. L_d, L_q
     and psi_f of the motor become those of the model at zero current. Where the model misses the map
     by more than 1 % of rated current, the motor file also gets a correction, on which only the
-    simulated machine runs: the drive is designed on the model.
+    simulated machine runs: the drive is designed on the model. Where the map does not bear out the
+    pole that pulses at rest would find by the model, it says pole_at_rest = false.
 
     For example:
 
@@ -108,6 +109,7 @@ def import_map_command(
         console.print(f"note: {note}")
     for note in pole_unsure(made, i, psi):
         console.print(f"note: {note}")
+        made = dataclasses.replace(made, pole_at_rest=False)
     beyond = ""
     if max(d, q) > WANTED:
         made = corrected(made, i, psi)
@@ -138,6 +140,8 @@ def import_map_command(
         if made.flux_correction is not None:
             table = correction_table(made.flux_correction)
             lines += ["", *table_lines("flux_correction", table)]
+        if not made.pole_at_rest:
+            lines += ["", *table_lines("drive", {"pole_at_rest": False})]
         console.print("\n".join(lines), highlight=False)
     else:
         head = f"{machine.name} with the flux map of {file.name}, by sensorless motor import-map."

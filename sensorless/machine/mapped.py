@@ -48,22 +48,30 @@ def tables_of(motor: Motor, source: str, base: str, beyond: str) -> dict[str, An
     """
     from_map = ("L_d", "L_q", "psi_f")
     more = motor.flux_correction
+    fields = {**TABLES, "drive": (*TABLES["drive"], *_given(motor))}
     return {
         "name": motor.name,
         "description": motor.description,
-        **{table: {f: getattr(motor, f) for f in fields} for table, fields in TABLES.items()},
+        **{table: {f: getattr(motor, f) for f in names} for table, names in fields.items()},
         "saturation": saturation_table(motor.saturation),
         **({} if more is None else {"flux_correction": correction_table(more)}),
         "source": {
             **{
                 f: f"{source}, at zero current" if f in from_map else f"as in {base}"
-                for fields in TABLES.values()
-                for f in fields
+                for names in fields.values()
+                for f in names
             },
             "saturation": source,
             **({} if more is None else {"flux_correction": beyond}),
         },
     }
+
+
+def _given(motor: Motor) -> list[str]:
+    """Fields that a motor file may leave out and this one has."""
+    usual = {f for fields in TABLES.values() for f in fields}
+    rest = {f.name: f.default for f in dataclasses.fields(motor) if "setting" in f.metadata}
+    return [name for name, x in rest.items() if name not in usual and getattr(motor, name) != x]
 
 
 def saturation_table(s: Saturation) -> dict[str, float]:

@@ -19,7 +19,7 @@ else:
 from sensorless.errors import UserError, has_control, like, shown
 from sensorless.files import is_device
 from sensorless.machine.flux_correction import FluxCorrection, read_correction
-from sensorless.settings import REQUIRED, derived, is_finite, number, read, settings_of
+from sensorless.settings import REQUIRED, derived, is_finite, number, read, settings_of, switch
 from sensorless.units import rad_per_s
 
 MOTORS = Path(__file__).parent / "motors"
@@ -97,6 +97,7 @@ class Motor:
     adc_range: float = positive("A", "largest current that is measured")
     adc_bits: int = number(REQUIRED, "1", 4, 32, "bits of the current measurement")
     speed_hz: float | None = derived("Hz", 0.1, 50, "speed loop that the application asks for")
+    pole_at_rest: bool = switch(True, "whether a drive may seek the pole of a rotor at rest")
     emf_5: float = number(0.0, "1", -0.5, 0.5, "5th harmonic of the no-load EMF over the first")
     emf_7: float = number(0.0, "1", -0.5, 0.5, "7th harmonic of the no-load EMF over the first")
     saliency_6: float = number(0.0, "1", -0.5, 0.5, "second saliency over the first")
@@ -191,12 +192,15 @@ def _numbers(owner: Motor | Saturation, where: str) -> None:
     Raises
     ------
     UserError
-        Names the field that is no finite number of its kind.
+        Names the field that is no finite number, or nothing else of its kind.
     """
     cls: type = type(owner)
     for name, setting in settings_of(cls).items():
         x = getattr(owner, name)
         if x is None and setting.derived:
+            continue
+        if setting.kind is bool:
+            setting.checked(x, where)
             continue
         kind = Integral if setting.kind is int else Real
         if not isinstance(x, kind) or isinstance(x, bool) or not is_finite(x):

@@ -74,7 +74,9 @@ def table_lines(
 
 
 def toml_value(value: object) -> str:
-    """A number, a text or rows of numbers as TOML writes it."""
+    """A number, a switch, a text or rows of numbers as TOML writes it."""
+    if isinstance(value, bool):
+        return str(value).lower()
     if isinstance(value, str):
         text = value.encode("utf-8", "replace").decode()  # bytes of no sign, from a shell, become ?
         # a TOML basic string has JSON's escapes, and one more

@@ -31,7 +31,7 @@ def pole_unsure(motor: Motor, i: Floats, psi: Floats) -> Iterator[str]:
     pulse, wanted = polarity_pulse(motor)
     of_map = LinearNDInterpolator(psi, i[:, 0])
     rest = flux(motor.saturation, np.zeros((1, 2)))[0]
-    tail = "; give the drive its angle at a start (drive_init), or a map that reaches further"
+    tail = "; so pole_at_rest = false: the drive wants its angle at a start (drive_init)"
     for share in STEPS:
         d, q = rest
         plus, minus, none = of_map([[d + share * pulse, q], [d - share * pulse, q], [d, q]])
@@ -45,4 +45,4 @@ def pole_unsure(motor: Motor, i: Floats, psi: Floats) -> Iterator[str]:
                     f"{2.0 * POLE_ERROR:.0%} are needed{tail}"
                 )
             return
-    yield f"the map has no current on both sides of rest along d, to tell the pole from{tail}"
+    yield f"the map has no current on both sides of rest along d to tell the pole from{tail}"

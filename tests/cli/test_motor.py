@@ -10,7 +10,7 @@ import pytest
 from sensorless.cli.options import say_if_unsuited
 from sensorless.design.drive import DriveDesign
 from sensorless.machine import map_fit
-from sensorless.machine.magnetics import Floats
+from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.map_fit import MapFit
 from sensorless.machine.motor import MOTORS, Motor, Saturation
 from tests.helpers.command import run
@@ -100,6 +100,33 @@ def test_a_map_that_no_model_fits_becomes_a_correction(
     assert "note: flux_correction" in again.stdout
     ran = run("simulate", "--motor", "made.toml", "--duration", "0.05", cwd=tmp_path)
     assert ran.returncode == 0, ran.stderr
+
+
+def test_a_map_of_one_half_leaves_the_pole_to_the_user(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the map cannot show, the file says; what the base motor's file says too, it keeps."""
+    known = Motor.load("paper")
+    axes = np.meshgrid(np.linspace(-6.8, 0.0, 9), np.linspace(-6.8, 6.8, 17), indexing="ij")
+    i = np.stack([x.ravel() for x in axes], axis=-1)
+    psi = flux(known.saturation, i)
+    fit = MapFit(known.saturation, i, psi, 0.0 * i, known.i_rated, known.i_max)
+    monkeypatch.setattr(map_fit, "fit_map", lambda *_: fit)
+    head = "i_d [A],i_q [A],psi_d [Vs],psi_q [Vs]"
+    np.savetxt(tmp_path / "half.csv", np.c_[i, psi], delimiter=",", header=head, comments="")
+    text = (MOTORS / "paper.toml").read_text(encoding="utf-8")
+    own = text.replace("[drive]\n", "[drive]\nspeed_hz = 1.5\n")
+    (tmp_path / "mine.toml").write_text(own, encoding="utf-8")
+    words = ["half.csv", "--motor", "mine.toml"]
+    done = run("motor", "import-map", *words, "--out", "made.toml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "so pole_at_rest = false" in " ".join(done.stdout.split())
+    made = Motor.load(tmp_path / "made.toml")
+    assert not made.pole_at_rest and made.speed_hz == 1.5
+    again = run("motor", "check", "made.toml", "--size", "0", cwd=tmp_path)
+    assert "its file says pole_at_rest = false" in " ".join(again.stdout.split())
+    printed = run("motor", "import-map", *words, cwd=tmp_path)
+    assert "[drive]\npole_at_rest = false" in printed.stdout
 
 
 def test_the_list_has_every_shipped_motor(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ MOTOR = Motor.load("paper")
 @pytest.mark.parametrize("name", [f.name for f in fields(Motor) if type(f.default) is not str])
 def test_numbers_of_numpy_are_numbers(name: str) -> None:
     old = getattr(MOTOR, name)
-    if not isinstance(old, int | float):
+    if not isinstance(old, int | float) or isinstance(old, bool):
         return
     new: Any = np.int64(old) if isinstance(old, int) else np.float32(old)
     changed = replace(MOTOR, **{name: new})

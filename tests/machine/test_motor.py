@@ -220,6 +220,8 @@ def test_without_saturation_the_machine_is_linear(tmp_path: Path) -> None:
 
 
 def other_value(value: Any) -> Any:
+    if isinstance(value, bool):
+        return not value
     return 1.0 if value is None else value + 1 if isinstance(value, (int, float)) else value
 
 

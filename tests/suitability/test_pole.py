@@ -52,6 +52,7 @@ def test_a_pole_that_only_the_fit_has_is_told(invented: tuple[Motor, Floats, Flo
     assert knows_poles(motor)
     (said,) = pole_unsure(motor, i, psi)
     assert "by the map with 0.0%" in said and "drive_init" in said
+    assert not knows_poles(replace(motor, pole_at_rest=False))
 
 
 def test_a_map_without_current_on_one_side_is_told(invented: tuple[Motor, Floats, Floats]) -> None:
