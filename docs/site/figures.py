@@ -51,17 +51,17 @@ def injection(points: int) -> "Figure":
         d = np.cos(e) * answer[0] - np.sin(e) * answer[1]
         q = np.sin(e) * answer[0] + np.cos(e) * answer[1]
         left.plot(np.rad2deg(e), q / np.hypot(d, q), color=colour, label=f"{wanted:g} N m")
-    left.set(xlabel="rotor ahead of the estimate [° el.]", ylabel="error signal [1]")
+    left.set(xlabel="rotor − estimate [° el.]", ylabel="error signal [1]")
     loads = np.linspace(-14.0, 14.0, points)
     for cross, colour in (("none", SHADES[2]), ("table", SHADES[1])):
         design = DriveDesign(estimator="smo", cross=cross)
         found = steady(MOTOR, design, np.full(points, 150.0), loads, 1.0, settle=1.2)
         label = "measured" if cross == "none" else "compensated by the curve"
-        right.plot(loads, np.rad2deg(-found.err_hfi), "o", ms=4, color=colour, label=label)
+        right.plot(loads, np.rad2deg(found.err_hfi), "o", ms=4, color=colour, label=label)
         if cross == "none":
-            angle = np.rad2deg(-cross_angle(MOTOR, found.i))
+            angle = np.rad2deg(cross_angle(MOTOR, found.i))
             right.plot(loads, angle, color=SHADES[0], zorder=0, label="closed form")
-    right.set(xlabel="torque [N m]", ylabel="estimate − rotor [° el.]", xlim=(-15, 15))
+    right.set(xlabel="torque [N m]", ylabel="rotor − estimate [° el.]", xlim=(-15, 15))
     return _finished(figure)
 
 
@@ -73,13 +73,13 @@ def sliding_mode(points: int) -> "Figure":
     for gain, colour in ((1.0, SHADES[1]), (0.4, SHADES[2])):
         g = gain * MOTOR.L_d / MOTOR.T_s
         lag = np.angle(g / (g + MOTOR.R_s + 1j * omega * MOTOR.L_q))
-        left.plot(rpm, np.rad2deg(lag), color=colour, label=f"left as it is, g = {g:.0f} V/A")
+        left.plot(rpm, np.rad2deg(-lag), color=colour, label=f"left as it is, g = {g:.0f} V/A")
         design = _smo(1.0, lag_cure=False, smo_gain=gain)
         found = _held(design, rpm, np.zeros(points))
-        left.plot(rpm, np.rad2deg(-found.err_smo), "o", ms=4, color=colour)
+        left.plot(rpm, np.rad2deg(found.err_smo), "o", ms=4, color=colour)
     found = _held(_smo(1.0), rpm, np.zeros(points))
-    left.plot(rpm, np.rad2deg(-found.err_smo), "o", ms=4, color=SHADES[0], label="removed")
-    left.set(xlabel="speed [r/min]", ylabel="estimate − rotor [° el.]")
+    left.plot(rpm, np.rad2deg(found.err_smo), "o", ms=4, color=SHADES[0], label="removed")
+    left.set(xlabel="speed [r/min]", ylabel="rotor − estimate [° el.]")
     loads = np.linspace(1.0, 13.0, points)
     line = np.stack(mtpa(MOTOR), axis=-1)[1:]
     for bias, colour in ((0.7, SHADES[2]), (0.9, SHADES[1]), (1.0, SHADES[0])):
@@ -88,9 +88,9 @@ def sliding_mode(points: int) -> "Figure":
         known = np.interp(found.i_q_hat, line[:, 1], apparent_q_inductance(MOTOR, line))
         low = bias * known[:, None] * found.i
         theory = np.arctan2(psi[:, 1] - low[:, 1], psi[:, 0] - low[:, 0])
-        right.plot(loads, np.rad2deg(theory), color=colour, label=f"{bias:g} of L_q")
-        right.plot(loads, np.rad2deg(-found.err_smo), "o", ms=4, color=colour)
-    right.set(xlabel="torque at 600 r/min [N m]", ylabel="estimate − rotor [° el.]")
+        right.plot(loads, np.rad2deg(-theory), color=colour, label=f"{bias:g} of L_q")
+        right.plot(loads, np.rad2deg(found.err_smo), "o", ms=4, color=colour)
+    right.set(xlabel="torque at 600 r/min [N m]", ylabel="rotor − estimate [° el.]")
     return _finished(figure)
 
 
@@ -109,10 +109,10 @@ def blend(points: int) -> "Figure":
         ("theta_e_err_smo", "smo"),
         ("theta_e_err", "blend"),
     ):
-        right.plot(t["t"], np.rad2deg(-t[key]), color=COLOURS[name], lw=1, label=name)
+        right.plot(t["t"], np.rad2deg(t[key]), color=COLOURS[name], lw=1, label=name)
     right.plot(t["t"], 10.0 * t["k_s"], color=COLOURS["ref"], label="10 $k_s$")
-    right.set(xlabel="time [s], from 200 to 600 r/min with 6 N m", xlim=(0.3, 0.8), ylim=(-6, 12))
-    right.set_ylabel("estimate − rotor [° el.]")
+    right.set(xlabel="time [s], from 200 to 600 r/min with 6 N m", xlim=(0.3, 0.8), ylim=(-8, 12))
+    right.set_ylabel("rotor − estimate [° el.]")
     return _finished(figure)
 
 

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from sensorless.evaluation.results import Results
 
 
+LONG = 24
+"""Letters of a policy's name from which on its line stands below it."""
+
+
 def list_policies(context: typer.Context, wanted: bool) -> None:
     """Print every policy with one line about it, or all as JSON, and exit."""
     if not wanted:
@@ -37,9 +41,10 @@ def list_policies(context: typer.Context, wanted: bool) -> None:
     if context.params.get("as_json"):
         say_json(lines)
         raise typer.Exit
-    width = max(map(len, lines))
+    width = max(len(name) for name in lines if len(name) <= LONG)
     for name, doc in lines.items():
-        console.print(f"{name:{width}}  {doc}", highlight=False, soft_wrap=True)
+        apart = "  " if len(name) <= width else f"\n{'':{width + 2}}"
+        console.print(f"{name:{width}}{apart}{doc}", highlight=False, soft_wrap=True)
     raise typer.Exit
 
 

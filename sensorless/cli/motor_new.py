@@ -113,7 +113,8 @@ def new_command(
     adc_range: Annotated[
         float | None,
         typer.Option(
-            help="Give the largest current that is measured [A]. Default: twice the rated current."
+            help="Give the largest current that is measured [A]. Default: twice the peak of the "
+            "rated current."
         ),
     ] = None,
     adc_bits: Annotated[

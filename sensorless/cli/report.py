@@ -67,8 +67,8 @@ def report_command(
             "--policy",
             metavar="POLICY",
             help="Compare with this policy; repeat the option for several. Default: "
-            "sliding_mode, eq25, every shipped tuned rule (fuzzy ones where simpful is installed), "
-            "oracle and sensored.",
+            "sliding_mode, eq25, oracle, sensored and, on the motor paper, every rule tuned for it "
+            "(fuzzy ones where simpful is installed).",
         ),
     ] = None,
     motor: CarriedMotorOption = None,

@@ -116,9 +116,8 @@ class Results:
     def note(self, name: str) -> str:
         """Say in brackets that a policy is a bound, or which settings of its own it runs on."""
         policy = self.policies[name]
-        if policy["bound"]:
-            return "(bound)"
-        words = [
+        words = ["told truth"] if policy["bound"] else []
+        words += [
             value if key == "estimator" else f"{key}={text_of(value)}"
             for key, value in policy["own"].items()
         ]
@@ -133,7 +132,7 @@ class Results:
         beyond = max(p["infeasible_rate"] for p in self.policies.values())
         title += f", {100.0 * beyond:.1f} % not feasible" if beyond > 0.0 else ""
         table = PlainTable(title=title, caption=CAPTIONS[columns])
-        table.add_column("policy", overflow="fold")
+        table.add_column("policy", overflow="fold", min_width=12)
         for _, heading, _, _ in columns:
             table.add_column(heading, justify="right")
         for name, policy in self.policies.items():

@@ -94,7 +94,7 @@ class Motor:
     i_max: float = positive("A", "current limit of the control, peak")
     i_trip: float = positive("A", "over-current trip, peak")
     dead_time: float = number(REQUIRED, "s", 0, 1e12, "dead time of a leg")
-    adc_range: float = positive("A", "largest current that is measured")
+    adc_range: float = positive("A", "largest current that is measured, peak")
     adc_bits: int = number(REQUIRED, "1", 4, 32, "bits of the current measurement")
     speed_hz: float | None = derived("Hz", 0.1, 50, "speed loop that the application asks for")
     pole_at_rest: bool = switch(True, "whether a drive may seek the pole of a rotor at rest")

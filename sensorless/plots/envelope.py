@@ -75,7 +75,7 @@ def _map(ax: "Axes", name: str, policy: dict[str, Any], motor: Motor) -> "QuadMe
         )
     ax.axhline(0.0, color="k", lw=0.4, alpha=0.5)
     ax.axvline(0.0, color="k", lw=0.4, alpha=0.5)
-    ax.set_title(f"{name}\nholds {found.held_pct:.1f} % of the feasible", fontsize=10)
+    ax.set_title(f"{name}\nkeeps lock in {found.held_pct:.1f} % of the feasible", fontsize=10)
     return image
 
 

@@ -63,7 +63,7 @@ def schedule_maps(name: str, table: KsTable, reference: KsTable, motor: Motor) -
     figure, (row,) = new_figure((3.3 * len(drawn) + 1.2, 3.9), columns=len(drawn), sharey=True)
     image: QuadMesh | None = None
     for ax, s in zip(row, drawn, strict=True):
-        image = ax.pcolormesh(s.x, s.y, s.k_s, vmin=0.0, vmax=1.0, cmap="viridis", shading="auto")
+        image = ax.pcolormesh(s.x, s.y, s.k_s, vmin=0.0, vmax=1.0, cmap="cividis", shading="auto")
         ax.contour(s.x, s.y, s.k_s, levels=[0.1, 0.5, 0.9], colors="w", linewidths=0.8)
         ax.set_title(f"{s.title}\n{s.note}" if s.note else s.title, fontsize=10)
         ax.set_xlabel(s.x_label)

@@ -29,6 +29,8 @@ class Map:
     """end of the colours"""
     unit: str
     decimals: int
+    light: str = "least"
+    """which end of the values has the lightest colour, least or most"""
 
     def packed(self) -> dict[str, Any]:
         """All of it in JSON types."""
@@ -38,6 +40,7 @@ class Map:
             "title": self.title, "x": self.x, "y": self.y, "columns": self.values.shape[1],
             "rows": self.values.shape[0], "values": whole.astype(int).ravel().tolist(),
             "factor": factor, "most": self.most, "unit": self.unit,
+            "light": self.light,
         }  # fmt: skip
 
 
@@ -52,7 +55,7 @@ def envelope(results: Results, motor: Motor, most: float) -> list[Map]:
         held = int(np.sum(~found.lost & able))
         out.append(
             Map(
-                name, f"holds {held} of {int(np.sum(able))} points",
+                name, f"keeps lock in {held} of {int(np.sum(able))} points",
                 (-motor.n_rated_rpm, motor.n_rated_rpm, "speed [r/min]"),
                 (-motor.tau_rated, motor.tau_rated, "load [N m]"),
                 values, most, "°", 1,
@@ -67,6 +70,7 @@ def schedule(sheets: list[Sheet]) -> list[Map]:
         Map(
             s.title, s.note, (float(s.x[0]), float(s.x[-1]), s.x_label),
             (float(s.y[0]), float(s.y[-1]), s.y_label), s.k_s, 1.0, "", 2,
+            light="most",
         )
         for s in sheets
     ]  # fmt: skip

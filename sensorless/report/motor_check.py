@@ -55,7 +55,7 @@ def _reached(m: Motor, p: RatedPoint) -> list[Row]:
     return [
         (
             "rated torque",
-            f"{m.tau_rated:g} N m needs {least}; rated current is {m.i_rated:g} A",
+            f"{m.tau_rated:g} N m needs {least}; rated current is {m.i_rated:g} A peak",
             "",
         ),
         (
@@ -100,9 +100,9 @@ def _seen(m: Motor, seen: Seen, hint: Mapping[str, float]) -> list[Row]:
         ),
         ("start", "finds the rotor from any angle" if knows_poles(m) else
          f"from a known angle only: {alike(m)}", ""),
-        ("trip", f"{m.i_trip:g} A",
+        ("trip", f"{m.i_trip:g} A peak",
          "" if reaches(m.i_trip, hint["i_trip"]) else f"i_trip of at least {hint['i_trip']:g} A"),
-        ("converter", f"{m.adc_range:g} A, {m.adc_bits} bits",
+        ("converter", f"±{m.adc_range:g} A, {m.adc_bits} bits",
          "" if reaches(m.adc_range, hint["adc_range"]) else
          f"adc_range of at least {hint['adc_range']:g} A, for control"),
         ("PWM period", f"{1e6 * m.T_s:g} µs, "
@@ -200,6 +200,7 @@ def write_page(c: Check, path: Path, command: str) -> None:
         "motor.html.j2",
         {"maps": {}, "cases": {}, "curves": panels},
         motor=e.motor, verdict=e.verdict, word=e.verdict.word, rows=rows(c),
+        hints=any(hint for _, _, hint in rows(c)),
         columns=RUNS, runs=run_rows(c), runs_say=runs_say(c),
         findings=e.findings, reach=range(first), seen=range(first, len(panels)),
         labels=[panel["label"] for panel in panels], command=command, uplot=UPLOT,

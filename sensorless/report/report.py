@@ -14,6 +14,7 @@ from sensorless.evaluation.evaluate import PolicyProgress
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.trace import trace
 from sensorless.files import check_folder, ensure_writable, write_atomic
+from sensorless.machine.motor import Motor
 from sensorless.plots.envelope import SHOWN
 from sensorless.plots.schedule import sheets
 from sensorless.plots.wave import wave
@@ -58,7 +59,8 @@ class Report:
         Machine and drive.
     others : sequence of str, optional
         Policies to compare with; by default Eq. 25 on the paper's observers and on the design's,
-        every shipped tuned rule, and the bounds. Waveforms are beside Eq. 25, or else the first.
+        every shipped rule that was tuned for this motor, and the bounds. Waveforms are beside
+        Eq. 25, or else the first.
     options : sequence of str
         Words of the command line for this motor and design.
     progress : optional
@@ -82,7 +84,7 @@ class Report:
         self.run, self.bench = run, bench
         self.motor, self.design = bench.motor, bench.design
         self.options, self.progress = options, progress
-        wanted = others or (PAPER, PLAIN, *_tuned(), "oracle", "sensored")
+        wanted = others or (PAPER, PLAIN, *_tuned(self.motor), "oracle", "sensored")
         self.others = [word for word in wanted if word != run] or [PAPER]
         self.plain = PLAIN if PLAIN in self.others else self.others[0]
         self.policy, self.reference = bench.policy(run), bench.policy(self.plain)
@@ -277,8 +279,13 @@ class Report:
         return shlex.join(["sensorless", *words, *self.options])
 
 
-def _tuned() -> list[str]:
-    """Shipped tuned rules that run with the libraries installed here: fuzzy ones need simpful."""
+def _tuned(motor: Motor) -> list[str]:
+    """Shipped tuned rules that were tuned for this machine, of the libraries installed here.
+
+    Fuzzy ones need simpful.
+    """
+    if motor.digest != Motor.load("paper").digest:
+        return []
     fuzzy = find_spec("simpful") is not None
     return [name for name in shipped.tuned_names() if fuzzy or not name.startswith("fuzzy")]
 

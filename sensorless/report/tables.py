@@ -168,7 +168,7 @@ def held(envelope: Results, motor: Motor) -> str:
     for name, policy in envelope.policies.items():
         lost = np.array(policy["scenarios"]["lost"])
         able = sum("twin" not in (c or "") for c in policy["scenarios"]["lost_cause"])
-        text = f"{name} holds {able - int(lost.sum())} of {able} points"
+        text = f"{name} keeps lock in {able - int(lost.sum())} of {able} points"
         if lost.any() and not texts:
             side = math.isqrt(len(lost))
             grid = np.linspace(-1.0, 1.0, side)

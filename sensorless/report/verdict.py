@@ -234,8 +234,8 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
         return Verdict("with", "Not as it is.", why, lines)
     rules = [x for x in words if x != plain and _objective(results[0], x) < own]
     if rules:
-        why = f"On balance {rules[0]} is better still."
-        return Verdict("with", f"Better than {plain}.", why, lines)
+        why = f"It is better than {plain}, but on balance {rules[0]} is better still."
+        return Verdict("with", f"Flash it only if you cannot take {rules[0]}.", why, lines)
     if any(word == WORSE for word, _ in lines):
         return Verdict("with", "Flash it, if you can live with what got worse.", "", lines)
     return Verdict("yes", "Flash it.", "Nothing got worse.", lines)

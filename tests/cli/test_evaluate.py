@@ -32,7 +32,12 @@ def test_details_and_a_file_without_scenarios(tmp_path: Path) -> None:
     words = ["evaluate", "--policy", "eq25", "--policy", "sensored", "--size", "3", "--details"]
     done = RUN.invoke(app, [*words, "--no-scenarios", "--out", str(out)])
     assert done.exit_code == 0, done.output
-    for heading in ("difference to eq25", "forward regenerating", "worst cases", "(bound)"):
+    for heading in (
+        "difference to eq25",
+        "forward regenerating",
+        "worst cases",
+        "(knows the truth",
+    ):
         assert heading in done.stdout
     assert done.stdout.count("window:") == 2 * 2, "means and pairs"
     data = json.loads(out.read_text(encoding="utf-8"))

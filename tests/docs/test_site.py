@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import markdown  # type: ignore[import-untyped]
 import pytest
 
 from docs.site import tables
@@ -44,3 +45,12 @@ def test_no_page_says_a_thing_twice(page: Path) -> None:
     modules = re.findall(r"^::: (.*)$", text, re.MULTILINE)
     assert len(set(headings)) == len(headings)
     assert len(set(modules)) == len(modules)
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda page: page.stem)
+def test_no_command_runs_into_the_text_around_it(page: Path) -> None:
+    """An indented block right after a list, or a list right after one, is text to the site."""
+    text = page.read_text(encoding="utf-8")
+    html = markdown.markdown(text, extensions=["tables", "pymdownx.superfences", "md_in_html"])
+    prose = re.sub(r"<(pre|code).*?</\1>", "", html, flags=re.DOTALL)
+    assert not re.search(r"^(<p>)?(sensorless|python|pip|make) [a-z-]+( |$)", prose, re.MULTILINE)

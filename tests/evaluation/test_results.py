@@ -111,7 +111,7 @@ def test_the_table_fits_on_a_terminal_and_shows_every_policy() -> None:
     console.print(RESULTS.table())
     text = console.export_text()
     assert "eq25" in text and "other" in text
-    assert text.count("(bound)") == text.count("(flux)") == 1
+    assert text.count("(told truth)") == text.count("(flux)") == 1
     assert "(None)" not in text and "(smo)" not in text
     assert "12.3 │" in text and "(10.0–20.0) │" in text
     assert "12.35 ±5.00" in text and "0.12 ±0.05" in text

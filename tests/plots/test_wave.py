@@ -54,10 +54,11 @@ def test_an_angle_beyond_its_axis_is_said() -> None:
         t = trace(make_policy("eq25", MOTOR), plan, MOTOR, DriveDesign())
         (pane,) = (pane for pane in wave("run", t).panes if pane.key == "angle")
         assert pane.span is not None
-        beyond = np.abs(np.rad2deg(t["theta_e_err"])).max() > pane.span[1]
-        assert pane.label.endswith("in part beyond") == beyond
-        found.append(beyond)
-    assert found[0] and not found[1]
+        for name, key in {"HFI": "_hfi", "blend": "", "observer": "_smo"}.items():
+            beyond = np.nanmax(np.abs(np.rad2deg(t[f"theta_e_err{key}"]))) > pane.span[1]
+            assert (name in pane.label.partition("estimate")[2]) == beyond
+            found.append((name, off, bool(beyond)))
+    assert ("blend", 180.0, True) in found and ("blend", 0.0, False) in found
 
 
 def test_panes_are_drawn_as_asked(lost: Trace) -> None:

@@ -110,12 +110,14 @@ async function drawWaves(place) {
     place.append(column);
     return column;
   });
+  const visible = waves[0].panes.map((pane, j) => (!FOLDED.includes(pane.key) || more) && waves.some((w) => w.panes[j].curves.length));
+  const last = visible.lastIndexOf(true);
   waves[0].panes.forEach((pane, j) => {
-    if ((FOLDED.includes(pane.key) && !more) || !waves.some((w) => w.panes[j].curves.length)) return;
+    if (!visible[j]) return;
     const span = common(waves, j);
     waves.forEach(({ title, t, panes, bands, marks }, k) => {
       columns[k].append(make("div", pane.label, { class: "soft" }));
-      plots.push(plot(columns[k], { label: `${pane.label}, ${title}`, x: t, curves: panes[j].curves, span, sync: place.id, ...named(bands, marks, j === 0) }));
+      plots.push(plot(columns[k], { label: `${pane.label}, ${title}`, xLabel: j === last ? "time [s]" : "", x: t, curves: panes[j].curves, span, sync: place.id, ...named(bands, marks, j === 0) }));
     });
   });
 }
