@@ -7,10 +7,8 @@ import numpy as np
 
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
-from sensorless.evaluation.metrics.catalogue import torque_dev_rms
-from sensorless.evaluation.metrics.ripple import torque_ripple_rms
-from sensorless.evaluation.objective import Cost, cost_of
-from sensorless.evaluation.rollout import rollouts, with_twin_to_the_end
+from sensorless.evaluation.compare import ended
+from sensorless.evaluation.objective import Cost
 from sensorless.policy import Policy
 
 SUITE = "stress-1"
@@ -20,11 +18,8 @@ SUITE = "stress-1"
 def validate(policy: Policy, factory: SimFactory, size: int, seed: int = 0) -> Cost:
     """Cost of a policy over ``size`` scenarios of ``SUITE`` with the role ``tune``."""
     scenarios = suite(SUITE, factory.motor, seed, size, role="tune")
-    parts = []
-    for r in rollouts(policy, scenarios, factory):
-        whole = with_twin_to_the_end(r, factory, policy.settings)
-        parts.append((r.lost != 0, whole.feasible, torque_dev_rms(r), torque_ripple_rms(r)))
-    return cost_of(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    found = ended(policy, [(factory, scenarios)])
+    return found.cost(found.feasible)
 
 
 def validate_all(policy: Policy, factories: Sequence[SimFactory], size: int) -> Cost:

@@ -45,7 +45,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import score
-from sensorless.evaluation.over_seeds import contrast, survived
+from sensorless.evaluation.over_seeds import change_over_seeds, survived
 from sensorless.files import check_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, rule_named, table_named
@@ -252,7 +252,7 @@ def study(
         policies = [learned(name, case, seed, words.steps or case.steps) for seed in words.seeds]
         taken = (time.process_time() - began) / len(policies)
         scores = [score(p, rows, FACTORY) for p in policies]
-        against = {m: contrast(scores, start, m) for m in NAMES}
+        against = {m: change_over_seeds(scores, start, m) for m in NAMES}
         facts = {"step": STEPS[name], "cpu_s_a_seed": round(taken, 1)}
         each = [survived(s, NAMES) for s in scores]
         out[name] = {**facts, "seeds": each, "against start": against}

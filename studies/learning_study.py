@@ -29,7 +29,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import score
-from sensorless.evaluation.over_seeds import contrast, survived
+from sensorless.evaluation.over_seeds import change_over_seeds, survived
 from sensorless.files import check_writable, write_atomic, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named
@@ -205,7 +205,7 @@ def judge(
             found = {name: score(p, rows, factory) for name, p in policies.items()}
             ours = [found[name] for name in agents]
             against = {
-                name: {metric: contrast(ours, s, metric) for metric in NAMES}
+                name: {metric: change_over_seeds(ours, s, metric) for metric in NAMES}
                 for name, s in found.items()
                 if name not in agents
             }

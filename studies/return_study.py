@@ -19,6 +19,7 @@ from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.decision import RUNNING, TRAINING
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_v1 import GainVectorEnv
+from sensorless.envs.returns import acts
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
@@ -26,7 +27,7 @@ from sensorless.evaluation.evaluate import score
 from sensorless.files import ensure_writable, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
-from sensorless.policy import PacedPolicy, Policy, design_for
+from sensorless.policy import Policy, design_for
 from sensorless.versions import versions
 
 POLICIES = ("logistic-tuned", "eq25", "gated-tuned")
@@ -35,16 +36,13 @@ DESIGN = DriveDesign(estimator="smo")
 
 def episodes(policy: Policy, rows: SuiteRows, decision: float) -> tuple[Any, Any]:
     """Return of each scenario without the price of lost lock (n,), and whether it is lost (n,)."""
-    n = len(rows)
-    design = design_for(policy, DESIGN)
+    n, design = len(rows), design_for(policy, DESIGN)
     env = GainVectorEnv(n, gains=(), motor=rows.motor, design=design, decision_period=decision)
-    if isinstance(policy, PacedPolicy):
-        policy.follow(decision)
-    policy.reset(n)
+    act = acts(policy, env)
     obs, _ = env.reset(options={"scenario": rows.draw()})
     earned, lost, alive = np.zeros(n), np.zeros(n, dtype=bool), np.ones(n, dtype=bool)
     while alive.any():
-        obs, reward, terminated, truncated, info = env.step(2.0 * policy.act(obs)[:, None] - 1.0)
+        obs, reward, terminated, truncated, info = env.step(act(obs))
         earned[alive] += (reward - info["lost_penalty"])[alive]
         lost |= alive & terminated
         alive &= ~(terminated | truncated)

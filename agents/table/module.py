@@ -43,7 +43,6 @@ class TableModule(nn.Module):
         self._table, self._margin = table, margin
         self.shape = tuple(axis.n for axis in axes)
         self._columns = [SIGNAL_NAMES.index(axis.signal) for axis in axes]
-        self._speed = SIGNAL_NAMES.index("speed")
         self._strides = [int(np.prod(self.shape[a + 1 :])) for a in range(len(axes))]
         self._turned = torch.from_numpy(turned_round(axes))
         k_s = torch.tensor(table.values.reshape(-1))
@@ -132,29 +131,14 @@ class TableModule(nn.Module):
         return out
 
     @torch.no_grad()
-    def project(self, *, monotone: bool = False) -> None:
-        """Move node values back into their range, and make them even at standstill.
-
-        Parameters
-        ----------
-        monotone : bool
-            Also keep them from rising with speed, even at standstill: take the mean of the running
-            minimum from below and the running maximum from above, which leaves a falling line
-            unchanged.
-        """
+    def project(self) -> None:
+        """Move node values back into their range, and make them even at standstill."""
         self.values.clamp_(-self._margin, 1.0 + self._margin)
         if self.gains is not None:
             for values, (low, high) in zip(self.gains, self._bounds, strict=True):
                 values.clamp_(low, high)
         for values in (self.values, *(() if self.gains is None else self.gains)):
             values.copy_(0.5 * (values + values[self._turned]))
-        if not monotone or self._speed not in self._columns:
-            return
-        axis = self._columns.index(self._speed)
-        grid = self.values.view(self.shape)
-        least = grid.cummin(dim=axis).values
-        most = grid.flip(axis).cummax(dim=axis).values.flip(axis)
-        grid.copy_(0.5 * (least + most))
 
     def vector(self) -> Tensor:
         """Copy of all node values, k_s first."""

@@ -35,8 +35,6 @@ class TableActorCritic(ActorCriticPolicy):
         Standard deviation of the exploration in k_s.
     smoothness : float
         Distance over which nodes explore and move together [nodes], see ``NodeKernel``.
-    monotone : bool
-        Keep k_s from rising with speed.
     margin : float
         How far nodes of k_s may lie outside [0, 1].
     value_scale : float
@@ -57,7 +55,6 @@ class TableActorCritic(ActorCriticPolicy):
         smoothness: float,
         value_scale: float,
         hidden: int,
-        monotone: bool = False,
         margin: float = MARGIN,
         use_sde: bool = True,
     ) -> None:
@@ -68,11 +65,9 @@ class TableActorCritic(ActorCriticPolicy):
             "smoothness": smoothness,
             "value_scale": value_scale,
             "hidden": hidden,
-            "monotone": monotone,
             "margin": margin,
         }
         self.learn_actor = True
-        self.monotone = monotone
         nets: dict[str, list[int]] = {"pi": [], "vf": []}
         super().__init__(observation_space, action_space, lr_schedule, net_arch=nets)
         self.use_sde = use_sde
@@ -134,7 +129,7 @@ class TableActorCritic(ActorCriticPolicy):
         return smooth / max(self._size[output], 1e-30)
 
     def _after_step(self, *_: object) -> None:
-        self.actor.project(monotone=self.monotone)
+        self.actor.project()
 
     def reset_noise(self, n_envs: int = 1) -> None:
         """Draw the noise of the next rollout."""

@@ -138,7 +138,6 @@ class TrainConfig:
         "it exceeds --noise by much, exploration does not reach beyond the band of the start; "
         "tables only",
     )
-    monotone: bool = switch(False, "keep k_s from rising with speed; tables only")
     ripple_cost: float = number(
         WindowWeights.torque_ripple, "1/ms", 0, 10, "charge this for ripple in training with gains"
     )
@@ -220,8 +219,6 @@ class TrainConfig:
         check(self)
         if not self.minutes and not self.steps:
             raise UserError("minutes, steps: 0 and 0: give one of them above 0")
-        if self.monotone and self.policy_kind != "table":
-            raise UserError("monotone: True: only a table can be: use --policy-kind table")
         if self.gains and self.policy_kind != "table":
             raise UserError("gains: only a table sets them: use --policy-kind table")
         self._named_gains()

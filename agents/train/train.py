@@ -199,7 +199,6 @@ def new_model(config: TrainConfig, table: KsTable, env: SB3VecEnv) -> TablePPO:
         kwargs |= {
             "lr_nodes": config.lr_nodes,
             "smoothness": config.smoothness,
-            "monotone": config.monotone,
             "margin": config.margin,
         }
     else:

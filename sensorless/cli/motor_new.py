@@ -157,7 +157,7 @@ def new_command(
         sensorless motor new --name other --out other.toml --ke 40 --pwm 8000
     """
     from sensorless.design.drive import DriveDesign
-    from sensorless.design.new_motor import new_motor, plain
+    from sensorless.design.new_motor import new_motor
     from sensorless.files import write_atomic
     from sensorless.machine.datasheet import Datasheet, check_number, check_words, inertia_from
     from sensorless.machine.motor import Motor, check_name
@@ -200,7 +200,7 @@ def new_command(
         name, sheet, u_dc=known["u-dc"], pwm_hz=known["pwm"], adc_range=adc_range,
         adc_bits=adc_bits, dead_time=dead_time, u_inj=u_inj, design=design,
     )  # fmt: skip
-    motor = Motor.from_tables(plain(data), str(out))
+    motor = Motor.from_tables(data, str(out))
     head = (
         "Made by sensorless motor new from data-sheet numbers. Currents and flux are peak values."
     )

@@ -8,7 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.text import Text
 
 from sensorless.cli.surroundings import AnyConsole
@@ -219,6 +226,20 @@ def minutely() -> Callable[[str], None]:
             errors.print(text, highlight=False, soft_wrap=True)
 
     return say
+
+
+def search_progress(what: str) -> Progress:
+    """Bar of a search with the time that is left; its task's description says how far it came."""
+    return Progress(
+        TextColumn(what, markup=False),
+        BarColumn(),
+        TextColumn("{task.percentage:.0f} %"),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.description}"),
+        console=errors,
+        disable=not errors.is_terminal,
+    )
 
 
 @contextmanager

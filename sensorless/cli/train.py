@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from sensorless.agents.train.config import TrainConfig
 from sensorless.cli.given import was_given
@@ -23,6 +22,7 @@ from sensorless.cli.options import (
     say_json,
     say_verdict,
     say_wrote,
+    search_progress,
 )
 from sensorless.errors import UserError, has_control, shown
 from sensorless.settings import settings_of
@@ -175,10 +175,7 @@ def run_training(
     design = DriveDesign(**asked)
     if resume is None and not config.machines:
         say_if_unsuited(Motor.load(config.motor), design)
-    columns = [TextColumn("training"), BarColumn(), TextColumn("{task.percentage:.0f} %")]
-    columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
-    quiet = not errors.is_terminal
-    bar = Progress(*columns, console=errors, disable=quiet)
+    bar = search_progress("training")
     task = bar.add_task("", total=1.0)
     say = minutely()
 
@@ -189,7 +186,7 @@ def run_training(
             return
         *before, row = rows(folder)
         mark = ", kept so far" if before and int(row["best"]) else ""
-        (errors if quiet else bar.console).print(
+        bar.console.print(
             f"{100 * done:3.0f} %, {steps / 1e6:5.2f} M decisions, validation: "
             f"{describe(vars(found))}{mark}",
             highlight=False,

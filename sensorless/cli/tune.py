@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from sensorless.cli.options import (
     EngineOption,
@@ -21,6 +20,7 @@ from sensorless.cli.options import (
     say_json,
     say_verdict,
     say_wrote,
+    search_progress,
 )
 
 if TYPE_CHECKING:
@@ -83,17 +83,11 @@ def tune_command(
     machine, design = Motor.load(motor), design_from(settings)
     if not machines:
         say_if_unsuited(machine, design)
-    columns = [
-        TextColumn("tuning {task.fields[rule]}", markup=False),
-        BarColumn(),
-        TextColumn("{task.percentage:.0f} %"),
-    ]
-    columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
-    bar = Progress(*columns, console=errors, disable=not errors.is_terminal)
-    task = bar.add_task("", total=1.0, rule=name.partition(":")[0])
+    bar = search_progress(f"tuning {name.partition(':')[0]}")
+    task = bar.add_task("", total=1.0)
     say = minutely()
 
-    def report(done: float, best: "Cost", start: "Cost") -> None:
+    def report(done: float, best: "Cost") -> None:
         bar.update(task, completed=done, description=f"best: {describe(vars(best))}")
         say(f"{100.0 * done:.0f} %, best: {describe(vars(best))}")
 

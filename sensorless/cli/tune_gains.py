@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
 from sensorless.cli.options import (
@@ -20,6 +19,7 @@ from sensorless.cli.options import (
     say_json,
     say_verdict,
     say_wrote,
+    search_progress,
 )
 
 if TYPE_CHECKING:
@@ -106,9 +106,7 @@ def tune_gains_command(
     chooser = _rule(policy, machine)
     gains = gains_of(machine, design, asked)
     say_if_unsuited(machine, design)
-    columns = [TextColumn("tuning gains"), BarColumn(), TextColumn("{task.percentage:.0f} %")]
-    columns += [TimeElapsedColumn(), TimeRemainingColumn(), TextColumn("{task.description}")]
-    bar = Progress(*columns, console=errors, disable=not errors.is_terminal)
+    bar = search_progress("tuning gains")
     task = bar.add_task("", total=1.0)
     say = minutely()
 

@@ -62,7 +62,7 @@ class Carried:
 
 def record(design: DriveDesign, motor: Motor | None = None) -> dict[str, Any]:
     """Entries of a provenance that ``carried`` reads; no motor: made for any machine."""
-    out = {"set": chosen(design), "design": plain(dataclasses.asdict(design))}
+    out = {"set": chosen(design), "design": worded(dataclasses.asdict(design))}
     if motor is None:
         return out
     machine = dataclasses.asdict(motor)
@@ -80,10 +80,10 @@ def chosen(design: DriveDesign) -> dict[str, Any]:
         or name in BELONGS
         or getattr(design, name) != setting.default
     }
-    return plain(values)
+    return worded(values)
 
 
-def plain(values: Mapping[str, Any]) -> dict[str, Any]:
+def worded(values: Mapping[str, Any]) -> dict[str, Any]:
     """Convert to JSON types: infinity becomes a word."""
     return {k: str(v) if v in (math.inf, -math.inf) else v for k, v in values.items()}
 

@@ -1,6 +1,5 @@
 """The motor file of a datasheet: numbers that it gives, and those chosen or assumed."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -74,7 +73,7 @@ def new_motor(
     numbers["u_inj"] = Number(u_inj if u_inj is not None else 0.1 * u_dc, "given")
     power = f"{tau * omega:.3g} W" if tau * omega < 1e3 else f"{tau * omega / 1e3:.3g} kW"
     what = f"{power} at {sheet.speed_rpm:g} r/min, from data-sheet numbers, linear"
-    motor = Motor.from_tables(plain(tables(name, what, numbers)), name)
+    motor = Motor.from_tables(tables(name, what, numbers), name)
     require_sane(motor)
     require_saliency(motor)
     if u_inj is None:
@@ -109,10 +108,3 @@ def _inverter(
         "i_max": Number(i_max, f"chosen: {OVERLOAD:g} times rated, within {ADC_ROOM:g} adc_range"),
         "i_trip": Number(TRIP * i_rated, f"chosen: {TRIP:g} times rated"),
     }  # fmt: skip
-
-
-def plain(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Copy for ``Motor.from_tables``, which empties the tables it gets."""
-    return {
-        key: dict(value) if isinstance(value, Mapping) else value for key, value in data.items()
-    }

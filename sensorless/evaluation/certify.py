@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from sensorless.core.api import SIGNAL_N
-from sensorless.design.carried import plain
+from sensorless.design.carried import worded
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machine_family import NAME as FAMILY
 from sensorless.envs.scenarios.machines_suite import EACH, NAME, SCENARIOS, machine
@@ -188,6 +188,6 @@ def _identity(
         "seed": seed,
         "motor": motor.name,
         "motor_digest": motor.digest,
-        "design": plain(asdict(design_for(policy, design))),
+        "design": worded(asdict(design_for(policy, design))),
         "versions": {name: known[name] for name in ("sensorless", "core")},
     }

@@ -5,13 +5,13 @@ resampling scenarios, each with both results: *better* and *worse* are intervals
 A schedule that loses none has no loss to draw: the sentence says how rare one may be.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.aggregate import Rows, interval_of
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
@@ -83,9 +83,16 @@ def outcomes(
     policy: Policy, factories: Sequence[SimFactory], name: str, seed: int, size: int
 ) -> Outcomes:
     """Run ``size`` scenarios of a suite, rounded up to the same number on every machine."""
-    share, parts = -(-size // len(factories)), []
-    for i, factory in enumerate(factories):
-        scenarios = suite(name, factory.motor, seed + i, share)
+    share = -(-size // len(factories))
+    return ended(
+        policy, ((f, suite(name, f.motor, seed + i, share)) for i, f in enumerate(factories))
+    )
+
+
+def ended(policy: Policy, cases: Iterable[tuple[SimFactory, Scenarios]]) -> Outcomes:
+    """Run the scenarios of each machine."""
+    parts = []
+    for factory, scenarios in cases:
         for r in rollouts(policy, scenarios, factory):
             kept = r.lost == 0
             dev, ripple = (
@@ -176,10 +183,10 @@ def compare(
         Machines that divide the scenarios among them; policies may bring settings of their own.
     """
     ours, theirs = (outcomes(p, factories, SUITE, SEED, SIZE) for p in (policy, other))
-    return contrast(ours, theirs, against)
+    return comparison(ours, theirs, against)
 
 
-def contrast(ours: Outcomes, theirs: Outcomes, against: str, where: str = SUITE) -> Comparison:
+def comparison(ours: Outcomes, theirs: Outcomes, against: str, where: str = SUITE) -> Comparison:
     """Compare the outcomes of the same scenarios, drawn from ``where``."""
     feasible = ours.feasible & theirs.feasible
     rows = np.flatnonzero(feasible)

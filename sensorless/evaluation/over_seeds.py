@@ -17,7 +17,7 @@ def survived(s: Scores, names: Sequence[str]) -> dict[str, float]:
     return {"lost": int(np.sum(~kept)), "of": len(kept), **means}
 
 
-def contrast(ours: Sequence[Scores], theirs: Scores, name: str) -> dict[str, float]:
+def change_over_seeds(ours: Sequence[Scores], theirs: Scores, name: str) -> dict[str, float]:
     """Change of a mean [%], ours over theirs, with its 95 % interval over seeds and scenarios.
 
     Means are over the scenarios that both survived.

@@ -131,7 +131,7 @@ class Results:
         title = f"{self.suite}, seed {self.seed}, {what}"
         beyond = max(p["infeasible_rate"] for p in self.policies.values())
         title += f", {100.0 * beyond:.1f} % not feasible" if beyond > 0.0 else ""
-        table = PlainTable(title=title, caption=CAPTIONS[columns])
+        table = PlainTable(title=title, caption=CAPTIONS[columns], pad_edge=False)
         table.add_column("policy", overflow="fold", min_width=12)
         for _, heading, _, _ in columns:
             table.add_column(heading, justify="right")

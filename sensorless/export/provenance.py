@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from sensorless.core.api import ffi, lib
-from sensorless.design.carried import chosen, commands_of, plain, record
+from sensorless.design.carried import chosen, commands_of, record, worded
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import KsTable
@@ -98,7 +98,7 @@ def provenance_text(
 
 def settings_digest(design: DriveDesign) -> str:
     """SHA-256 of every setting of the drive, in JSON with sorted names."""
-    text = json.dumps(plain(dataclasses.asdict(design)), sort_keys=True)
+    text = json.dumps(worded(dataclasses.asdict(design)), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -5,17 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sensorless.core.api import Array, lib
+from sensorless.core.api import Array, enumeration
 from sensorless.evaluation.trace import Trace, outcome
 from sensorless.units import RAD_S_TO_RPM
 
 FOLDED = ("current", "voltage", "faults")
 """Panes that are shown only when asked for."""
-FAULTS = {
-    name.removeprefix("FAULT_").lower().replace("_", " "): int(getattr(lib, name))
-    for name in dir(lib)
-    if name.startswith("FAULT_") and name != "FAULT_ALL"
-}
+FAULTS = {k.replace("_", " "): bit for k, bit in enumeration("FAULT_").items() if k != "all"}
 """Bits of the drive's fault word by name."""
 BEYOND = 2.5
 """How far from the middle of what was judged curves go on after it, over its range."""

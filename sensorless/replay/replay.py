@@ -177,7 +177,6 @@ def replay(
     *,
     theta_0: float = 0.0,
     omega_0: float = 0.0,
-    k_s_0: float = 1.0,
 ) -> Replay:
     """Run every estimator over a log. None of them sees the encoder.
 
@@ -189,8 +188,6 @@ def replay(
     theta_0, omega_0 : float
         Start of the estimators, electrical [rad, rad/s]; injection shows the angle only up to half
         a turn.
-    k_s_0 : float
-        First weight.
 
     Raises
     ------
@@ -213,11 +210,11 @@ def replay(
         )
     own = design_for(policy, design)
     control = control_record(motor, own)
-    run = ObserverRun(control, theta_0, omega_0, k_s_0)
+    run = ObserverRun(control, theta_0, omega_0, 1.0)
     rows, every = log.rows(), decision_periods(motor)
     policy.reset(1)
     out = []
-    obs = run.advance(rows[:0], k_s_0)[1]
+    obs = run.advance(rows[:0], 1.0)[1]
     for first in range(0, len(rows), every):
         k_s = float(policy.act(obs.reshape(1, SIGNAL_N).copy())[0])
         part, obs = run.advance(rows[first : first + every], k_s)

@@ -1,6 +1,5 @@
 """Learning curves of training runs, and what other schedules reach on the same scenarios."""
 
-import csv
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -8,13 +7,11 @@ from typing import Any
 import numpy as np
 
 from sensorless.agents.loading import CONFIG
-from sensorless.agents.train.curve import PROGRESS
+from sensorless.agents.train.curve import COLUMNS, PROGRESS, rows
 from sensorless.agents.train.run_folder import design_and_motor, setting_of
 from sensorless.agents.validation import validate
 from sensorless.envs.scenarios.scenario import SimFactory
-from sensorless.errors import UserError
 from sensorless.evaluation.objective import LOST_WEIGHT, Cost
-from sensorless.files import reason
 from sensorless.policies import shipped
 from sensorless.policies.registry import make_policy
 
@@ -31,7 +28,6 @@ CURVES = (
     ("torque_ripple", "torque ripple [% of rated]"),
 )
 """Columns of ``progress.csv``, which are fields of ``Cost``, with their labels."""
-NEEDED = ("seconds", *(name for name, _ in CURVES), "best")
 COLOURS = ("observer", "hfi", "ekf", "ref", "own")
 
 Curve = dict[str, Any]
@@ -53,26 +49,12 @@ def curves_of(folder: Path, *, alone: bool = False) -> dict[str, Curve]:
     inside = [] if alone else sorted(folder.glob(f"*/{PROGRESS}"))
     for path in inside or [folder / PROGRESS]:
         if path.is_file() and (path.parent == folder or not any(path.parent.glob(f"*/{PROGRESS}"))):
-            curve = _read(path)
-            if curve:
-                out[path.parent.resolve().name] = curve
+            found = rows(path.parent)
+            if found:
+                out[path.parent.resolve().name] = {
+                    name: np.array([float(row[name]) for row in found]) for name in COLUMNS
+                }
     return out
-
-
-def _read(path: Path) -> Curve:
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
-        for at, row in enumerate(rows, 2):
-            if None in row or None in row.values():
-                raise ValueError(f"line {at}: another number of values than of columns")
-        curve = {key: np.array([float(row[key]) for row in rows]) for key in (rows or [{}])[0]}
-        for key, values in curve.items():
-            for line in 2 + np.flatnonzero(~np.isfinite(values)):
-                raise ValueError(f"line {line}: {key}: no finite number")
-    except (OSError, ValueError, TypeError, csv.Error) as error:
-        raise UserError(f"{path}: {reason(error)}; restore the file, or train anew") from None
-    return curve
 
 
 def levels_of(folder: Path, words: Sequence[str]) -> dict[str, Cost]:
@@ -133,12 +115,6 @@ def learning(run: str) -> tuple[list[dict[str, Any]], str]:
     found = curves_of(folder, alone=made is not None) if folder.is_dir() else {}
     if not found:
         return [], ""
-    missing = [(run, key) for run, curve in found.items() for key in NEEDED if key not in curve]
-    if missing:
-        raise UserError(
-            f"{PROGRESS} of {missing[0][0]}: {missing[0][1]}: no such column; restore the file, or "
-            "train anew"
-        )
     levels = {name: cost for name, cost in shipped_levels(folder).items() if name != run}
     times = np.unique(np.concatenate([c["seconds"] for c in found.values()]))
     panels = []

@@ -68,7 +68,7 @@ class Row:
     corrected: Cell
     decimals: int = 2
 
-    def plain(self) -> dict[str, Any]:
+    def facts(self) -> dict[str, Any]:
         """Return plain data for JSON; None where there is no finite number."""
         return {
             "unit": self.unit,

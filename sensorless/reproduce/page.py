@@ -4,9 +4,9 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
 
 from sensorless.core.api import ffi, lib
+from sensorless.design.carried import worded
 from sensorless.design.derived import derive
 from sensorless.machine.motor import Motor
 from sensorless.reproduce.case import CORRECTED, NOT_SWITCHABLE, PUBLISHED, Case, Cell, Row
@@ -83,15 +83,15 @@ def data(cases: Sequence[Case], motor: Motor) -> str:
                 "motor_digest": motor.digest,
                 "versions": {"sensorless": own, "core": ffi.string(lib.core_hash).decode()},
                 "designs": {
-                    "published": _plain(asdict(PUBLISHED)),
-                    "corrected": _plain(asdict(CORRECTED)),
+                    "published": worded(asdict(PUBLISHED)),
+                    "corrected": worded(asdict(CORRECTED)),
                 },
                 "not_switchable": list(NOT_SWITCHABLE),
                 "cases": {
                     case.name: {
                         "title": case.title,
                         "setting": case.setting,
-                        "rows": {row.quantity: row.plain() for row in case.rows},
+                        "rows": {row.quantity: row.facts() for row in case.rows},
                         "why": case.why,
                     }
                     for case in cases
@@ -103,8 +103,3 @@ def data(cases: Sequence[Case], motor: Motor) -> str:
         )
         + "\n"
     )
-
-
-def _plain(values: dict[str, Any]) -> dict[str, Any]:
-    """Write infinite bandwidths as text."""
-    return {k: "inf" if v == float("inf") else v for k, v in values.items()}

@@ -50,8 +50,8 @@ NONE = NearCost(1.0, 1.0, 1.0, 1.0)
 SIGMA = 0.2
 """First step of the search, over the range of each parameter."""
 
-Progress = Callable[[float, Cost, Cost], None]
-"""Called with the share of the budget used, the best found so far, and the start."""
+Progress = Callable[[float, Cost], None]
+"""Called with the share of the budget used and the best found so far."""
 
 
 @dataclass
@@ -192,7 +192,7 @@ def _run(
             if rule.allows(centre):
                 _judge(search, centre)
         if progress is not None:
-            progress(min(search.used / budget, 1.0), search.best_cost, search.start_cost)
+            progress(min(search.used / budget, 1.0), search.best_cost)
         if end:
             return
 

@@ -195,4 +195,6 @@ def test_the_help_names_the_values_that_are_assumed() -> None:
         assert made["drive"]["dead_time"] == pytest.approx(dead_time)
         assert made["drive"]["adc_range"] == pytest.approx(2.0 * math.sqrt(2.0) * 4.3, rel=1e-4)
     assert f"{START_TIME:g} s from rest" in helps["inertia"]
-    assert "at most 2 %" in helps["dead_time"] and "twice the peak of the rated" in helps["adc_range"]
+    assert (
+        "at most 2 %" in helps["dead_time"] and "twice the peak of the rated" in helps["adc_range"]
+    )

@@ -10,7 +10,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation import compare as module
-from sensorless.evaluation.compare import Outcomes, compare, contrast
+from sensorless.evaluation.compare import Outcomes, compare, comparison
 from sensorless.evaluation.objective import Cost
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -45,7 +45,7 @@ def test_the_word_follows_the_interval(shift: float | None, word: str) -> None:
     """Noise of 0.4 % of torque in each pair, and a shift of 0.1 %: five standard errors."""
     noise = 0.004 * np.random.default_rng(5).standard_normal(N)
     ours = DEV if shift is None else DEV + shift + noise - noise.mean()
-    found = contrast(ended(ours), ended(DEV), "the start")
+    found = comparison(ended(ours), ended(DEV), "the start")
     assert found.word == word and "the start" in found.sentence and "\n" not in found.sentence
     if shift is not None:
         low, high = found.interval
@@ -58,7 +58,7 @@ def test_the_word_follows_the_interval(shift: float | None, word: str) -> None:
 
 def test_few_losses_more_are_no_proof() -> None:
     """One of 400 may be chance, thirty are not; both are said."""
-    one, thirty = (contrast(ended(DEV, n), ended(DEV), "it") for n in (1, 30))
+    one, thirty = (comparison(ended(DEV, n), ended(DEV), "it") for n in (1, 30))
     assert (one.word, thirty.word) == ("level", "worse")
     assert "lost 30 instead of 0 of 400 scenarios" in thirty.sentence
     assert "rarer" not in thirty.sentence
@@ -66,7 +66,7 @@ def test_few_losses_more_are_no_proof() -> None:
 
 def test_none_lost_does_not_mean_that_none_would_be() -> None:
     """With 95 % confidence the rate is at most 3 of 400."""
-    found = contrast(ended(DEV - 0.001), ended(DEV), "it")
+    found = comparison(ended(DEV - 0.001), ended(DEV), "it")
     assert found.word == "better"
     assert found.sentence.endswith(
         "that it was not made on, which may miss a loss rarer than 1 in 133"
@@ -76,7 +76,7 @@ def test_none_lost_does_not_mean_that_none_would_be() -> None:
 def test_what_is_not_feasible_does_not_count() -> None:
     ours, theirs = ended(DEV), ended(DEV + 0.01)
     half = Outcomes(np.arange(N) % 2 == 0, ours.lost, ours.torque_dev, ours.torque_ripple)
-    found = contrast(half, theirs, "it")
+    found = comparison(half, theirs, "it")
     assert found.scenarios == N // 2
     assert "200 feasible scenarios (400 drawn) of stress-1" in found.sentence
     assert found.theirs.torque_dev == pytest.approx(float(DEV[::2].mean()) + 0.01)
@@ -84,7 +84,7 @@ def test_what_is_not_feasible_does_not_count() -> None:
 
 def test_a_machine_that_can_do_nothing_is_not_judged() -> None:
     none = Outcomes(NONE, NONE, DEV, DEV)
-    found = contrast(none, none, "it")
+    found = comparison(none, none, "it")
     assert found.word == "level" and found.sentence.startswith("not to compare with it")
     json.dumps(found.facts(), allow_nan=False)
 
@@ -94,11 +94,11 @@ def test_a_weight_that_moves_without_a_reason_is_told() -> None:
     shown = np.where(np.arange(N) < 200, np.arange(N) % 10 == 0, np.nan)
     feasible = np.arange(N) % 20 != 0
     ours = Outcomes(feasible, NONE, DEV + 0.001, DEV, shown)
-    found = contrast(ours, ended(DEV), "it")
+    found = comparison(ours, ended(DEV), "it")
     assert found.hops == pytest.approx(10 / 190) and "k_s hops" in found.sentence
-    both = contrast(ours, Outcomes(ALL, NONE, DEV, DEV, 0.9 * shown), "it")
+    both = comparison(ours, Outcomes(ALL, NONE, DEV, DEV, 0.9 * shown), "it")
     assert both.their_hops == pytest.approx(9 / 190) and "hops" not in both.sentence
-    few = contrast(Outcomes(ALL, NONE, DEV + 0.001, DEV, 0.4 * shown), ended(DEV), "it")
+    few = comparison(Outcomes(ALL, NONE, DEV + 0.001, DEV, 0.4 * shown), ended(DEV), "it")
     assert few.hops == pytest.approx(0.04) and "hops" not in few.sentence
 
 

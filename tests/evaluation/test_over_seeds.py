@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sensorless.evaluation.evaluate import Scores
-from sensorless.evaluation.over_seeds import contrast
+from sensorless.evaluation.over_seeds import change_over_seeds
 
 
 def scores(values: np.ndarray, lost: int = 0) -> Scores:
@@ -15,14 +15,14 @@ def scores(values: np.ndarray, lost: int = 0) -> Scores:
 
 def test_what_every_seed_changes_alike_has_no_width() -> None:
     theirs = np.random.default_rng(1).uniform(1.0, 2.0, 400)
-    same = contrast([scores(0.9 * theirs)] * 3, scores(theirs, lost=5), "x")
+    same = change_over_seeds([scores(0.9 * theirs)] * 3, scores(theirs, lost=5), "x")
     assert same == {"change": -10.0, "low": -10.0, "high": -10.0}
 
 
 def test_three_seeds_alone_have_the_interval_of_student() -> None:
     """Mean -10, standard deviation 10: 4.303 times 10 over the root of 3."""
     theirs = np.random.default_rng(1).uniform(1.0, 2.0, 400)
-    apart = contrast([scores(f * theirs) for f in (0.8, 0.9, 1.0)], scores(theirs), "x")
+    apart = change_over_seeds([scores(f * theirs) for f in (0.8, 0.9, 1.0)], scores(theirs), "x")
     assert apart["change"] == pytest.approx(-10.0)
     assert apart["high"] - apart["change"] == pytest.approx(4.303 * 10.0 / 3.0**0.5, abs=0.01)
 
@@ -39,6 +39,6 @@ def test_an_interval_holds_the_true_change_in_95_of_100_draws(
         theirs = rng.uniform(1.0, 2.0, 300)
         own = 0.97 + (0.02 * rng.standard_normal(seeds) if seeds > 1 else np.zeros(1))
         ours = [scores(theirs * (x + 0.3 * rng.standard_normal(300))) for x in own]
-        found = contrast(ours, scores(theirs), "x")
+        found = change_over_seeds(ours, scores(theirs), "x")
         held += found["low"] <= -3.0 <= found["high"]
     assert 0.92 * draws <= held <= 0.99 * draws

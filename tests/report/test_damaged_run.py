@@ -8,8 +8,11 @@ from typer.testing import CliRunner
 
 pytest.importorskip("matplotlib")
 
+from sensorless.agents.train.curve import COLUMNS
 from sensorless.cli.app import app
 from sensorless.errors import UserError
+
+HEAD = ",".join(COLUMNS) + "\n"
 
 
 @pytest.mark.parametrize(
@@ -17,7 +20,11 @@ from sensorless.errors import UserError
     [
         ("verdict.json", "[1", "verdict.json"),
         ("verdict.json", "{}", "verdict: None"),
-        ("progress.csv", "steps,objective\n0,0.1\n1,nan\n", "line 3: objective: no finite number"),
+        (
+            "progress.csv",
+            f"{HEAD}0,0,1,1,1,1,1\n1,1,1,1,1,nan,1\n",
+            "objective: 'nan' is no finite",
+        ),
         ("config.json", "[]", "config.json: [] has no fields"),
         ("config.json", "{}", "config.json: train: missing"),
     ],

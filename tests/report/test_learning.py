@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from sensorless.agents.train.curve import COLUMNS
 from sensorless.agents.validation import validate
 from sensorless.design.carried import record
 from sensorless.design.drive import DriveDesign
@@ -14,6 +15,8 @@ from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
 from sensorless.policies.registry import make_policy
 from sensorless.report.learning import curves_of, learning, levels_of, shipped_levels
+
+HEAD = ",".join(COLUMNS) + "\n"
 
 
 @pytest.fixture
@@ -47,8 +50,9 @@ def test_the_shipped_levels_are_those_of_the_same_motor(run: Path, tmp_path: Pat
 
 
 def test_the_panels_have_the_run_the_levels_and_what_was_kept(run: Path) -> None:
-    rows = "steps,seconds,lost_rate,torque_dev,torque_ripple,objective,best\n"
-    rows += "0,0,0.1,0.06,0.02,1.08,1\n5,60,0.02,0.05,0.01,0.26,1\n9,120,0.01,0.05,0.02,0.17,0\n"
+    rows = (
+        HEAD + "0,0,0.1,0.06,0.02,1.08,1\n5,60,0.02,0.05,0.01,0.26,1\n9,120,0.01,0.05,0.02,0.17,0\n"
+    )
     (run / "progress.csv").write_text(rows)
     panels, said = learning(str(run))
     assert [p["label"].split(" [")[0] for p in panels][:2] == ["objective", "lost in validation"]
@@ -72,15 +76,17 @@ def test_the_panels_have_the_run_the_levels_and_what_was_kept(run: Path) -> None
         ("config.json", '{"train": {}}', r"config\.json: train: motor: missing"),
         ("config.json", '{"train": {"motor": 3}}', r"config\.json: train: motor: 3"),
         ("config.json", '{"train": {"motor": "paper"}}', "train: validate_size: missing"),
-        ("progress.csv", "seconds\nmany\n", r"progress\.csv: .*many"),
-        ("progress.csv", "steps,seconds\n1,2\n3\n", "line 3: another number of values"),
-        ("progress.csv", "seconds\n0\n", r"progress\.csv .*objective: no such column"),
+        (
+            "progress.csv",
+            f"{HEAD}0,many,1,1,1,1,1\n",
+            "line 2: seconds: 'many' is no finite",
+        ),
+        ("progress.csv", f"{HEAD}0,1,1,1,1,1,1\n3\n", "line 3: 1 values, not 7"),
+        ("progress.csv", "seconds\n0\n", r"progress\.csv: line 1: .*not the columns"),
     ],
 )
 def test_a_damaged_file_is_named(name: str, text: str, said: str, run: Path) -> None:
-    (run / "progress.csv").write_text(
-        "seconds,objective,lost_rate,torque_dev,torque_ripple,best\n0,1,1,1,1,1\n"
-    )
+    (run / "progress.csv").write_text(f"{HEAD}0,0,1,1,1,1,1\n")
     (run / name).write_text(text)
     with pytest.raises(UserError, match=said):
         learning(str(run))
@@ -89,8 +95,8 @@ def test_a_damaged_file_is_named(name: str, text: str, said: str, run: Path) -> 
 def test_curves_of_a_folder_of_runs_and_of_one(tmp_path: Path) -> None:
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
-        (tmp_path / name / "progress.csv").write_text("steps,objective\n0,0.5\n10,0.25\n")
-    (tmp_path / "progress.csv").write_text("steps,objective\n0,0.5\n")
+        (tmp_path / name / "progress.csv").write_text(f"{HEAD}0,0,1,1,1,0.5,1\n10,9,1,1,1,0.25,1\n")
+    (tmp_path / "progress.csv").write_text(f"{HEAD}0,0,1,1,1,0.5,1\n")
     assert list(curves_of(tmp_path)) == ["a", "b"]
     assert list(curves_of(tmp_path, alone=True)) == [tmp_path.name]
     assert curves_of(tmp_path / "a")["a"]["objective"].tolist() == [0.5, 0.25]

@@ -150,7 +150,7 @@ def test_folder_that_cannot_be(tmp_path: Path) -> None:
 def test_a_lost_drive_has_no_number() -> None:
     row = row_of("q", "1", "–", [float("nan"), 1.0])
     assert row == Row("q", "1", "–", row.published, 1.0)
-    assert row.plain()["published"] is None
+    assert row.facts()["published"] is None
 
 
 def test_every_setting_has_a_number(folder: Path) -> None:

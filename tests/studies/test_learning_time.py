@@ -8,6 +8,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from sensorless.agents.train.curve import COLUMNS
 from sensorless.agents.validation import validate
 from sensorless.design.carried import carried
 from sensorless.design.drive import DriveDesign
@@ -55,8 +56,8 @@ def test_a_run_is_held_against_the_rule_on_its_own_scenarios(
     level = validate(make_policy("linear-tuned", MOTOR), factory, 24).objective
     best = level - 0.001
     rows = [(0, 0.0, level), (1000, 50.0, best), (2000, 90.0, level + 0.001)]
-    text = "".join(f"{a},{b},{c!r}\n" for a, b, c in rows)
-    (run / "progress.csv").write_text("steps,seconds,objective\n" + text)
+    text = "".join(f"{a},{b},1,1,1,{c!r},0\n" for a, b, c in rows)
+    (run / "progress.csv").write_text(",".join(COLUMNS) + "\n" + text)
     found = learning.study(run, "linear-tuned", "constant:1")
     assert found["rule"] == {"seconds": 50.0, "steps": 1000, "stays": False}
     assert found["best"] == {"objective": best, "seconds": 50.0}

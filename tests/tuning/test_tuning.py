@@ -51,7 +51,7 @@ def test_finds_the_least_within_its_budget(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(tuning, "costs", bowl)
     seen: list[float] = []
     found = tuning.tune(
-        "linear", PAPER, DESIGN, 20000.0, 5, progress=lambda done, best, start: seen.append(done)
+        "linear", PAPER, DESIGN, 20000.0, 5, progress=lambda done, best: seen.append(done)
     )
     assert found.parameters == pytest.approx({"lo": 0.15, "hi": 0.6}, abs=0.02)
     known = found.provenance

@@ -47,7 +47,7 @@ class Measured:
     """(n,) of each of ``METRICS``"""
 
     def outcomes(self) -> Outcomes:
-        """What ``contrast`` compares."""
+        """What ``comparison`` compares."""
         kept = ~self.lost
         dev, ripple = (
             np.where(kept, self.numbers[name], 0.0) for name in ("torque_dev", "torque_ripple")

@@ -6,7 +6,7 @@ from typing import Any
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.aggregate import mean_interval
-from sensorless.evaluation.compare import SEED, SIZE, contrast
+from sensorless.evaluation.compare import SEED, SIZE, comparison
 from sensorless.machine.motor import Motor
 from sensorless.plain_json import plain
 from sensorless.policy import Policy
@@ -46,7 +46,7 @@ def judged(motor: Motor, design: DriveDesign, policy: Policy, found: Search) -> 
             runs[who].append(measure(motor, drive, policy, scenarios))
     start, ours = joined(runs["start"]), joined(runs["tuned"])
     where = " and ".join(SUITES)
-    facts = contrast(ours.outcomes(), start.outcomes(), START, where).facts()
+    facts = comparison(ours.outcomes(), start.outcomes(), START, where).facts()
     facts["suites"] = {
         name: beside(runs["tuned"][i], runs["start"][i]) for i, name in enumerate(SUITES)
     }

@@ -109,25 +109,3 @@ def test_nodes_rest_while_the_critic_warms_up() -> None:
 def test_kernel_without_length_is_independent() -> None:
     nodes = torch.rand(12)
     torch.testing.assert_close(NodeKernel((3, 4), 0.0).smooth(nodes), nodes)
-
-
-def test_a_monotone_table_falls_with_speed_whatever_the_gradient() -> None:
-    tables = {}
-    for monotone in (True, False):
-        net = policy(smoothness=0.0)
-        net.monotone = monotone
-        net.actor.values.data = 1.0 - net.actor.values.data  # falling with speed
-        start = net.actor.values.detach().clone()
-        net.actor.project(monotone=monotone)
-        torch.testing.assert_close(net.actor.values.detach(), start, rtol=0.0, atol=0.0)
-        obs = torch.zeros(1, WIDTH)
-        obs[0, 0], obs[0, 1] = 0.6, -0.5
-        for _ in range(200):
-            loss = -net.get_distribution(obs).mode().sum()
-            net.optimizer.zero_grad()
-            loss.backward()
-            net.optimizer.step()
-        tables[monotone] = net.actor.table().values
-    assert (np.diff(tables[True], axis=0) <= 0.0).all()
-    assert (np.diff(tables[False], axis=0) > 0.1).any()
-    assert (np.diff(tables[True], axis=1) > 0.0).any(), "free along the other axis"
