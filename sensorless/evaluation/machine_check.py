@@ -43,6 +43,8 @@ MEASURE = ": measure resistance, inductances and magnet flux of this motor well"
 """What helps where a wrong file does harm."""
 MORE_INERTIA = ": more inertia on the shaft helps; does J count all that the shaft turns?"
 """What helps where the shaft is too light, or where the file says so and is wrong."""
+MUCH_DEAD_TIME = 0.5
+"""Dead-time voltage over the injected voltage times 1 - L_d/L_q, above which it is named."""
 TOLD = 0.99
 """Share of the losses that a drive tells in time, below which that is said."""
 INFEASIBLE = 0.05
@@ -121,8 +123,19 @@ def check(motor: Motor, design: DriveDesign, policy: Policy, under: str, size: i
     limited = any(f.field == "i_max" and f.weight == LIMIT for f in e.findings)
     light = dip > DIP and not math.isclose(dip, DIP)  # else the loop is as designed, and stiffer
     helps = light and not limited  # a heavier shaft is longer at the limit
-    found = judged(runs, MORE_INERTIA if helps else "")
+    found = judged(runs, (MORE_INERTIA if helps else "") + dead_time_hint(motor))
     return Check(replace(e, findings=(*e.findings, *found)), runs, dip)
+
+
+def dead_time_hint(motor: Motor) -> str:
+    """Whether dead time may be why a drive swings: near zero current it turns injection's axis."""
+    tells = motor.u_inj * (1.0 - motor.L_d / motor.L_q)
+    if motor.dead_time_voltage <= MUCH_DEAD_TIME * tells:
+        return ""
+    return (
+        f"; dead time takes {motor.dead_time_voltage:.3g} V of the {tells:.3g} V by which "
+        "injection tells the axes: is the file's dead_time that of the inverter?"
+    )
 
 
 def _light(motor: Motor, dip: float) -> Finding:

@@ -17,6 +17,10 @@ SPARE = 1.5
 """Torque of rated current over rated torque, beyond which the two are hardly of one machine: peak
 for RMS makes 1.4 of it, line for phase voltage 1.7."""
 
+SHORT = 1.2
+"""Rated torque over that of rated current, above which a mix-up is likelier than rounding."""
+MIXED = " (peak values? RMS current makes 0.71 of it, the voltage of a phase 0.58)"
+
 
 @dataclass(frozen=True)
 class RatedPoint:
@@ -44,6 +48,7 @@ class RatedPoint:
                 f"rated torque {motor.tau_rated:g} N m needs "
                 + (f"{self.current:.3g} A" if math.isfinite(self.current) else "more than i_max")
                 + f", but i_rated is {motor.i_rated:g} A, which gives {self.torque:.3g} N m"
+                + (MIXED if motor.tau_rated > SHORT * self.torque else "")
             )
         if self.torque_at_speed < few * min(motor.tau_rated, self.torque):
             reached = f"up to {self.speed:.0f} r/min" if self.speed > 0.0 else "nowhere"

@@ -59,6 +59,12 @@ def _reached(m: Motor, p: RatedPoint) -> list[Row]:
             "",
         ),
         (
+            "magnet",
+            f"{m.psi_f:.4g} Vs peak, {m.n_p} pole pair{'s' if m.n_p > 1 else ''}: "
+            f"{m.omega_rated / (2.0 * math.pi):.4g} Hz at rated speed",
+            "",
+        ),
+        (
             "rated speed",
             f"{m.n_rated_rpm:g} r/min: {p.torque_at_speed:.3g} N m within {m.u_dc:g} V; "
             f"field weakening from {p.base_speed:.0f} r/min",
@@ -93,9 +99,9 @@ def _seen(m: Motor, seen: Seen, hint: Mapping[str, float]) -> list[Row]:
             "" if near(hint["u_inj"], m.u_inj) else f"u_inj = {hint['u_inj']:g} V",
         ),
         (
-            "angle noise to expect",
-            f"{s.noise_deg[: k + 1].max():.2f}° RMS; one step of the converter "
-            f"{s.step_deg[: k + 1].max():.1f}°",
+            "angle noise under load",
+            f"{s.noise_deg[: k + 1].max():.2f}° RMS of the sensors; one step of the converter "
+            f"{s.step_deg[: k + 1].max():.1f}°; dead time adds to it near zero current",
             "",
         ),
         ("start", "finds the rotor from any angle" if knows_poles(m) else

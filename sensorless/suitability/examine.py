@@ -10,6 +10,9 @@ from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding, Verdict, ve
 from sensorless.suitability.plausible import plausible
 from sensorless.suitability.seen import Seen, look, low_trip, objections, suggestions, unmeasured
 
+OTHER_MACHINE = 2.0
+"""Torque of rated current over rated torque, above which the numbers are not of one machine."""
+
 
 @dataclass(frozen=True)
 class Examination:
@@ -49,7 +52,9 @@ def examine(motor: Motor, pll_hz: float) -> Examination:
     if objection is not None:
         found.append(Finding(LIMIT if point.torque_at_speed > 0.0 else NO, "rating", objection))
     spare = point.spare(motor)
-    found += () if spare is None else (Finding(NOTE, "tau_rated", spare),)
+    if spare is not None:
+        other = point.torque > OTHER_MACHINE * motor.tau_rated
+        found.append(Finding(LIMIT if other else NOTE, "tau_rated", spare))
     salient = motor.L_q > motor.L_d
     found += (*objections(motor, seen, point.current), *unmeasured(seen)) if salient else ()
     suggested = suggestions(motor, seen, pll_hz) if salient else None

@@ -38,6 +38,9 @@ LEAST_LIMIT, MOST_TRIP = 0.1, 10.0
 MUCH_IRON = (0.1, 0.5)
 """Iron loss at rated speed over rated power, above which it is unusual, or no machine."""
 
+MUCH_FRICTION = 0.2
+"""Friction at rated speed over rated torque, above which it is hardly the machine's own."""
+
 
 def plausible(motor: Motor) -> Iterator[Finding]:
     """Implausible numbers, each alone and in relation to the others."""
@@ -114,7 +117,8 @@ def _per_unit(m: Motor) -> Iterator[Finding]:
             NO if _far(value, low, high, BEYOND_J if field == "J" else BEYOND) else LIMIT,
             field,
             f"{field} = {getattr(m, field):g}: {what} is {value:.3g}, usually {low:g} to {high:g}: "
-            "wrong unit, factor or pole pairs?",
+            f"wrong unit, factor{', rated speed' if 'at rated speed' in what else ''} or pole "
+            "pairs?",
         )
 
 
@@ -220,6 +224,11 @@ def _injection(m: Motor) -> Iterator[Finding]:
 
 
 def _losses(m: Motor) -> Iterator[Finding]:
+    friction = m.B * m.omega_m_rated
+    if friction > MUCH_FRICTION * m.tau_rated:
+        text = f"B = {m.B:g} N m s/rad: friction takes {friction:.3g} N m at rated speed, "
+        text += f"{friction / m.tau_rated:.0%} of rated torque: wrong unit, or a load? A load is "
+        yield Finding(LIMIT, "B", text + "no part of B; rated current has to drive both")
     power = m.tau_rated * m.omega_m_rated
     if m.p_iron > MUCH_IRON[0] * power:
         weight = NO if m.p_iron > MUCH_IRON[1] * power else LIMIT

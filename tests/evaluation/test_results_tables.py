@@ -46,7 +46,7 @@ def text_of(table: Table) -> str:
 
 def cells(text: str, first: str) -> list[str]:
     """Cells of the row that begins with a word."""
-    line = next(line for line in text.splitlines() if line.startswith(f"│ {first}"))
+    line = next(line for line in text.splitlines() if line.strip("│ ").startswith(first))
     return [cell.strip() for cell in line.strip("│").split("│")]
 
 

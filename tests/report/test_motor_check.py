@@ -9,7 +9,7 @@ import pytest
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machine_family import member
 from sensorless.evaluation.evaluate import evaluate
-from sensorless.evaluation.machine_check import LOST, SUITES, QuickRun, judged
+from sensorless.evaluation.machine_check import LOST, SUITES, QuickRun, dead_time_hint, judged
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.policies.registry import make_policy
 from sensorless.report.motor_check import RUNS, check, facts, rows, run_rows
@@ -157,3 +157,12 @@ def test_too_little_injection_for_the_switches_is_told() -> None:
     assert suggested is not None
     enough = check(replace(weak, u_inj=suggested["u_inj"]), DriveDesign(), 50)
     assert enough.runs[0].lost <= LOST[0]
+
+
+def test_dead_time_is_named_where_it_takes_half_of_what_tells_the_axes() -> None:
+    motor = Motor.load("ipmsm_2200w")
+    tells = motor.u_inj * (1.0 - motor.L_d / motor.L_q)
+    per_V = motor.T_s / motor.u_dc
+    assert dead_time_hint(replace(motor, dead_time=0.45 * tells * per_V)) == ""
+    hint = dead_time_hint(replace(motor, dead_time=0.55 * tells * per_V))
+    assert f"takes {0.55 * tells:.3g} V of the {tells:.3g} V" in hint

@@ -8,6 +8,7 @@ import pytest
 
 from sensorless.envs.scenarios.machine_family import family
 from sensorless.machine.motor import MOTORS, Motor, Saturation
+from sensorless.machine.rated_point import rated_point
 from sensorless.suitability.examine import Examination, examine
 from sensorless.suitability.finding import LIMIT, NO, NOTE, Finding, verdict
 
@@ -242,3 +243,27 @@ def test_much_resistance_is_noted() -> None:
     assert not notes[0]
     (said,) = notes[1]
     assert "R_s = 10.8 ohm takes 26% of the EMF at rated speed" in said
+
+
+def test_friction_that_is_a_load_limits() -> None:
+    """A fan's load in B: the machine cannot drive its rated torque and that too."""
+    for share, weight in ((0.25, LIMIT), (0.15, None)):
+        b = share * PAPER.tau_rated / PAPER.omega_m_rated
+        found = [f for f in examine(replace(PAPER, B=b), 15.0).findings if f.field == "B"]
+        assert [f.weight for f in found] == ([weight] if weight else [])
+        assert all("25% of rated torque" in f.text for f in found)
+
+
+@pytest.mark.parametrize(("share", "asked"), [(1.0 / 1.414, True), (0.95, False)])
+def test_a_rating_that_misses_by_a_mix_up_asks(share: float, asked: bool) -> None:
+    """RMS for peak: the question is asked, not only the number given."""
+    motor = replace(LINEAR, tau_rated=rated_point(LINEAR).torque / share)
+    (text,) = (f.text for f in examine(motor, 15.0).findings if f.field == "rating")
+    assert ("peak values?" in text) == asked
+
+
+@pytest.mark.parametrize(("times", "weight"), [(1.6, NOTE), (2.2, LIMIT)])
+def test_a_current_for_twice_the_torque_limits(times: float, weight: str) -> None:
+    motor = replace(LINEAR, tau_rated=rated_point(LINEAR).torque / times)
+    found = [f.weight for f in examine(motor, 15.0).findings if f.field == "tau_rated"]
+    assert found == [weight]
