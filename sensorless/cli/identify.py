@@ -90,7 +90,7 @@ def cross_coupling(
     say_if_unsuited(machine, design)
     found = identify_cross_coupling(machine, design)
     r = found.report()
-    table = Table(title=f"{r['motor']}: θm/2, truth − injection estimate")
+    table = Table(title=f"{r['motor']}: cross-coupling angle, truth − injection estimate")
     for heading in ("fit", "slope [°/A]", "R²", "residual rms [°]", "largest [°]"):
         table.add_column(heading, justify="left" if heading == "fit" else "right")
     line = r["line"]

@@ -19,7 +19,7 @@ def cross_coupling(c: CrossCoupling, paper: Sequence[PaperValue] = ()) -> "Figur
     """Measured angle over the torque current with line, table and closed form; residuals below."""
     figure, ((top,), (low,)) = new_figure((8.0, 7.0), rows=2, sharex=True, height_ratios=(2.2, 1.0))
     i_q, deg = c.i[:, 1], np.rad2deg
-    edge = float(np.max(np.abs(i_q)))
+    edge = float(max(np.max(np.abs(i_q)), np.max(np.abs(c.left_i_q))))
     x = np.linspace(-edge, edge, 201)
     line = operating_line(c.motor, c.mtpa)
     theory = lookup(line[:, 1], cross_angle(c.motor, line), x)
@@ -41,7 +41,7 @@ def cross_coupling(c: CrossCoupling, paper: Sequence[PaperValue] = ()) -> "Figur
         x,
         deg(lookup(c.nodes, c.table, x)),
         color=COLOURS["smo"],
-        label=f"table, R² {c.table_fit.r2:.4f}",
+        label=f"table, fitted with its compensation on, R² {c.table_fit.r2:.4f}",
     )
     top.plot(i_q, deg(c.angle), "o", color=COLOURS["hfi"], ms=4, label="measured, no compensation")
     here = deg(cross_angle(c.motor, c.i))  # without compensation the current leaves that line
