@@ -7,6 +7,7 @@ without fused operations, its square root is an instruction, and the core uses n
 import hashlib
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 
 from sensorless.errors import UserError
@@ -68,14 +69,15 @@ def compile_core() -> bytes:
     out = BUILD / f"core-{digest.hexdigest()[:16]}.wasm"
     if not out.is_file():
         BUILD.mkdir(parents=True, exist_ok=True)
-        made = out.with_suffix(".part")
-        done = subprocess.run(
-            [*COMMAND, *map(str, SOURCES), "-o", str(made)],
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        if done.returncode:
-            raise UserError(f"playground: the core does not compile:\n{done.stderr}")
-        made.replace(out)
+        with tempfile.TemporaryDirectory(dir=BUILD) as folder:  # another process may compile too
+            made = Path(folder, out.name)
+            done = subprocess.run(
+                [*COMMAND, *map(str, SOURCES), "-o", str(made)],
+                capture_output=True,
+                text=True,
+                check=False,
+            )
+            if done.returncode:
+                raise UserError(f"playground: the core does not compile:\n{done.stderr}")
+            made.replace(out)
     return out.read_bytes()
