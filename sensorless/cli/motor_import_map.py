@@ -107,8 +107,9 @@ def import_map_command(
     )
     for note in far_from(made, machine):
         console.print(f"note: {note}")
-    for note in pole_unsure(made, i, psi):
-        console.print(f"note: {note}")
+    unsure = next(pole_unsure(made, i, psi), "")
+    if unsure:
+        console.print(f"note: {unsure}")
         made = dataclasses.replace(made, pole_at_rest=False)
     beyond = ""
     if max(d, q) > WANTED:
@@ -146,7 +147,10 @@ def import_map_command(
     else:
         head = f"{machine.name} with the flux map of {file.name}, by sensorless motor import-map."
         source = f"flux map {file.name}: fit within {d:.2f} and {q:.2f} % RMS of rated current"
-        write_atomic(out, written(tables_of(made, source, motor, beyond), head))
+        data = tables_of(made, source, motor, beyond)
+        if unsure:
+            data["source"]["pole_at_rest"] = f"flux map {file.name}, which does not show the pole"
+        write_atomic(out, written(data, head))
         say_wrote(out)
     if plot is not None:
         from sensorless.plots.figure import save

@@ -98,7 +98,7 @@ def report_command(
     folder = Path(run) / "report" if out is None else out
     options = [] if motor is None else ["--motor", motor]
     options += [word for setting in settings or [] for word in ("--set", setting)]
-    if policy is None:  # what is shipped runs on this machine, though it was tuned on another
+    if policy is None:  # what is shipped brings settings of its own, whatever --set asks for
         made = replace(made, override=True)
     options += ["--override"] if made.override else []
     with policy_progress() as progress:

@@ -167,8 +167,8 @@ def _quick_run(
     )  # fmt: skip
 
 
-def judged(runs: Sequence[QuickRun], lighter: str = MORE_INERTIA) -> list[Finding]:
-    """What quick runs under one schedule add to the verdict; ``lighter``: helps a light shaft."""
+def judged(runs: Sequence[QuickRun], hint: str = MORE_INERTIA) -> list[Finding]:
+    """What quick runs under one schedule add to the verdict; ``hint``: what may hold a speed."""
     found = [finding for run in runs for finding in _judged(run)]
     swung = [run for run in runs if run.not_held > 0.0]
     for weight in (LIMIT, NOTE):
@@ -177,7 +177,7 @@ def judged(runs: Sequence[QuickRun], lighter: str = MORE_INERTIA) -> list[Findin
             text = f"the drive under {here[0].under} keeps its angle, but swings or stays off its "
             text += "speed in " + ", ".join(map(_not_held, here))
             alone = [run.suite for run in here if run.not_held > LOOSE]
-            text += lighter if any(suite != WRONG_FILE for suite in alone) else ""
+            text += hint if any(suite != WRONG_FILE for suite in alone) else ""
             text += MEASURE if alone == [WRONG_FILE] else ""
             found.append(Finding(weight, "run", text))
     return found

@@ -12,6 +12,7 @@ from sensorless.machine.map_fit import MapFit
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.machine.motor_file import TABLES
 from sensorless.machine.saliency import principal
+from sensorless.settings import settings_of
 
 
 def mapped(motor: Motor, fit: MapFit) -> Motor:
@@ -70,8 +71,8 @@ def tables_of(motor: Motor, source: str, base: str, beyond: str) -> dict[str, An
 def _given(motor: Motor) -> list[str]:
     """Fields that a motor file may leave out and this one has."""
     usual = {f for fields in TABLES.values() for f in fields}
-    rest = {f.name: f.default for f in dataclasses.fields(motor) if "setting" in f.metadata}
-    return [name for name, x in rest.items() if name not in usual and getattr(motor, name) != x]
+    rest = [s for name, s in settings_of(Motor).items() if name not in usual]
+    return [s.name for s in rest if getattr(motor, s.name) != s.default]
 
 
 def saturation_table(s: Saturation) -> dict[str, float]:

@@ -20,6 +20,7 @@ for RMS makes 1.4 of it, line for phase voltage 1.7."""
 SHORT = 1.2
 """Rated torque over that of rated current, above which a mix-up is likelier than rounding."""
 MIXED = " (peak values? RMS current makes 0.71 of it, the voltage of a phase 0.58)"
+"""Asked then: rated torque over current is 1.41 or 1.73 times what the two would make."""
 
 
 @dataclass(frozen=True)

@@ -117,8 +117,7 @@ def _per_unit(m: Motor) -> Iterator[Finding]:
             NO if _far(value, low, high, BEYOND_J if field == "J" else BEYOND) else LIMIT,
             field,
             f"{field} = {getattr(m, field):g}: {what} is {value:.3g}, usually {low:g} to {high:g}: "
-            f"wrong unit, factor{', rated speed' if 'at rated speed' in what else ''} or pole "
-            "pairs?",
+            f"wrong unit, factor{', rated speed' if field in AT_SPEED else ''} or pole pairs?",
         )
 
 

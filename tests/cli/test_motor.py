@@ -123,6 +123,9 @@ def test_a_map_of_one_half_leaves_the_pole_to_the_user(
     assert "so pole_at_rest = false" in " ".join(done.stdout.split())
     made = Motor.load(tmp_path / "made.toml")
     assert not made.pole_at_rest and made.speed_hz == 1.5
+    text = (tmp_path / "made.toml").read_text(encoding="utf-8")
+    assert 'pole_at_rest = "flux map half.csv, which' in text
+    assert 'speed_hz = "as in mine.toml"' in text
     again = run("motor", "check", "made.toml", "--size", "0", cwd=tmp_path)
     assert "its file says pole_at_rest = false" in " ".join(again.stdout.split())
     printed = run("motor", "import-map", *words, cwd=tmp_path)

@@ -22,7 +22,8 @@ function paint(g, map) {
   map.values.forEach((value, j) => {
     const x = (j % map.columns) * CELL;
     const y = (map.rows - 1 - Math.floor(j / map.columns)) * CELL;
-    g.fillStyle = value === -2 ? "#b3151f" : value === -1 ? "#9aa0a6" : shade(map.light === "most" ? 1 - value / map.factor / map.most : value / map.factor / map.most);
+    const share = value / map.factor / map.most;
+    g.fillStyle = value === -2 ? "#b3151f" : value === -1 ? "#9aa0a6" : shade(map.light === "most" ? 1 - share : share);
     g.fillRect(x, y, CELL, CELL);
     if (value !== -2) return;
     g.strokeStyle = "#ffffff";
