@@ -272,3 +272,9 @@ def test_a_file_of_somebody_else_is_kept(tmp_path: Path, name: str, text: str) -
     assert isinstance(done.exception, UserError) and name in str(done.exception)
     assert (tmp_path / name).read_text() == text
     assert [file.name for file in tmp_path.iterdir()] == [name]
+
+
+def test_rules_tuned_for_another_motor_are_left_out() -> None:
+    """They run on the paper's observers too, whose part would count as the policy's."""
+    others = Report("eq25", Bench(Motor.load("ipmsm_2200w"), DESIGN)).others
+    assert others == ["sliding_mode", "oracle", "sensored"]
