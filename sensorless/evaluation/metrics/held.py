@@ -16,6 +16,10 @@ from sensorless.evaluation.rollout import Floats, Rollout
 
 BAND_PCT = 100.0 * BAND
 """Band around the twin's speed, and largest swing beyond the twin's [% of rated speed]."""
+FAR = 0.1
+"""Beyond this the drive is off even while its twin is on the way [of rated speed]. Two drives that
+accelerate at the same current drift apart by what an angle error costs of the torque; 25 degrees
+cost 1 - cos 25 deg = 9 %, of a way from standstill to rated speed."""
 BACK_TIME = 0.5
 """Time within which the speed has to come back after a change [s]; the sensored drive of the
 paper's motor needs 0.22 s after a rated load step on half the inertia."""
@@ -31,12 +35,16 @@ def away_s(r: Rollout) -> Floats:
     """max_j t_j with |omega_m - omega_m_twin| > 2 % of rated, t_j since the last change [s].
 
     Speeds are means over decision j; 0 if the speed was never off while nothing changed. A drive
-    within that band of the reference is not off, whatever its twin does.
+    within that band of the reference is not off, whatever its twin does; nor is one within 10 % of
+    a twin that itself has not come within the band of the reference: both are on the way.
     """
-    band = 0.01 * BAND_PCT * r.motor.omega_m_rated
-    off = np.abs(r.mean("omega_m") - r.mean("omega_m_twin")) > band
+    rated = r.motor.omega_m_rated
+    drive, twin, band = r.mean("omega_m"), r.mean("omega_m_twin"), 0.01 * BAND_PCT * rated
+    off = np.abs(drive - twin) > band
     if off.any():
-        off &= np.abs(r.mean("omega_m") - reference(r)) > band
+        wanted = reference(r)
+        off &= np.abs(drive - wanted) > band
+        off &= (np.abs(twin - wanted) <= band) | (np.abs(drive - twin) > FAR * rated)
     time = np.where(off, np.maximum(since_change(r), 0.0), 0.0)
     return np.asarray(np.where(r.periods > 0, time.max(axis=0, initial=0.0), np.nan))
 

@@ -61,6 +61,18 @@ def test_a_drive_at_its_reference_is_not_away_from_a_twin_that_swings() -> None:
     assert twin_swing_pct(r)[0] > 2.0
 
 
+@pytest.mark.parametrize(
+    ("gap", "arrives", "away"), [(0.05, 2.5, 0), (0.05, 1.5, 1), (0.12, 2.5, 1)]
+)
+def test_beside_a_twin_on_its_way_only_a_wide_gap_counts(
+    gap: float, arrives: float, away: bool
+) -> None:
+    """Both slow down from half of rated speed since 0.5 s; the drive is ``gap`` faster."""
+    twin = 0.5 * np.clip((arrives - TIME) / (arrives - 0.5), 0.0, 1.0)
+    r = made_up(load_at(0.5), np.where(TIME > 0.5, twin + gap, twin) * (TIME < 2.4), twin)
+    assert not_held(r)[0] == away
+
+
 def test_what_the_twin_swings_too_is_no_fault() -> None:
     twin = wave(5.0, 10.0)
     assert swing_pct(made_up(load_at(0.5), twin, twin))[0] == pytest.approx(0.0, abs=1e-5)
