@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.agents.table.fit import TableFit
-from sensorless.agents.validation import SUITE, validate
 from sensorless.core.api import Array
 from sensorless.core.runs import running
 from sensorless.envs.counter_random import combine
@@ -25,6 +24,7 @@ from sensorless.envs.signals import HIGH, LOW
 from sensorless.errors import UserError
 from sensorless.evaluation.objective import Cost
 from sensorless.evaluation.rollout import rollouts
+from sensorless.evaluation.validation import SUITE, validate
 from sensorless.policy import Policy, Signals, TablePolicy
 from sensorless.table.ks_table import Axis, KsTable
 

@@ -20,7 +20,6 @@ from typing import Any
 from sensorless.agents.loading import load_run, load_table
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.train import train
-from sensorless.agents.validation import validate
 from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.carried import record
 from sensorless.design.drive import DriveDesign
@@ -30,6 +29,7 @@ from sensorless.envs.scenarios.suites import SuiteRows
 from sensorless.errors import in_one_line
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.over_seeds import change_over_seeds, survived
+from sensorless.evaluation.validation import validate
 from sensorless.files import check_writable, write_atomic, write_record
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named

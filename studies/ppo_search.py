@@ -24,11 +24,11 @@ from optuna.storages.journal import JournalFileBackend
 from sensorless.agents.loading import load_run
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.train import train
-from sensorless.agents.validation import validate
 from sensorless.cli.study_numbers import a_count, a_seed
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import in_one_line
+from sensorless.evaluation.validation import validate
 from sensorless.files import check_writable, ensure_writable, write_atomic
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import table_named

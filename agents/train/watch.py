@@ -20,11 +20,11 @@ from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.curve import rows, write_rows
 from sensorless.agents.train.env import stream
 from sensorless.agents.train.run_folder import LATEST, save_schedule
-from sensorless.agents.validation import validate_all
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.stress import DURATION
 from sensorless.errors import UserError, shown
 from sensorless.evaluation.objective import Cost
+from sensorless.evaluation.validation import validate_all
 from sensorless.files import write_atomic
 from sensorless.machine.motor import Motor
 

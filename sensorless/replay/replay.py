@@ -192,34 +192,13 @@ def replay(
     Raises
     ------
     UserError
-        The policy needs the true angle, or sets gains.
+        The policy needs the true angle, or sets gains; the start is out of range.
     """
-    if not (abs(theta_0) <= 2.0 * math.pi and abs(omega_0) <= MOST_SPEED * motor.omega_rated):
-        most = MOST_SPEED * motor.n_rated_rpm
-        raise UserError(
-            f"angle, speed: give -360 to 360 degrees, and a speed of at most {most:g} r/min"
-        )
-    if policy.sensored or isinstance(policy, PrivilegedPolicy):
-        raise UserError(
-            f"policy: {policy.name!r} needs the true angle, which a log lacks; give a rule or table"
-        )
-    if gains_of(policy):
-        raise UserError(
-            f"policy: {policy.name!r} also sets gains, and a replay runs on static ones; give a "
-            "schedule of k_s alone"
-        )
+    check_start(theta_0, omega_0, motor)
+    check_policy(policy)
     own = design_for(policy, design)
     control = control_record(motor, own)
-    run = ObserverRun(control, theta_0, omega_0, 1.0)
-    rows, every = log.rows(), decision_periods(motor)
-    policy.reset(1)
-    out = []
-    obs = run.advance(rows[:0], 1.0)[1]
-    for first in range(0, len(rows), every):
-        k_s = float(policy.act(obs.reshape(1, SIGNAL_N).copy())[0])
-        part, obs = run.advance(rows[first : first + every], k_s)
-        out.append(part)
-    column = dict(zip(REPLAY_NAMES, np.concatenate(out).T.astype(np.float64), strict=True))
+    column = run_observers(log, control, policy, decision_periods(motor), theta_0, omega_0)
     hfi, smo, weight = column["valid_hfi"] > 0.0, column["valid_smo"] > 0.0, column["k_s"]
     led = hfi | smo  # the coupled observer takes both
     if own.estimator != "coupled":
@@ -245,3 +224,52 @@ def replay(
         log = replace(log, doubtful=log.doubtful or bool(against))
     observer = FLUX_ALONE if own.estimator == "coupled" else observer_name(own.estimator)
     return Replay(motor, policy.name, log, weight, observer, estimates, tuple(notes))
+
+
+def check_start(theta_0: float, omega_0: float, motor: Motor) -> None:
+    """Refuse a start beyond a turn, or beyond ``MOST_SPEED`` times rated speed.
+
+    Raises
+    ------
+    UserError
+        It is.
+    """
+    if not (abs(theta_0) <= 2.0 * math.pi and abs(omega_0) <= MOST_SPEED * motor.omega_rated):
+        most = MOST_SPEED * motor.n_rated_rpm
+        raise UserError(
+            f"angle, speed: give -360 to 360 degrees, and a speed of at most {most:g} r/min"
+        )
+
+
+def check_policy(policy: Policy) -> None:
+    """Refuse a policy that a log cannot serve.
+
+    Raises
+    ------
+    UserError
+        It needs the true angle, or sets gains.
+    """
+    if policy.sensored or isinstance(policy, PrivilegedPolicy):
+        raise UserError(
+            f"policy: {policy.name!r} needs the true angle, which a log lacks; give a rule or table"
+        )
+    if gains_of(policy):
+        raise UserError(
+            f"policy: {policy.name!r} also sets gains, and a replay runs on static ones; give a "
+            "schedule of k_s alone"
+        )
+
+
+def run_observers(
+    log: Log, control: Array, policy: Policy, every: int, theta_0: float, omega_0: float
+) -> dict[str, Floats]:
+    """Columns of ``REPLAY_NAMES`` (n,), SI units; the policy decides every ``every`` periods."""
+    run = ObserverRun(control, theta_0, omega_0, 1.0)
+    rows, out = log.rows(), []
+    policy.reset(1)
+    obs = run.advance(rows[:0], 1.0)[1]
+    for first in range(0, len(rows), every):
+        k_s = float(policy.act(obs.reshape(1, SIGNAL_N).copy())[0])
+        part, obs = run.advance(rows[first : first + every], k_s)
+        out.append(part)
+    return dict(zip(REPLAY_NAMES, np.concatenate(out).T.astype(np.float64), strict=True))

@@ -9,9 +9,9 @@ import numpy as np
 from sensorless.agents.loading import CONFIG
 from sensorless.agents.train.curve import COLUMNS, PROGRESS, rows
 from sensorless.agents.train.run_folder import design_and_motor, setting_of
-from sensorless.agents.validation import validate
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.evaluation.objective import LOST_WEIGHT, Cost
+from sensorless.evaluation.validation import validate
 from sensorless.policies import shipped
 from sensorless.policies.registry import make_policy
 

@@ -117,10 +117,9 @@ def test_the_help_names_every_suite_and_motor() -> None:
 
 def test_the_help_names_the_suite_that_a_command_uses() -> None:
     """Read from the code; imported here, as some of it needs torch."""
-    from sensorless.agents import validation
     from sensorless.agents.train.env import training_scenarios
     from sensorless.cli import demo_steps
-    from sensorless.evaluation import machine_check
+    from sensorless.evaluation import machine_check, validation
     from sensorless.tuning import tune
 
     motor, seeds = Motor.load("paper"), np.arange(3, dtype=np.uint64)

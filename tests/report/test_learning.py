@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from sensorless.agents.train.curve import COLUMNS
-from sensorless.agents.validation import validate
 from sensorless.design.carried import record
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.errors import UserError
+from sensorless.evaluation.validation import validate
 from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
 from sensorless.policies.registry import make_policy

@@ -16,7 +16,6 @@ from sensorless.agents.train.env import training_env
 from sensorless.agents.train.judge import judge
 from sensorless.agents.train.run_folder import design_and_motor
 from sensorless.agents.train.train import resume, train
-from sensorless.agents.validation import validate, validate_all
 from sensorless.baselines.linear import linear_table
 from sensorless.cli.app import app
 from sensorless.design.drive import DriveDesign
@@ -28,6 +27,7 @@ from sensorless.envs.scenarios.machines_suite import judged
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.signals import N_SIGNALS
 from sensorless.errors import UserError
+from sensorless.evaluation.validation import validate, validate_all
 from sensorless.export.export import export
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy, table_named

@@ -17,13 +17,13 @@ from sensorless.agents.table.module import TableModule
 from sensorless.agents.train.config import TrainConfig
 from sensorless.agents.train.env import stream
 from sensorless.agents.train.train import resume, train
-from sensorless.agents.validation import validate_all
 from sensorless.baselines.linear import EQ25_BAND, linear_table
 from sensorless.cli.train import run_training
 from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.design.drive import DriveDesign
 from sensorless.errors import UserError
 from sensorless.evaluation.objective import Cost
+from sensorless.evaluation.validation import validate_all
 from sensorless.machine.motor import MOTORS, Motor
 from sensorless.policies.registry import table_named
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from sensorless.agents.validation import SUITE, validate
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machine_family import member
 from sensorless.envs.scenarios.scenario import SimFactory
@@ -11,6 +10,7 @@ from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.aggregate import summary
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.rollout import rollout, with_twin_to_the_end
+from sensorless.evaluation.validation import SUITE, validate
 from sensorless.policies.registry import make_policy
 from sensorless.tuning.batch import costs
 
