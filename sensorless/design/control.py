@@ -96,8 +96,6 @@ DEMAGNETISING = 0.9
 COMPENSATED = 0.05
 """Phase current from which all of a dead time is compensated, over rated: beyond the range in which
 it turns round within a period."""
-WORTH = 0.1
-"""Least share of ``i_max`` with which a generator brakes rather than lower its torque."""
 
 
 def braking_current(motor: Motor, i_d: float) -> float:
@@ -106,12 +104,12 @@ def braking_current(motor: Motor, i_d: float) -> float:
     With the auxiliary flux psi_a at the d current ``i_d`` and i_q against the speed, the voltage
     |u|^2 = (R i_d + w L_q |i_q|)^2 + (w psi_d - R |i_q|)^2 is least at
     |i_q| = R w psi_a / (R^2 + w^2 L_q^2), psi_a = psi_f + (L_d - L_q) i_d. With this current at
-    twice rated speed it is about what it is without torque. 0 where it is not worth it.
+    twice rated speed it is about what it is without torque. Where R is small so is this current,
+    but without any a drive that comes from beyond its voltage limit stays there.
     """
     w, L_q = motor.omega_rated, half_load_inductance(motor)
     psi_a = motor.psi_f + (motor.L_d - L_q) * i_d
-    least = motor.R_s * w * psi_a / (motor.R_s**2 + (w * L_q) ** 2)
-    return least if least > WORTH * motor.i_max else 0.0
+    return motor.R_s * w * psi_a / (motor.R_s**2 + (w * L_q) ** 2)
 
 
 def weakening(speed_hz: float, current_hz: float) -> float:

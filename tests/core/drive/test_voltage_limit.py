@@ -118,3 +118,18 @@ def test_a_step_down_from_far_beyond_rated_speed(share: float, load: float) -> N
     run = trace(make_policy("eq25", motor), plan, motor, DriveDesign())
     assert not run["lost"].any() and not run["alarm"].any()
     assert run["omega_m"][-1] == pytest.approx(0.5 * motor.omega_m_rated, rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["paper", "pmsyrm_5600w", "brusa_hsm1"])
+@pytest.mark.parametrize("share", [1.9, 2.2])
+def test_a_drive_comes_down_from_beyond_its_voltage_limit(name: str, share: float) -> None:
+    """However little resistance it has: without a load, friction is less than the torque by which
+    an angle error of a degree drives a torque current of zero."""
+    motor = Motor.load(name)
+    n = share * motor.n_rated_rpm
+    for inertia in (0.6, 1.0, 1.7):
+        plan = plan_from(f"0:{n},2.8:0", "0:0", 1.5 * motor.n_rated_rpm, 6.0, motor, 1)
+        plan.J[:] = inertia
+        run = trace(make_policy("eq25", motor), plan, motor, DriveDesign())
+        assert not run["lost"].any() and not run["fault"].any()
+        assert abs(run["omega_m"][-1]) < 0.01 * motor.omega_m_rated, inertia
