@@ -13,12 +13,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sensorless.core.api import Array
 from sensorless.errors import UserError, shown
 from sensorless.files import decoded, read_bytes, reason
-from sensorless.machine.magnetics import Floats
 from sensorless.matlab_file import read_matlab
+
+Floats = NDArray[np.float64]
 
 UNITS = {
     "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "a": 1.0, "ma": 1e-3, "ka": 1e3, "v": 1.0,
@@ -34,12 +35,14 @@ class Recording:
     """Columns by name, the line of the file of each row, and all names that the file has."""
 
     columns: dict[str, Floats]
-    lines: Array
+    lines: NDArray[np.int64]
     names: Sequence[str]
+    words: tuple[str, ...] = ()
+    """cells of the column of words, if one was asked for"""
 
 
 def read_recording(
-    path: Path, wanted: Sequence[str], names: Mapping[str, str], where: str
+    path: Path, wanted: Sequence[str], names: Mapping[str, str], where: str, words: str = ""
 ) -> Recording:
     """Read the columns that are ``wanted``; others may hold anything.
 
@@ -47,6 +50,8 @@ def read_recording(
     ----------
     names : mapping
         Name in the file of a wanted column, with ``-`` in front if its sign is to be turned.
+    words : str
+        Name of a column whose cells are words; empty: none. A MATLAB file has none.
 
     Raises
     ------
@@ -64,10 +69,12 @@ def read_recording(
         raise UserError(f"{where}: {reason(error)}; give a file that can be read") from None
     if "\0" in text:
         raise UserError(f"{where}: not a valid CSV file; give text, or a .mat file")
-    return _text(text, wanted, names, where)
+    return _text(text, wanted, names, where, words)
 
 
-def _text(text: str, wanted: Sequence[str], names: Mapping[str, str], where: str) -> Recording:
+def _text(
+    text: str, wanted: Sequence[str], names: Mapping[str, str], where: str, words: str
+) -> Recording:
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), start=1)
@@ -99,19 +106,22 @@ def _text(text: str, wanted: Sequence[str], names: Mapping[str, str], where: str
         body = body[1:]
     rows = []
     for number, row in body:
-        at = f"{where}: line {number}"
         while len(row) > len(header) and not row[-1].strip():
             row = row[:-1]
         if len(row) != len(header):
+            at = f"{where}: line {number}"
             raise UserError(f"{at}: {len(row)} values; give {len(header)}, as in the header")
-        rows.append([_value(row[j], at, header[j]) for j, _ in used.values()])
+        rows.append(row)
     if not rows:
         raise UserError(f"{where}: no rows; give one per PWM period, at least 3")
-    table = np.array(rows)
-    columns = {
-        name: sign * units[name] * table[:, k] for k, (name, (_, sign)) in enumerate(used.items())
-    }
-    return Recording(columns, np.array([number for number, _ in body]), header)
+    numbers = np.array([number for number, _ in body])
+    columns = {}
+    for name, (j, sign) in used.items():
+        cells_of = [row[j] for row in rows]
+        columns[name] = sign * units[name] * _values(cells_of, numbers, where, header[j])
+    told = header.index(words) if words in header else None
+    said = () if told is None else tuple(row[told].strip() for row in rows)
+    return Recording(columns, numbers, header, said)
 
 
 def _mark(line: str) -> str:
@@ -183,6 +193,18 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _values(cells: Sequence[str], lines: NDArray[np.int64], where: str, column: str) -> Floats:
+    """(n,) numbers of a column; fast where none has a decimal comma."""
+    try:
+        out = np.array(cells, dtype=np.float64)
+    except ValueError:
+        out = np.full(len(cells), np.nan)
+    if not np.all(np.abs(out) < 1e15):
+        pairs = zip(lines, cells, strict=True)
+        out = np.array([_value(text, f"{where}: line {n}", column) for n, text in pairs])
+    return out
 
 
 def _value(text: str, at: str, column: str) -> float:

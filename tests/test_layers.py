@@ -15,6 +15,7 @@ TOP = ("agents", "baselines", "core", "envs", "observers")
 
 LAYERS = (
     ("errors", "files", "matlab_file", "plain_json", "plain_table", "settings", "units"),
+    ("recording",),
     ("core",),
     ("machine", "table", "versions"),
     ("observers",),

@@ -65,6 +65,7 @@ def machine_command(
     from sensorless.identify.machine.log import plausible, read_log, write_log
     from sensorless.identify.machine.nameplate import Nameplate
     from sensorless.identify.machine.procedure import identify_machine
+    from sensorless.identify.machine.readings import require_answers
     from sensorless.identify.machine.result import doubts, motor_tables, screen
     from sensorless.identify.machine.simulated import Simulated, real_drive
     from sensorless.identify.machine.source import Recorded, Source
@@ -78,11 +79,12 @@ def machine_command(
     if log is None:
         require_plausible(given)
     source: Source
-    source = (
-        Simulated(given, real_drive(given, seed))
-        if log is None
-        else Recorded(plausible(read_log(log), given, log))
-    )
+    if log is None:
+        source = Simulated(given, real_drive(given, seed))
+    else:
+        parts = plausible(read_log(log), given, log)
+        require_answers(parts, given, f"log {str(log)!r}")
+        source = Recorded(parts)
     try:
         found = identify_machine(source, Nameplate.of(given))
         data = motor_tables(found)

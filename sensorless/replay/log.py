@@ -16,8 +16,8 @@ from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 from sensorless.machine.phases import clarke, duties, leg_losses, with_third
+from sensorless.recording import read_recording
 from sensorless.replay.channels import of_dead, of_little, of_size, of_still, of_sum
-from sensorless.replay.recording import read_recording
 from sensorless.replay.signature import (
     are_percent,
     is_degrees,

@@ -42,17 +42,30 @@ def test_columns_may_stand_in_any_order(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        ("", "no column part"),
+        ("", "no rows"),
+        ("part,i_a,i_b\n1,2,3\n", "no column stage"),
         (",".join(COLUMNS) + "\n1,hold,0,x,0,0,0,0,0,0\n", "line 2"),
         (",".join(COLUMNS) + "\n1,hold,0,nan,0,0,0,0,0,0\n", "finite"),
-        (",".join(COLUMNS) + "\n1,hold,0,0,0,0,1e300,0,0,0\n", r"i_a = 1e\+300 in row 0"),
-        (",".join(COLUMNS) + "\n1,hold,0,0,0,0,0,0,0,0\n\n1,hold,0,0,0,0,0,0,0,0\n", "line 3"),
+        (",".join(COLUMNS) + "\n1,hold,0,0,0,0,1e300,0,0,0\n", "line 2: i_a: '1e300'"),
+        (",".join(COLUMNS) + "\n1,hold,0,0,0,0,0,0,0,0\n\n1,hold,0,0,0,0,0,0\n", "line 4"),
     ],
 )
 def test_a_wrong_file_is_refused(tmp_path: Path, text: str, word: str) -> None:
     (tmp_path / "log.csv").write_text(text)
     with pytest.raises(UserError, match=word):
         read_log(tmp_path / "log.csv")
+
+
+def test_a_log_reads_the_same_as_a_tool_writes_it(tmp_path: Path) -> None:
+    """Semicolons, decimal commas, units, a comment, and a column more."""
+    write_log(parts(), tmp_path / "log.csv")
+    head, *lines = (tmp_path / "log.csv").read_text().splitlines()
+    names = head.replace("i_a", "i_a [A]").replace("u_dc", "u_dc [V]") + ",note"
+    text = "\n".join([names, *(f"{line},x" for line in lines)])
+    text = "# bench 3\n" + text.replace(",", ";").replace(".", ",")
+    (tmp_path / "tool.csv").write_text(text, encoding="utf-8-sig")
+    for a, b in zip(read_log(tmp_path / "tool.csv"), read_log(tmp_path / "log.csv"), strict=True):
+        assert a.stage == b.stage and np.array_equal(a.rows, b.rows)
 
 
 def test_blank_lines_at_the_end_are_none(tmp_path: Path) -> None:

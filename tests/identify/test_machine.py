@@ -25,12 +25,6 @@ from sensorless.machine.motor import Motor
 MOTOR = Motor.load("ipmsm_2200w")
 
 
-@pytest.fixture(scope="module")
-def measured() -> tuple[Simulated, Identified]:
-    source = Simulated(MOTOR, real_drive(MOTOR, 3))
-    return source, identify_machine(source, Nameplate.of(MOTOR))
-
-
 def test_a_drive_with_errors_finds_its_machine(measured: tuple[Simulated, Identified]) -> None:
     gain = float(np.sqrt(np.prod(real_drive(MOTOR, 3).gain[0])))
     found = Motor.from_tables(motor_tables(measured[1]), "identified")

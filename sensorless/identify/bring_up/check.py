@@ -1,8 +1,5 @@
 """Runs the check and reads its result."""
 
-import io
-import re
-import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,11 +12,12 @@ from sensorless.design.records import bring_up_record
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.errors import UserError
-from sensorless.files import decoded, read_bytes, reason, write_atomic
+from sensorless.files import write_atomic
 from sensorless.identify.bring_up.mistakes import RIGHT, Mistake
 from sensorless.identify.bring_up.pulses import shows_others
 from sensorless.machine.motor import Motor
 from sensorless.observers.bring_up_design import KNEE
+from sensorless.recording import read_recording
 
 COLUMNS = ("i_a", "i_b")
 """Of a log: the samples of every PWM period from the first call of ``bring_up_step`` on."""
@@ -89,36 +87,22 @@ def check_log(motor: Motor, path: Path) -> Found:
     Raises
     ------
     UserError
-        The file cannot be read, has no such columns, or ends before the check does.
+        The file cannot be read, has no such columns, or ends before the check does; it may be
+        written as ``sensorless.recording`` says.
     """
-    try:
-        with warnings.catch_warnings():  # of an empty file
-            warnings.simplefilter("ignore")
-            text = io.StringIO(decoded(read_bytes(path)))
-            data: Array = np.genfromtxt(text, delimiter=",", names=True, dtype=np.float64)
-        i_a, i_b = (np.atleast_1d(data[name]) for name in COLUMNS)
-    except OSError as error:
-        why = reason(error) if path.exists() else "no such file"
-        raise UserError(f"log {str(path)!r}: {why}; give a file to read") from None
-    except (ValueError, IndexError, TypeError) as error:
-        bad = re.search(r"Line #(\d+) \(got (\d+) columns instead of (\d+)\)", str(error))
-        if bad is not None:
-            told = f"line {bad[1]} has {bad[2]} cells; give {bad[3]}, as in the heading"
-            raise UserError(f"log {str(path)!r}: {told}") from None
+    where = f"log {str(path)!r}"
+    found = read_recording(path, COLUMNS, {}, where)
+    if missing := [name for name in COLUMNS if name not in found.columns]:
         raise UserError(
-            f"log {str(path)!r}: not a CSV table with the columns i_a and i_b [A], one row per "
-            "PWM period from the first call of bring_up_step on"
-        ) from None
-    good = np.isfinite(i_a) & np.isfinite(i_b)
-    if not good.all():
-        k = int(np.argmin(good))
-        told = f"row {k + 1} below the heading: i_a = {i_a[k]:g}, i_b = {i_b[k]:g}"
-        raise UserError(f"log {str(path)!r}: {told}; give finite currents in A")
+            f"{where}: no column {missing[0]}; give i_a and i_b [A], one row per PWM period from "
+            "the first call of bring_up_step on"
+        )
+    i_a, i_b = (found.columns[name] for name in COLUMNS)
     params = params_of(motor)
     state, used = bring_up_replay(params, i_a, i_b)
     if int(state["phase"]) != lib.BRING_UP_DONE:
         raise UserError(
-            f"log {str(path)!r}: ends after {used} periods, before the check of motor "
+            f"{where}: ends after {used} periods, before the check of motor "
             f"{motor.name!r} does; log every period until bring_up_state_t.phase is BRING_UP_DONE, "
             "and give --motor the file of the export"
         )

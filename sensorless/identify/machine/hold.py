@@ -73,8 +73,9 @@ def measure_resistance(source: Source, plate: Nameplate, sensors: Sensors) -> Re
     i, u = _ramp(source, plate, sensors)
     if i.max() < REACHED * plate.i_rated:
         raise UserError(
-            f"resistance: {i.max():.3g} A at {u.max():.3g} V, not rated current; check the wiring "
-            "and the name plate's current"
+            f"resistance: {i.max():.3g} A at {u.max():.3g} V, not rated current "
+            f"({plate.i_rated:.3g} A, peak); check the wiring, the name plate's current, and of a "
+            "log that it is whole and has peak values"
         )
     order = np.maximum.accumulate(i)
     levels = [float(u[np.argmax(order >= min(f * plate.i_rated, order[-1]))]) for f in LEVELS]
@@ -136,6 +137,8 @@ def _held(
     i = sensors.current(part)
     out = []
     for w in windows(part, stretch * WINDOW, plate.T_s):
+        if w.stop - w.start < 2:
+            raise UserError("stage hold: a command has a single row; measure it to its end")
         a, b = np.array_split(i[w], 2)
         out.append(
             [

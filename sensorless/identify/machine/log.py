@@ -4,16 +4,17 @@ A log is a CSV file with a heading. Rows belong together by ``part``, the number
 ``stage``, what the run is for. docs/identify.md describes the columns.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from sensorless.errors import UserError
-from sensorless.files import decoded, read_bytes, reason, write_atomic
+from sensorless.files import write_atomic
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
+from sensorless.recording import read_recording
 
 NUMBERS = ("segment", "u_alpha", "u_beta", "u_dc", "i_a", "i_b", "theta", "omega")
 """Columns of a part, in the order of COMMISSION_* in ``core/sim/commission.h``."""
@@ -55,24 +56,32 @@ def write_log(parts: Sequence[Part], path: Path) -> None:
 
 
 def read_log(path: Path) -> list[Part]:
-    """Parts of a file.
+    """Parts of a file, which may be written as ``sensorless.recording`` says.
 
     Raises
     ------
     UserError
         The file cannot be read, a column is missing, or a cell is no number.
     """
-    try:
-        text = decoded(read_bytes(path))
-    except OSError as error:
-        why = reason(error)
-        raise UserError(f"log {str(path)!r}: {why}; give a CSV file that can be read") from None
-    lines = text.rstrip().splitlines()
-    heading = [name.strip() for name in lines[0].split(",")] if lines else []
-    missing = [name for name in COLUMNS if name not in heading]
+    where = f"log {str(path)!r}"
+    found = read_recording(path, ("part", *NUMBERS), {}, where, words="stage")
+    known = {*found.columns, *(["stage"] if found.words else [])}
+    missing = [name for name in COLUMNS if name not in known]
     if missing:
-        raise UserError(f"log {str(path)!r}: no column {missing[0]}; give {', '.join(COLUMNS)}")
-    return list(_parts(lines[1:], [heading.index(name) for name in COLUMNS], str(path)))
+        raise UserError(f"{where}: no column {missing[0]}; give {', '.join(COLUMNS)}")
+    with np.errstate(over="ignore"):
+        table = np.stack([found.columns[name] for name in NUMBERS], axis=-1).astype(np.float32)
+    if not (finite := np.isfinite(table)).all():
+        row, column = np.argwhere(~finite)[0]
+        value = found.columns[NUMBERS[column]][row]
+        raise UserError(
+            f"{where}: line {found.lines[row]}: {NUMBERS[column]} = {value:g}; give numbers that a "
+            "drive can measure"
+        )
+    groups: dict[tuple[float, str], list[int]] = {}
+    for row, key in enumerate(zip(found.columns["part"].tolist(), found.words, strict=True)):
+        groups.setdefault(key, []).append(row)
+    return [Part(stage, table[rows].astype(np.float64)) for (_, stage), rows in groups.items()]
 
 
 def plausible(parts: list[Part], motor: Motor, path: Path) -> list[Part]:
@@ -121,29 +130,3 @@ def _require_turn(part: Part, T_s: float, where: str) -> None:
             f"{where}: omega is {share:.3g} times what theta turns by from row to row (every "
             f"{T_s:g} s); give theta in rad and omega in rad/s, both electrical"
         )
-
-
-def _parts(lines: Sequence[str], order: Sequence[int], where: str) -> Iterator[Part]:
-    groups: dict[tuple[str, str], list[list[float]]] = {}
-    for number, line in enumerate(lines, start=2):
-        cells = line.split(",")
-        try:
-            row = [float(cells[j]) for j in order[2:]]
-            key = (cells[order[0]].strip(), cells[order[1]].strip())
-        except (ValueError, IndexError):
-            raise UserError(
-                f"log {where!r}, line {number}: {line[:60]!r}; give {len(COLUMNS)} cells, all "
-                "numbers but the stage"
-            ) from None
-        groups.setdefault(key, []).append(row)
-    for (_, stage), rows in groups.items():
-        with np.errstate(over="ignore"):
-            table = np.array(rows).astype(np.float32).astype(np.float64)  # as measured
-        wrong = np.argwhere(~np.isfinite(table))
-        if len(wrong):
-            row, column = wrong[0]
-            raise UserError(
-                f"log {where!r}, stage {stage}: {NUMBERS[column]} = {rows[row][column]:g} in row "
-                f"{row} of the stage; give finite numbers that a drive can measure"
-            )
-        yield Part(stage, table)

@@ -89,8 +89,9 @@ class Recorded:
         if not self._left or self._left[0].stage != stage:
             found = f"stage {self._left[0].stage}" if self._left else "its end"
             raise UserError(
-                f"log: stage {stage} expected, {found} found; record it once more"
-                + outlier(self.parts)
+                f"log: stage {stage} expected, {found} found: the readings lead to another step "
+                "than the drive took; check the scale of currents and voltages, and that no rows "
+                "are missing, or record it once more" + outlier(self.parts)
             )
         self.parts.append(self._left.pop(0))
         return self.parts[-1]

@@ -123,8 +123,10 @@ def test_a_step_down_from_far_beyond_rated_speed(share: float, load: float) -> N
 @pytest.mark.parametrize("name", ["paper", "pmsyrm_5600w", "brusa_hsm1"])
 @pytest.mark.parametrize("share", [1.9, 2.2])
 def test_a_drive_comes_down_from_beyond_its_voltage_limit(name: str, share: float) -> None:
-    """However little resistance it has: without a load, friction is less than the torque by which
-    an angle error of a degree drives a torque current of zero."""
+    """However little resistance it has.
+
+    Friction alone is less than the torque that an angle error of a degree makes there.
+    """
     motor = Motor.load(name)
     n = share * motor.n_rated_rpm
     for inertia in (0.6, 1.0, 1.7):
