@@ -4,6 +4,7 @@
 """
 
 import math
+from string import Template
 
 import numpy as np
 
@@ -34,9 +35,14 @@ KNOWN_TEXT = """\
 iron saturates little or not along d, so north and south respond alike to a pulse, and
 `DRIVE_FINDS_ROTOR` in `params.h` is 0. Do not call `drive_find_rotor` there: it would keep the pole
 nearer to its first angle and set `FAULT_POLE`. Pass `drive_init` the angle of a shaft at rest
-within 60 degrees, from an alignment by direct current or from a sensor; `example/cortex_m4.c` takes
+within 60 degrees, from an alignment or from a sensor; `example/cortex_m4.c` takes
 it as `SHAFT_ANGLE` (`make cortex_m4 SHAFT_ANGLE=0.0f`). Half a turn off, a drive may stand
 or run slowly for good. `sensorless simulate --start` refuses this machine for the same reason.
+
+To align a free shaft, connect a supply of $align_u V ($align A at rest), plus to phase b and minus
+to phases a and c together, until the shaft rests; then plus to a and minus to b and c. It comes to
+rest at angle 0 within seconds. The first place takes a rotor off the point where the second would
+balance it.
 
 The EMF of a shaft that spins shows its pole. If it turns at $least r/min or more, call
 `drive_find_rotor` after `drive_init`; `FAULT_POLE` then says that it was too slow. An angle and a
@@ -66,6 +72,15 @@ Pulses do not show the pole of this machine: a restart of a shaft too slow for i
 guesses, and sets `FAULT_POLE`. Stop such a drive, and start it from a known angle."""
 
 
+def aligning_current(motor: Motor) -> float:
+    """Direct current that turns the magnet to itself [A]: rated, or half of the most that does.
+
+    Along the magnet a current i turns it back by psi_f i + (L_d - L_q) i^2 for each radian: from
+    psi_f / (L_q - L_d) on reluctance turns the rotor off.
+    """
+    return min(motor.i_rated, 0.5 * motor.psi_f / (motor.L_q - motor.L_d))
+
+
 def start_call(motor: Motor) -> str:
     """Lines of C for the README that start the drive."""
     return FINDS if knows_poles(motor) else KNOWN
@@ -73,8 +88,11 @@ def start_call(motor: Motor) -> str:
 
 def start_text(motor: Motor) -> str:
     """What the README says about these lines."""
-    least = f"{spin_speed(motor):.0f}"
-    return FINDS_TEXT if knows_poles(motor) else KNOWN_TEXT.replace("$least", least)
+    if knows_poles(motor):
+        return FINDS_TEXT
+    i = aligning_current(motor)
+    numbers = {"least": f"{spin_speed(motor):.0f}", "align": f"{i:.3g}"}
+    return Template(KNOWN_TEXT).substitute(numbers, align_u=f"{1.5 * motor.R_s * i:.3g}")
 
 
 def caught_share(motor: Motor, design: DriveDesign) -> float:

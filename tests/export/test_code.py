@@ -57,7 +57,7 @@ def test_the_readme_example_compiles(exported: Exported, tmp_path: Path) -> None
     isr, check = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)
     stubs = """
 float adc_current_a(void); float adc_current_b(void); float adc_dc_link(void);
-float speed_reference(void); void pwm_set_next(float a, float b); void report(int a, int b);
+float speed_reference(void); void pwm_set_next(ab_t u, float u_dc); void report(int a, int b);
 void bridge_off(void);
 void control_start(void); void control_isr(void); uint32_t check(void);
 """

@@ -3,19 +3,25 @@
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sensorless.core.api import lib
+from sensorless.core.machine import COMMAND, commission_run
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.words import plan_from
 from sensorless.errors import UserError
 from sensorless.evaluation.trace import trace
 from sensorless.export.export import export, table_of
+from sensorless.export.start import start_text
 from sensorless.machine.motor import Motor
 from sensorless.observers.start_design import spin_speed
 from sensorless.policies.registry import make_policy
+from sensorless.units import wrapped
 
 
 def starts(motor: Motor, spin: float = 0.0) -> bool:
@@ -52,7 +58,7 @@ def test_all_files_say_the_same(name: str, finds: bool, tmp_path: Path) -> None:
     head, rest = code.split("\n", 1)
     stubs = """
 float adc_current_a(void); float adc_current_b(void); float adc_dc_link(void);
-float speed_reference(void); void pwm_set_next(float a, float b); void report(int a, int b);
+float speed_reference(void); void pwm_set_next(ab_t u, float u_dc); void report(int a, int b);
 void bridge_off(void);
 float known_angle(void); float known_speed(void);
 void control_start(void); void control_isr(void);
@@ -61,6 +67,27 @@ void control_start(void); void control_isr(void);
     flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
     compile_it = ["gcc", *flags, "-fsyntax-only", f"-I{folder}", str(tmp_path / "isr.c")]
     subprocess.run(compile_it, check=True)
+
+
+@pytest.mark.parametrize("name", ["ipmsm_2200w", "pmsrm_15kw", "brusa_hsm1", "formula_wheel"])
+def test_the_supply_of_the_text_aligns_a_free_shaft(name: str) -> None:
+    """From any angle, also from where either place would balance the rotor."""
+    motor = Motor.load(name)
+    text = start_text(motor)
+    told = re.search(r"a supply of ([\d.]+) V", text)
+    assert told is not None
+    volt = float(told[1])
+    ideal = replace(motor, u_transistor=0.0, u_diode=0.0)
+    steps = np.zeros(2, dtype=COMMAND)
+    steps["n"], steps["theta"] = round(2.0 / motor.T_s), (2.0 * np.pi / 3.0, 0.0)
+    steps["from"] = steps["to"] = volt / 1.5  # two phases in parallel behind one
+    for k in range(12):
+        s = Scenarios.nominal(ideal, np.array([1], np.uint64), 1.0)
+        s.dead_time[:], s.theta_0[:] = 0.0, np.pi * k / 6.0
+        sim = SimFactory(ideal, DriveDesign()).build(s, twin=False)
+        commission_run(sim, steps, motor.i_trip)
+        theta = float(sim["drive"]["y"]["theta_e"][0])
+        assert abs(wrapped(np.array(theta))) < np.radians(5.0), k
 
 
 def test_the_fault_bit_of_the_text_is_the_cores() -> None:
