@@ -1,6 +1,7 @@
 """Which estimator served best over a log, and what the errors of the others consist of."""
 
 import math
+from collections.abc import Mapping
 
 from sensorless.replay.replay import Replay
 
@@ -10,6 +11,9 @@ ADRIFT = 0.01
 """Share of the samples without a signal that is worth a word."""
 ASTRAY = 45.0
 """RMS error from which an estimator does not follow: at random, on both poles, it is 104 [deg]."""
+ZERO, ALIKE = 5.0, 0.4
+"""Constant error from which the encoder is suspected where all estimators have it [deg], and how
+far they may differ in it, over its size: their own errors have different causes."""
 NONE = (
     "no estimator had a signal in a fifth of the log: record with injection, or from a higher "
     "speed on with --speed and --angle of the first row"
@@ -59,6 +63,12 @@ def judgement(found: Replay, after: float = 0.0) -> list[str]:
             "log, and that the motor's file is this machine's"
         ]
     lines = [f"best here: {found.label(best)}, {rows[best]['rms_deg']:.2f}° RMS"]
+    if "hfi" in rows and len(rows) > 1 and (shared := _shared(rows)):
+        lines.append(
+            f"all estimators, which err for different reasons, are {abs(shared):.0f}° "
+            f"{'behind' if shared > 0.0 else 'ahead of'} the encoder: likely its zero is off by as "
+            "much, or at speed its samples are of another instant than the currents"
+        )
     for name, row in rows.items():
         if name == best or row["rms_deg"] < 1.1 * rows[best]["rms_deg"]:
             continue
@@ -77,3 +87,11 @@ def judgement(found: Replay, after: float = 0.0) -> list[str]:
             "speed) would give it one"
         )
     return lines
+
+
+def _shared(rows: Mapping[str, Mapping[str, float]]) -> float:
+    """Mean of the constant errors if they are large and alike, truth − estimate [deg]; else 0."""
+    means = [row["mean_deg"] for row in rows.values()]
+    size = min(map(abs, means))
+    alike = size > ZERO and max(means) - min(means) < ALIKE * size
+    return sum(means) / len(means) if alike else 0.0

@@ -87,6 +87,8 @@ def objections(motor: Motor, seen: Seen, needed: float) -> Iterator[Finding]:
         top = worst if worst > limit else float(values.max())
         bound = "at least" if field == "L_q" else "at most"
         text = f"{what} {abs(top):.3g}{unit} {where}; needed: {bound} {abs(limit):.3g}"
+        if weight == NO:
+            text += f"; {'below' if field == 'L_q' else 'beyond'} {abs(bad):g} the answer is no"
         if field == "L_q" and weight == LIMIT:
             text += ", or errors of L_d, L_q and iron may lose the rotor unnoticed"
         yield Finding(weight, field, text)

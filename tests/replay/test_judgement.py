@@ -32,6 +32,16 @@ def test_constant_errors_and_scatter_have_their_causes(found: Replay) -> None:
     assert "1.00° constant and 9.00° scatter" in ekf and "transients" in ekf
 
 
+@pytest.mark.parametrize(("way", "said"), [(-1.0, "ahead of"), (1.0, "behind")])
+def test_an_error_that_all_share_is_the_encoders(found: Replay, way: float, said: str) -> None:
+    assert not any("all estimators" in line for line in judgement(found))
+    turned = found
+    for k, name in enumerate(found.estimates):
+        turned = off(turned, name, way * (18.0 + k), 2.0)
+    assert f"are 20° {said} the encoder" in judgement(turned)[1]
+    assert not any("all estimators" in x for x in judgement(off(turned, "hfi", 0.0, 2.0)))
+
+
 def test_where_none_follows_no_cause_is_guessed(found: Replay) -> None:
     for name in found.estimates:
         found = off(found, name, 80.0, 0.0)
