@@ -78,7 +78,7 @@ def import_map_command(
     from sensorless.machine.magnetics import plant_currents
     from sensorless.machine.map_file import load_map
     from sensorless.machine.map_fit import fit_map
-    from sensorless.machine.mapped import far_from, mapped, saturation_table, tables_of
+    from sensorless.machine.mapped import far_from, mapped, outside, saturation_table, tables_of
     from sensorless.machine.motor import Motor
     from sensorless.machine.motor_file import check_motor_out, table_lines, written
     from sensorless.plots.figure import check_picture
@@ -105,7 +105,7 @@ def import_map_command(
         f"at zero current: L_d = {made.L_d:.4g} H, L_q = {made.L_q:.4g} H, "
         f"psi_f = {made.psi_f:.4g} Vs"
     )
-    for note in far_from(made, machine):
+    for note in (*far_from(made, machine), *outside(made, i)):
         console.print(f"note: {note}")
     unsure = next(pole_unsure(made, i, psi), "")
     if unsure:

@@ -7,7 +7,7 @@ import numpy as np
 
 from sensorless.errors import UserError
 from sensorless.machine.flux_correction import correction_table
-from sensorless.machine.magnetics import at_zero_current
+from sensorless.machine.magnetics import Floats, at_zero_current, mtpa
 from sensorless.machine.map_fit import MapFit
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.machine.motor_file import TABLES
@@ -101,4 +101,22 @@ def far_from(made: Motor, motor: Motor) -> list[str]:
         "its units right, and is it of this motor?"
         for name, ratio in ratios.items()
         if not 1.0 / LIKELY <= ratio <= LIKELY
+    ]
+
+
+def outside(made: Motor, i: Floats) -> list[str]:
+    """Where the drive runs at rated current but a map with currents i (n, 2) [A] has no points."""
+    i_d, i_q = mtpa(made)
+    last = int(np.searchsorted(np.hypot(i_d, i_q), made.i_rated))
+    rest, low, top = 0.05 * made.i_rated, float(i[:, 0].min()), float(np.abs(i[:, 1]).max())
+    d, q = float(i_d[last]), float(i_q[last])
+    said = []
+    if d < low - rest:
+        said.append(f"i_d from {low:.3g} A on, but the drive runs at i_d = {d:.3g} A")
+    if q > top + rest:
+        said.append(f"i_q up to {top:.3g} A, but the drive runs at i_q = {q:.3g} A")
+    return [
+        f"the map has {what} at rated current: there the fit is a guess; measure up to i_max, with "
+        "negative i_d"
+        for what in said
     ]
