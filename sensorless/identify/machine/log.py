@@ -23,7 +23,8 @@ TURN, SAME = 6.3, 1.5
 of both that is no other unit: noise makes some percent."""
 COLUMNS = ("part", "stage", *NUMBERS)
 BEYOND = 3.0
-"""Largest plausible reading, over the converter's range or the trip, and over the DC link."""
+"""Largest plausible reading, over the converter's range or the trip, and over the DC link, whose least
+is its reciprocal."""
 STAGES = ("offset", "ramp", "hold", "turn", "align", "probe", "axis", "pulse", "start", "spin")
 """What a run is for, in the order of the procedure."""
 
@@ -95,7 +96,7 @@ def plausible(parts: list[Part], motor: Motor, path: Path) -> list[Part]:
     """
     current, link = BEYOND * max(motor.i_trip, motor.adc_range), BEYOND * motor.u_dc
     bounds = {"i_a": (-current, current), "i_b": (-current, current)}
-    bounds["u_dc"] = (1e-3 * motor.u_dc, link)
+    bounds["u_dc"] = (motor.u_dc / BEYOND, link)
     for part in parts:
         where = f"log {str(path)!r}, stage {part.stage}"
         for name, (low, high) in bounds.items():
