@@ -23,8 +23,8 @@ TURN, SAME = 6.3, 1.5
 of both that is no other unit: noise makes some percent."""
 COLUMNS = ("part", "stage", *NUMBERS)
 BEYOND = 3.0
-"""Largest plausible reading, over the converter's range or the trip, and over the DC link, whose least
-is its reciprocal."""
+"""Largest plausible reading, over the converter's range or the trip, and over the DC link; the
+least of the link is a third."""
 STAGES = ("offset", "ramp", "hold", "turn", "align", "probe", "axis", "pulse", "start", "spin")
 """What a run is for, in the order of the procedure."""
 
