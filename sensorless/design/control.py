@@ -98,18 +98,24 @@ COMPENSATED = 0.05
 it turns round within a period."""
 
 
+BRAKING = 0.1
+"""Least torque current of a braking generator, over ``i_max``. It takes a percent of the voltage on
+machines with little resistance, and brakes what an angle error or a load of some percent drives."""
+
+
 def braking_current(motor: Motor, i_d: float) -> float:
-    """Torque current of a generator at rated speed that needs the least voltage [A].
+    """Torque current that a generator keeps where it is short of voltage [A].
 
     With the auxiliary flux psi_a at the d current ``i_d`` and i_q against the speed, the voltage
     |u|^2 = (R i_d + w L_q |i_q|)^2 + (w psi_d - R |i_q|)^2 is least at
-    |i_q| = R w psi_a / (R^2 + w^2 L_q^2), psi_a = psi_f + (L_d - L_q) i_d. With this current at
-    twice rated speed it is about what it is without torque. Where R is small so is this current,
-    but without any a drive that comes from beyond its voltage limit stays there.
+    |i_q| = R w psi_a / (R^2 + w^2 L_q^2), psi_a = psi_f + (L_d - L_q) i_d, here at rated speed;
+    with this current at twice rated speed it is about what it is without torque. At least
+    ``BRAKING``: without any, a drive that comes from beyond its voltage limit stays there.
     """
     w, L_q = motor.omega_rated, half_load_inductance(motor)
     psi_a = motor.psi_f + (motor.L_d - L_q) * i_d
-    return motor.R_s * w * psi_a / (motor.R_s**2 + (w * L_q) ** 2)
+    least = motor.R_s * w * psi_a / (motor.R_s**2 + (w * L_q) ** 2)
+    return max(least, BRAKING * motor.i_max)
 
 
 def weakening(speed_hz: float, current_hz: float) -> float:
