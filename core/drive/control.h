@@ -37,7 +37,7 @@ typedef struct {
     float k_fw;           /* field-weakening gain times T_s [A/V] */
     float fw_margin;      /* share of the voltage limit that the fundamental may use */
     float i_d_min;        /* most negative d current [A] */
-    float i_q_brake;      /* torque current with which a generator needs the least voltage [A] */
+    float i_q_brake;      /* torque current that a generator keeps short of voltage [A] */
     float i_int_max;      /* bound that nothing but damage takes the integrator beyond [A] */
     float u_dt;           /* dead-time voltage of a leg to compensate [V], 0 = off */
     float inv_i_dt;       /* slope of its transition through zero current [1/A] */
@@ -85,9 +85,9 @@ CORE_INLINE float speed_control(const control_params_t *p, control_state_t *x, f
 }
 
 /* Where the torque current gives way until the next call, and what it keeps then. omega_ref, omega:
- * electrical [rad/s]; far [A]. To brake, a generator keeps the torque current with which it needs
- * the least voltage, and gives way too while the d current is `far` beyond its reference: there the
- * flux lies behind the rotor, and more torque current turns it further back. */
+ * electrical [rad/s]; far [A]. To brake, a generator keeps i_q_brake, near the torque current with
+ * which it needs the least voltage, and gives way too while the d current is `far` beyond its
+ * reference: there the flux lies behind the rotor, and more torque current turns it further back. */
 CORE_INLINE void control_ends(const control_params_t *p, control_state_t *x, float omega_ref,
                               float omega, float far) {
     int brakes = (omega_ref - omega) * omega < 0.0f;
