@@ -1,5 +1,7 @@
 """What validation counts."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -18,6 +20,7 @@ from sensorless.tuning.batch import costs
 def test_a_scenario_beyond_the_machine_is_nobodys_loss() -> None:
     """As ``evaluate`` counts: here the sensored twin fails in some, and the policy in no other."""
     motor = member(1000001, 2)
+    motor = replace(motor, i_trip=1.04 * motor.i_max)
     factory, policy = SimFactory(motor, DriveDesign()), make_policy("eq25", motor)
     scenarios = suite(SUITE, motor, 0, 256, role="tune")
     found = validate(policy, factory, 256)

@@ -17,8 +17,8 @@ from sensorless.pil.scenarios import pil_scenarios
 def briefly() -> Iterator[None]:
     """Training validates, and distilling samples, on scenarios of 0.2 s."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("distill", "validation"):
-            patch.setattr(f"sensorless.agents.{module}.suite", lasting(0.2))
+        for module in ("agents.distill", "evaluation.validation"):
+            patch.setattr(f"sensorless.{module}.suite", lasting(0.2))
         yield
 
 
