@@ -21,8 +21,8 @@ LATER = {"control.by_reference", "control.i_q_brake"} | {
 """Numbers that were added later and change nothing where they are 0: there they do not count."""
 LITTLE = 1.001 * BRAKING
 """Share of ``i_max`` up to which ``i_q_brake`` does not count: it was 0 there once, and so little
-changes only drives that brake with their d current at its end. Of 400 scenarios of ten suites each,
-on the four shipped motors that have so little, six of `sag` on `paper`."""
+changes only drives that brake with their d current at its end. Of the leaderboard's suites that is
+`low-inertia`, by a percent on the default drive (docs/judge-a-schedule.md)."""
 DAMAGE = {"control.i_int_max"}
 """Bounds that only a damaged state passes."""
 DIGITS = 4

@@ -194,11 +194,11 @@ def replay(
     UserError
         The policy needs the true angle, or sets gains; the start is out of range.
     """
-    check_start(theta_0, omega_0, motor)
-    check_policy(policy)
+    _check_start(theta_0, omega_0, motor)
+    _check_policy(policy)
     own = design_for(policy, design)
     control = control_record(motor, own)
-    column = run_observers(log, control, policy, decision_periods(motor), theta_0, omega_0)
+    column = _run_observers(log, control, policy, decision_periods(motor), theta_0, omega_0)
     hfi, smo, weight = column["valid_hfi"] > 0.0, column["valid_smo"] > 0.0, column["k_s"]
     led = hfi | smo  # the coupled observer takes both
     if own.estimator != "coupled":
@@ -226,7 +226,7 @@ def replay(
     return Replay(motor, policy.name, log, weight, observer, estimates, tuple(notes))
 
 
-def check_start(theta_0: float, omega_0: float, motor: Motor) -> None:
+def _check_start(theta_0: float, omega_0: float, motor: Motor) -> None:
     """Refuse a start beyond a turn, or beyond ``MOST_SPEED`` times rated speed.
 
     Raises
@@ -241,7 +241,7 @@ def check_start(theta_0: float, omega_0: float, motor: Motor) -> None:
         )
 
 
-def check_policy(policy: Policy) -> None:
+def _check_policy(policy: Policy) -> None:
     """Refuse a policy that a log cannot serve.
 
     Raises
@@ -260,7 +260,7 @@ def check_policy(policy: Policy) -> None:
         )
 
 
-def run_observers(
+def _run_observers(
     log: Log, control: Array, policy: Policy, every: int, theta_0: float, omega_0: float
 ) -> dict[str, Floats]:
     """Columns of ``REPLAY_NAMES`` (n,), SI units; the policy decides every ``every`` periods."""
