@@ -50,7 +50,8 @@ CORE_INLINE int drive_start_counts(const drive_state_t *x) {
 /* Whether those of the tests of lost lock are. */
 CORE_INLINE int drive_lock_counts(const drive_state_t *x) {
     const lock_state_t *y = &x->lock;
-    return count_sound(y->bad | y->calm | y->restarts | y->alarms | y->alarm | y->reason);
+    return count_sound(y->bad | y->calm | y->stalled | y->restarts | y->alarms | y->alarm |
+                       y->reason);
 }
 
 /* Whether phase and counters are such as the start sequence writes, and what its sliding-mode observer

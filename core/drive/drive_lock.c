@@ -5,6 +5,14 @@
 #include "drive_start.h"
 #include "drive_stop.h"
 
+/* Which of the axis' two directions is the likelier one if nothing tells: START_SAME_POLE or
+ * START_OTHER_POLE. A drive that had to act was far from its rotor, so the pole that it took for south
+ * is; but not if the coupled observer has taken over and drawn it to the nearer one, unless it stalls. */
+static int32_t drive_likelier_pole(const drive_params_t *p, const drive_state_t *x) {
+    int stalls = x->lock.stalled >= p->lock.n_stall;
+    return stalls || p->estimator == ESTIMATE_COUPLED ? START_OTHER_POLE : START_SAME_POLE;
+}
+
 CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
     if (p->lock.action == LOCK_RESTART && drive_can_change(p, x)) {
         drive_change_observer(p, x);
@@ -14,7 +22,7 @@ CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
         drive_stop(x);
     } else {
         x->lock.restarts += 1;
-        drive_find_again(x);
+        drive_find_again(x, drive_likelier_pole(p, x));
     }
     lock_begin(&p->lock, &x->lock, 0.0f);
 }

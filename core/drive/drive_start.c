@@ -14,13 +14,13 @@ CORE_APART void see_emf(const drive_params_t *p, drive_state_t *x, ab_t i_ab, fl
                 p->T_s);
 }
 
-CORE_COLD void drive_find_again(drive_state_t *x) {
+CORE_COLD void drive_find_again(drive_state_t *x, int32_t again) {
     ab_t i_ab = dq_to_ab(x->control.i_1, unit(x->est.theta));
     ab_t nothing = {0.0f, 0.0f};
     start_begin(&x->start);
     start_enter(&x->start, START_QUIET);
     hfi_quiet(&x->hfi);
-    x->start.again = 1;
+    x->start.again = again;
     x->start.i_1 = i_ab;
     x->start.i_2 = i_ab;
     x->smo.i_hat = i_ab;
@@ -39,7 +39,7 @@ CORE_COLD void drive_change_observer(const drive_params_t *p, drive_state_t *x) 
     dq_t i = x->control.i;
     flux_model_t m = drive_flux_model(p, curve_locate(i.q, p->control.curve_inv_step));
     dq_t psi = flux_of_current(&m, i).psi;
-    x->start.again = 1;
+    x->start.again = START_SAME_POLE;
     x->emf.pll.theta = wrap_pi(x->est.theta + p->T_s * x->est.omega);
     x->emf.pll.omega = x->est.omega;
     x->emf.valid = 1.0f;
@@ -121,15 +121,13 @@ CORE_COLD static void watch_emf(const drive_params_t *p, drive_state_t *x, ab_t 
 }
 
 /* The axis is known except for its sense. The initial speed is that at which the EMF turns; at rest
- * that is noise, so the EMF's magnitude bounds it. A drive that had to act was far from its rotor: the
- * pole that it took for south is the likelier one; but not if the coupled observer has taken over and
- * drawn it to the nearer one. */
+ * that is noise, so the EMF's magnitude bounds it. The rotor has turned on since the estimate ended. */
 CORE_COLD static void enter_lock(const drive_params_t *p, drive_state_t *x) {
-    float bound = norm_ab(x->start.e_f) / p->control.psi_f;
-    int far = x->start.again != 0 && p->estimator == ESTIMATE_COUPLED;
-    float before = x->est.theta + (far ? PI_F : 0.0f);
-    x->hfi.pll.theta = start_axis(&x->start, before);
-    x->hfi.pll.omega = bound_f(x->start.omega, bound);
+    float omega = bound_f(x->start.omega, norm_ab(x->start.e_f) / p->control.psi_f);
+    float turned = p->T_s * (float)(p->start.n_catch + 2 * p->start.n_scan) * omega;
+    float before = x->est.theta + (x->start.again == START_OTHER_POLE ? PI_F : 0.0f);
+    x->hfi.pll.theta = start_axis(&x->start, wrap_far(before + turned));
+    x->hfi.pll.omega = omega;
     x->k_s = 1.0f;
     start_enter(&x->start, START_LOCK);
 }

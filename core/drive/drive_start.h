@@ -8,8 +8,9 @@
 extern "C" {
 #endif
 
-/* Makes a drive in operation that lost its rotor find it: takes its current to zero first. */
-void drive_find_again(drive_state_t *x);
+/* Makes a drive in operation that lost its rotor find it: takes its current to zero first. again:
+ * START_SAME_POLE or START_OTHER_POLE. */
+void drive_find_again(drive_state_t *x, int32_t again);
 
 /* The coupled observer goes on in the place of another: at its angle and speed, with the flux of the
  * present current, and with a load that balances the torque. */

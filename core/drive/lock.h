@@ -1,4 +1,4 @@
-/* Tells that the estimate is no longer the rotor's: four tests on what a drive knows of itself.
+/* Tells that the estimate is no longer the rotor's: five tests on what a drive knows of itself.
  *
  *   EMF      the q voltage without resistive drop and change of flux is omega psi_d at the true
  *            angle. r = u_q - R_s i_q - L_q d i_q/dt - omega psi_d, low-passed, stays small next
@@ -16,6 +16,8 @@
  *            Where it moves it less than 60 degrees off, or the other way, the axis is wrong, the
  *            voltage did not act when the drive thinks, or the samples are wrong; where it moves it
  *            more than on any axis, a channel reads too much
+ *   STALL    the drive asks for all its current for half a second, and the shaft does not turn: a
+ *            reluctance machine on the wrong pole, or a shaft that is blocked
  *
  * An evaluation every n periods, in two parts in two periods in a row, neither of them the one in
  * which a schedule decides. Thresholds and reasons: docs/lock-trials.md.
@@ -28,7 +30,7 @@
 #include "trig.h"
 
 /* Bits of lock_state_t.reason: the tests that failed. */
-enum { LOCK_EMF = 1, LOCK_SPEED = 2, LOCK_CURRENT = 4, LOCK_ANSWER = 8 };
+enum { LOCK_EMF = 1, LOCK_SPEED = 2, LOCK_CURRENT = 4, LOCK_ANSWER = 8, LOCK_STALL = 16 };
 
 /* What a drive does about it: lock_params_t.action. */
 enum {
@@ -61,6 +63,7 @@ typedef struct {
     float above;     /* largest over that voltage [A/V] */
     float u_unsure;  /* by which that may differ from the injected one: dead time [V] */
     float u_taken;   /* what dead time and switches may take of it near zero current [V] */
+    float slow;      /* STALL: estimated speed below which the shaft does not turn [rad/s] */
     int32_t n;       /* periods from one evaluation to the next, at least 2 */
     int32_t n_alarm; /* evaluations from the first failed one to an alarm, if the last failed too */
     int32_t n_act;   /* the same to a restart or stop */
@@ -68,6 +71,7 @@ typedef struct {
     int32_t n_calm;  /* passed ones in a row after which earlier restarts are forgotten */
     int32_t restarts; /* most restarts before the drive stops */
     int32_t action;   /* LOCK_* */
+    int32_t n_stall;  /* evaluations in a row in which it stalls that fail */
     int32_t n_grace;  /* evaluations after the drive takes control that cannot fail */
 } lock_params_t;
 
@@ -84,6 +88,7 @@ typedef struct {
     int32_t wait;     /* periods until the second part; the first comes at 1 */
     int32_t bad;      /* evaluations since the first failed one, 0 without; see LOCK_GRACE */
     int32_t calm;     /* passed evaluations in a row */
+    int32_t stalled;  /* evaluations in a row in which it stalled */
     int32_t restarts; /* restarts not yet forgotten */
     int32_t alarms;   /* alarms so far */
     int32_t alarm;    /* 1 during an alarm */
@@ -123,6 +128,7 @@ CORE_INLINE void lock_begin(const lock_params_t *p, lock_state_t *x, float omega
     x->omega = omega;
     x->i_off = 0.0f;
     x->answer = 0.0f;
+    x->stalled = 0;
     x->bad = LOCK_GRACE + p->n_grace;
     x->alarm = 0;
 }
@@ -192,6 +198,18 @@ CORE_INLINE void lock_current(const lock_params_t *p, lock_state_t *x, float off
     x->i_off += p->alpha * (abs_f(off) - x->i_off);
 }
 
+#define LOCK_STALL_SQ 0.9f /* square of the share of its current that stalls: 0.95 */
+
+/* Also in the second part: whether the drive stalls. i_ref: current that it asks for [A]; i_max: the
+ * most [A]; omega_ref: electrical speed that it should have, at least twice that of a stall [rad/s]. */
+CORE_INLINE void lock_stall(const lock_params_t *p, lock_state_t *x, dq_t i_ref, float i_max,
+                            float omega_ref) {
+    int all = i_ref.d * i_ref.d + i_ref.q * i_ref.q > LOCK_STALL_SQ * i_max * i_max;
+    float slow = min_f(0.5f * abs_f(omega_ref), p->slow);
+    int stalls = all && i_ref.q * omega_ref > 0.0f && abs_f(x->omega) < slow;
+    x->stalled = stalls ? count_i(x->stalled, x->stalled < p->n_stall ? 1 : 0) : 0;
+}
+
 /* Second part, a period later: the speed, and the verdict. omega: estimated speed [rad/s];
  * omega_max: its bound [rad/s]. */
 CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega, float omega_max) {
@@ -200,7 +218,9 @@ CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega
     int32_t jumps = abs_f(omega - x->omega) > p->jump && !lock_emf_agrees(p, x);
     int32_t moves = jumps || abs_f(omega) >= omega_max;
     int32_t found = (lock_emf_fails(p, x, omega) ? LOCK_EMF : 0) | (moves ? LOCK_SPEED : 0) |
-                    (x->i_off > p->i_off ? LOCK_CURRENT : 0) | (x->answer < 0.0f ? LOCK_ANSWER : 0);
+                    (x->i_off > p->i_off ? LOCK_CURRENT : 0) |
+                    (x->answer < 0.0f ? LOCK_ANSWER : 0) |
+                    (x->stalled >= p->n_stall ? LOCK_STALL : 0);
     int32_t failed = grace ? 0 : found;
     int32_t calm = x->calm < p->n_calm ? x->calm + 1 : x->calm;
     x->calm = failed != 0 ? 0 : calm;

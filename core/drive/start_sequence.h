@@ -36,6 +36,9 @@ enum {
     START_STOPPED = 0x88 /* not in control any more, no voltage */
 };
 
+/* start_state_t.again: the pole that counts after lost lock if nothing tells. */
+enum { START_FIRST = 0, START_SAME_POLE = 1, START_OTHER_POLE = 2 };
+
 typedef struct {
     hfi_params_t hfi; /* both estimators, with faster loops than in normal operation */
     smo_params_t smo;
@@ -64,7 +67,7 @@ typedef struct {
     int32_t phase; /* START_* */
     int32_t n;     /* periods in this phase */
     int32_t tries; /* pairs of pulses so far */
-    int32_t again; /* 1: after lost lock; then the drive runs on the coupled observer */
+    int32_t again; /* START_FIRST, or after lost lock another; then the coupled observer drives */
     ab_t i_1;      /* sample k-1 [A] */
     ab_t i_2;      /* sample k-2 [A] */
     ab_t e_1;      /* EMF of period k-1 [V] */

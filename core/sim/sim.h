@@ -20,6 +20,7 @@ enum {
 
 typedef struct {
     drive_state_t x;
+    int32_t reserved; /* fills the 8 bytes of the last number of x */
     plant_state_t y;
     ab_t u; /* command that acts over the next period [V] */
 } chain_t;

@@ -40,6 +40,7 @@ TESTS = {
     "speed": lib.LOCK_SPEED,
     "current": lib.LOCK_CURRENT,
     "answer": lib.LOCK_ANSWER,
+    "stall": lib.LOCK_STALL,
 }
 """Tests of lost lock, ``docs/lock.md``: word and bit of ``reason``."""
 

@@ -5,7 +5,8 @@
 #include "params.h"
 
 static void speed(void) {
-    check("reasons", LOCK_EMF == 1 && LOCK_SPEED == 2 && LOCK_CURRENT == 4 && LOCK_ANSWER == 8);
+    check("reasons", LOCK_EMF == 1 && LOCK_SPEED == 2 && LOCK_CURRENT == 4 && LOCK_ANSWER == 8 &&
+                         LOCK_STALL == 16);
     check("actions", LOCK_REPORT == 0 && LOCK_RESTART == 1 && LOCK_STOP == 2);
     lock_params_t p = PARAMS[4].lock;
     p.i_off = 1e9f, p.e_floor = 1e9f;
@@ -217,6 +218,59 @@ static void sums(void) {
     }
 }
 
+/* A drive stalls with 0.95 of its current towards its reference and no speed, n_stall times in a row. */
+static void stalls(void) {
+    lock_params_t p = PARAMS[4].lock;
+    p.n_stall = 5;
+    const struct {
+        float size, way, omega_ref, omega; /* over i_max; sign of i_q; over slow */
+        int stalls;
+    } cases[] = {{0.96f, 1, 9.0f, 0.99f, 1},  {0.94f, 1, 9.0f, 0.99f, 0},
+                 {0.96f, -1, 9.0f, 0.0f, 0},  {0.96f, -1, -9.0f, 0.99f, 1},
+                 {0.96f, 1, 9.0f, -1.01f, 0}, {0.96f, 1, 9.0f, 1.01f, 0},
+                 {0.96f, 1, 1.0f, 0.49f, 1},  {0.96f, 1, 1.0f, 0.51f, 0},
+                 {0.96f, 1, 0.0f, 0.0f, 0},   {0.96f, -1, -1.0f, -0.49f, 1}};
+    for (unsigned j = 0; j < sizeof cases / sizeof cases[0]; j++) {
+        lock_state_t x;
+        memset(&x, 0, sizeof x);
+        float size = 7.0f * cases[j].size;
+        dq_t i = {-0.6f * size, 0.8f * cases[j].way * size};
+        for (int k = 1; k < 9; k++) {
+            x.omega = cases[j].omega * p.slow;
+            lock_stall(&p, &x, i, 7.0f, cases[j].omega_ref * p.slow);
+            check("stall", x.stalled == cases[j].stalls * (k < 5 ? k : 5));
+        }
+        lock_judge(&p, &x, 0.0f, 1e9f);
+        check("stall: told", x.bad == cases[j].stalls);
+        x.reason = 0, x.bad = p.n_alarm;
+        lock_judge(&p, &x, 0.0f, 1e9f);
+        check("stall: reason", x.reason == (cases[j].stalls ? LOCK_STALL : 0));
+        lock_stall(&p, &x, i, 7.0f, 0.0f);
+        check("stall: over", x.stalled == 0);
+        x.stalled = 3;
+        lock_begin(&p, &x, 0.0f);
+        check("stall: anew", x.stalled == 0);
+    }
+}
+
+/* What a drive does after it: the current, the speeds and the pole are its own. */
+static void stalled_drive(void) {
+    drive_params_t p = PARAMS[4];
+    for (int j = 0; j < 6; j++) {
+        drive_state_t x;
+        drive_init(&p, &x, 0.0f, 0.0f, 0.5f);
+        x.control.i_ref.q = p.control.i_max, x.signal.omega_ref = 9.0f * p.lock.slow;
+        x.lock.bad = 0;
+        drive_judge(&p, &x);
+        check("stall: of the drive", x.lock.stalled == 1);
+        x.lock.stalled = p.lock.n_stall - j / 3, x.lock.restarts = 0, x.start.again = 1;
+        p.lock.action = LOCK_RESTART, p.estimator = j % 3 ? ESTIMATE_SMO : ESTIMATE_COUPLED;
+        drive_act(&p, &x);
+        int other = j < 3 || p.estimator == ESTIMATE_COUPLED;
+        check("stall: pole", x.start.again == (other ? START_OTHER_POLE : START_SAME_POLE));
+    }
+}
+
 /* Alarms count once, end after n_clear good evaluations, and good ones alone never begin one. */
 static void told_once(void) {
     lock_params_t p = PARAMS[4].lock;
@@ -283,5 +337,7 @@ void check_lock(void) {
     direction();
     sums();
     first();
+    stalls();
+    stalled_drive();
     told_once();
 }

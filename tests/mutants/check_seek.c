@@ -26,7 +26,7 @@ static void fly(void) {
     drive_init(p, &x, 0.0f, 0.0f, 0.5f);
     x.control.u_int.d = x.control.u_int.q = x.control.i_d_fw = -9.0f;
     x.smo.z.a = x.smo.z.b = x.emf.e.a = x.emf.e.b = x.control.i_ref.q = 7.0f;
-    drive_find_again(&x);
+    drive_find_again(&x, START_OTHER_POLE);
     check("no kick",
           x.control.u_int.d == 0.0f && x.control.u_int.q == 0.0f && x.control.i_d_fw == 0.0f);
     check("nothing of before", x.smo.z.a == 0.0f && x.smo.z.b == 0.0f && x.emf.e.a == 0.0f &&
@@ -40,7 +40,7 @@ static void quiet(void) {
         drive_in_t in = {2.0f * p->start.i_quiet * (float)j, 0.0f, 540.0f, 0.0f, 0.0f};
         drive_state_t x;
         drive_init(p, &x, 0.0f, 0.0f, 0.5f);
-        drive_find_again(&x);
+        drive_find_again(&x, START_OTHER_POLE);
         int n = 0;
         for (; n < 1000 && x.start.phase == START_QUIET; n++) {
             drive_step(p, &x, &in);

@@ -36,7 +36,7 @@ static inline drive_state_t seeking(const drive_params_t *p, int32_t phase, int 
     drive_state_t x;
     drive_init(p, &x, 0.0f, 0.0f, 0.5f);
     if (again) {
-        drive_find_again(&x);
+        drive_find_again(&x, START_OTHER_POLE);
     } else {
         drive_find_rotor(&x);
     }
