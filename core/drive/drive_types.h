@@ -24,7 +24,7 @@ enum {
     FAULT_COMMAND = 4, /* speed reference, k_s or an argument of drive_init out of range */
     FAULT_POLE = 8,    /* the start sequence was not sure of the north pole */
     FAULT_OVER_CURRENT = 16, /* a current vector beyond the limit, or drive_trip: open the bridge */
-    FAULT_LOCK = 32,    /* the estimate is not the rotor's; lock.reason has the tests that failed */
+    FAULT_LOCK = 32,         /* the estimate is not the rotor's, or the shaft stalls: lock.reason */
     FAULT_STOPPED = 64, /* no voltage any more, lost lock or state: start again with drive_init */
     FAULT_STATE = 128,  /* the state was damaged or never begun: a new start, no voltage at first */
     FAULT_ALL = 255     /* all of these */

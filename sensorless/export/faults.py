@@ -16,7 +16,8 @@ DO = {
     "FAULT_COMMAND": "correct what the application passes; the drive held a safe value meanwhile",
     "FAULT_POLE": "stop and start again at less load; if it repeats, start from a known angle",
     "FAULT_OVER_CURRENT": "open the bridge at once, find out why, then start as after a trip",
-    "FAULT_LOCK": "let the drive recover if it does so; stop what needs speed or torque meanwhile",
+    "FAULT_LOCK": "let the drive recover if it does so; stop what needs speed or torque meanwhile; "
+    "with `LOCK_STALL` in `lock.reason`, see whether the shaft is blocked, and open the bridge",
     "FAULT_STOPPED": "open the bridge at once: zero voltage shorts a motor that spins; find out "
     "why, then start as after a trip",
     "FAULT_STATE": "let it start anew; in the first period, call `drive_init` before; if it "
