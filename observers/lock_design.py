@@ -69,9 +69,10 @@ ALARM, ACT, CLEAR, CALM = 2e-3, 2.0 * TAU, 10e-3, 1.0
 after which the alarm ends, and after which restarts are forgotten. A drive acts when what a swing
 left in the low-pass has decayed. A judge waits 10 ms; a slipping drive passes less at a time."""
 RESTARTS = 5
-STALL, STOOD, HEAVIER = 0.5, 0.02, 10.0
-"""Time with all current [s] and speed over rated below which a drive stalls; and the inertia over
-the file's with which a shaft may still be starting: rated torque must take it beyond that speed."""
+STALL, STOOD, HEAVIER, ALL = 0.5, 0.02, 10.0, 0.99
+"""Time with all current [s] and speed over rated below which a drive stalls; the inertia over the
+file's with which a shaft may still be starting, since rated torque takes it beyond that speed in
+that time; and the share of the largest torque current that is all of it."""
 LOW_LINK = 0.88
 """Least voltage of the link that a drive may take control at, over the file's: that of the suite
 ``stress``."""
@@ -193,6 +194,11 @@ def settled(motor: Motor, current: float, weakening: float) -> float:
     return SETTLED * (TAU + 1.0 / current) + (1.0 / weakening if short else 0.0)
 
 
+def stall_current(motor: Motor) -> float:
+    """Torque current beyond which a drive asks for all that ``i_max`` allows at rest [A]."""
+    return ALL * float(mtpa(motor)[1][-1])
+
+
 def stall_time(motor: Motor) -> float:
     """Time that a drive asks for all its current, and stands, until it is told [s]."""
     return max(STALL, HEAVIER * STOOD * motor.omega_rated / rated_acceleration(motor))
@@ -257,12 +263,13 @@ def design_lock(
         "i_loaded": LOADED * motor.i_rated,
         "leads": 0.0 if one_axis else LEADS,
         **answer_shares(motor),
+        "i_stall": stall_current(motor),
         "slow": STOOD * motor.omega_rated,
         "n": n,
         "n_alarm": max(2, round(ALARM / step)),
         "n_act": max(2, round(ACT / step)),
         "n_clear": max(1, round(CLEAR / step)),
-        "n_calm": round(max(CALM, 2.0 * stall_time(motor)) / step),
+        "n_calm": round(CALM / step),
         "n_stall": round(stall_time(motor) / step),
         "restarts": RESTARTS,
         "action": ACTIONS[action],

@@ -53,7 +53,8 @@ def start_table(axes: str, start: str, source: KsTable, motor: Motor, slew_per_s
     for axis in source.axes:
         if axis.signal not in known:
             raise UserError(
-                f"axes: {axes!r} lack {axis.signal}, which start {start!r} looks at; add that axis"
+                f"axes: {axes!r} lack {axis.signal}, which start {start!r} looks at; "
+                "add that axis, or take all of the start's with axes=start"
             )
         if axis is ramp:
             speeds = shape[known.index(axis.signal)]

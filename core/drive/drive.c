@@ -70,6 +70,7 @@ static void lock_clear(const lock_params_t *p, lock_state_t *x, float omega) {
     lock_begin(p, x, omega);
     x->wait = LOCK_FIRST; /* a schedule decides in the first period and every n */
     x->calm = 0;
+    x->turned = 0;
     x->restarts = 0;
     x->alarms = 0;
     x->reason = 0;

@@ -47,11 +47,10 @@ CORE_INLINE int drive_start_counts(const drive_state_t *x) {
     return count_sound(s->n | s->tries | s->again | x->fault);
 }
 
-/* Whether those of the tests of lost lock are. */
+/* Whether those of the tests of lost lock are that an evaluation does not bound itself. */
 CORE_INLINE int drive_lock_counts(const drive_state_t *x) {
     const lock_state_t *y = &x->lock;
-    return count_sound(y->bad | y->calm | y->stalled | y->restarts | y->alarms | y->alarm |
-                       y->reason);
+    return count_sound(y->bad | y->calm | y->turned | y->restarts | y->alarms | y->reason);
 }
 
 /* Whether phase and counters are such as the start sequence writes, and what its sliding-mode observer

@@ -5,12 +5,16 @@
 #include "drive_start.h"
 #include "drive_stop.h"
 
-/* Which of the axis' two directions is the likelier one if nothing tells: START_SAME_POLE or
- * START_OTHER_POLE. A drive that had to act was far from its rotor, so the pole that it took for south
- * is; but not if the coupled observer has taken over and drawn it to the nearer one, unless it stalls. */
-static int32_t drive_likelier_pole(const drive_params_t *p, const drive_state_t *x) {
+/* Seeks the rotor. If nothing tells the pole: a drive that had to act was far from its rotor, so the
+ * one that it took for south is the likelier; but not if the coupled observer has taken over and drawn it
+ * to the nearer one. A drive that stalls is on the wrong one unless it turned its shaft before. */
+CORE_COLD static void drive_restart(const drive_params_t *p, drive_state_t *x) {
     int stalls = x->lock.stalled >= p->lock.n_stall;
-    return stalls || p->estimator == ESTIMATE_COUPLED ? START_OTHER_POLE : START_SAME_POLE;
+    int known = stalls && x->lock.turned >= p->lock.n_stall;
+    int same = known || (!stalls && p->estimator != ESTIMATE_COUPLED);
+    x->lock.turned = known ? x->lock.turned : 0;
+    x->lock.restarts += 1;
+    drive_find_again(x, same ? START_SAME_POLE : START_OTHER_POLE);
 }
 
 CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
@@ -21,8 +25,7 @@ CORE_COLD void drive_act(const drive_params_t *p, drive_state_t *x) {
     if (p->lock.action == LOCK_STOP || x->lock.restarts >= p->lock.restarts) {
         drive_stop(x);
     } else {
-        x->lock.restarts += 1;
-        drive_find_again(x, drive_likelier_pole(p, x));
+        drive_restart(p, x);
     }
     lock_begin(&p->lock, &x->lock, 0.0f);
 }

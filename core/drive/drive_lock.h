@@ -43,7 +43,7 @@ CORE_INLINE int drive_can_change(const drive_params_t *p, const drive_state_t *x
 /* Second part; and until the next, where the torque current gives way, and how much of its flux the
  * coupled observer corrects. */
 CORE_INLINE void drive_judge(const drive_params_t *p, drive_state_t *x) {
-    lock_stall(&p->lock, &x->lock, x->control.i_ref, p->control.i_max, x->signal.omega_ref);
+    lock_stall(&p->lock, &x->lock, x->control.i_ref.q);
     lock_judge(&p->lock, &x->lock, x->est.omega, p->coupled.omega_max);
     control_ends(&p->control, &x->control, x->signal.omega_ref, x->est.omega, p->lock.i_off);
     coupled_rates(&p->coupled, &x->coupled, x->k_s, x->lock.emf, x->lock.i.q, x->est.omega,

@@ -63,6 +63,7 @@ CORE_COLD static void release(const drive_params_t *p, drive_state_t *x, estimat
     x->control.i_1 = ab_to_dq(i_ab, unit(x->est.theta));
     if (x->start.again == 0) { /* else the integrator knows the load of before */
         control_ready(&p->control, &x->control, next.omega);
+        x->lock.turned = 0;
     }
     control_sum_anew(&x->control);
     lock_begin(&p->lock, &x->lock, next.omega);

@@ -63,12 +63,13 @@ typedef struct {
     float above;     /* largest over that voltage [A/V] */
     float u_unsure;  /* by which that may differ from the injected one: dead time [V] */
     float u_taken;   /* what dead time and switches may take of it near zero current [V] */
+    float i_stall;   /* STALL: torque current beyond which the drive asks for all of it [A] */
     float slow;      /* STALL: estimated speed below which the shaft does not turn [rad/s] */
     int32_t n;       /* periods from one evaluation to the next, at least 2 */
     int32_t n_alarm; /* evaluations from the first failed one to an alarm, if the last failed too */
     int32_t n_act;   /* the same to a restart or stop */
     int32_t n_clear; /* passed evaluations in a row that end an alarm */
-    int32_t n_calm;  /* passed ones in a row after which earlier restarts are forgotten */
+    int32_t n_calm;  /* passed ones in a row, of a shaft that turns, that forget restarts */
     int32_t restarts; /* most restarts before the drive stops */
     int32_t action;   /* LOCK_* */
     int32_t n_stall;  /* evaluations in a row in which it stalls that fail */
@@ -89,6 +90,7 @@ typedef struct {
     int32_t bad;      /* evaluations since the first failed one, 0 without; see LOCK_GRACE */
     int32_t calm;     /* passed evaluations in a row */
     int32_t stalled;  /* evaluations in a row in which it stalled */
+    int32_t turned;   /* evaluations on this pole that turned the shaft, to n_stall */
     int32_t restarts; /* restarts not yet forgotten */
     int32_t alarms;   /* alarms so far */
     int32_t alarm;    /* 1 during an alarm */
@@ -198,16 +200,20 @@ CORE_INLINE void lock_current(const lock_params_t *p, lock_state_t *x, float off
     x->i_off += p->alpha * (abs_f(off) - x->i_off);
 }
 
-#define LOCK_STALL_SQ 0.9f /* square of the share of its current that stalls: 0.95 */
+/* One more, up to most; also if x is damaged. */
+CORE_INLINE int32_t lock_count(int32_t x, int32_t most) {
+    return (uint32_t)x < (uint32_t)most ? x + 1 : most;
+}
 
-/* Also in the second part: whether the drive stalls. i_ref: current that it asks for [A]; i_max: the
- * most [A]; omega_ref: electrical speed that it should have, at least twice that of a stall [rad/s]. */
-CORE_INLINE void lock_stall(const lock_params_t *p, lock_state_t *x, dq_t i_ref, float i_max,
-                            float omega_ref) {
-    int all = i_ref.d * i_ref.d + i_ref.q * i_ref.q > LOCK_STALL_SQ * i_max * i_max;
-    float slow = min_f(0.5f * abs_f(omega_ref), p->slow);
-    int stalls = all && i_ref.q * omega_ref > 0.0f && abs_f(x->omega) < slow;
-    x->stalled = stalls ? count_i(x->stalled, x->stalled < p->n_stall ? 1 : 0) : 0;
+/* Also in the second part: whether the drive stalls, and for how long it has turned its shaft, which
+ * on the wrong pole is for less than a stall takes. While it stands restarts count on: a shaft that is
+ * blocked may pass every test. i_q_ref: torque current that it asks for [A]. */
+CORE_INLINE void lock_stall(const lock_params_t *p, lock_state_t *x, float i_q_ref) {
+    int stands = abs_f(x->omega) < p->slow;
+    int stalls = stands && abs_f(i_q_ref) > p->i_stall;
+    x->stalled = stalls ? lock_count(x->stalled, p->n_stall) : 0;
+    x->turned = stands ? x->turned : lock_count(x->turned, p->n_stall);
+    x->restarts = stands || x->calm < p->n_calm ? x->restarts : 0;
 }
 
 /* Second part, a period later: the speed, and the verdict. omega: estimated speed [rad/s];
@@ -233,7 +239,6 @@ CORE_INLINE void lock_judge(const lock_params_t *p, lock_state_t *x, float omega
     x->alarms = count_i(x->alarms, on && x->alarm == 0 ? 1 : 0);
     x->alarm = x->bad > 0 && (on || x->alarm != 0) ? 1 : 0;
     x->reason |= x->alarm != 0 ? failed : 0;
-    x->restarts = x->calm >= p->n_calm ? 0 : x->restarts;
 }
 
 /* Whether the drive has to act; change: its first action is to change the observer, which needs no

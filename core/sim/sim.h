@@ -20,7 +20,6 @@ enum {
 
 typedef struct {
     drive_state_t x;
-    int32_t reserved; /* fills the 8 bytes of the last number of x */
     plant_state_t y;
     ab_t u; /* command that acts over the next period [V] */
 } chain_t;
@@ -49,7 +48,6 @@ typedef struct {
     float theta_err; /* truth minus the estimators' first angle [rad] */
     float k_s;       /* weight to start with */
     int32_t seek;    /* 1: speed and angle are unknown; the drive runs its start sequence */
-    int32_t reserved;
 } start_t;
 
 typedef struct {

@@ -15,7 +15,7 @@ from sensorless.plain_json import plain
 from sensorless.policy import Policy, TablePolicy
 
 SUITE, SEED, SIZE = "nominal", 1, 200
-"""The drive knows its machine, and its sensors are perfect: the least that a schedule must do."""
+"""The drive knows its machine, and its sensors are good: the least that a schedule must do."""
 UNSUITED = "its machine does not suit"
 MOST_LOST = 0.05
 """Of the feasible scenarios of ``SUITE``."""

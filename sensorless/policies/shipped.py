@@ -18,7 +18,7 @@ LEARNED = "learned"
 """Folder of the learned policies, and of rules that set gains, within ``FOLDER``."""
 SETS = {
     "ks": ("k_s", "logistic-tuned"),
-    "gains": ("k_s and gains", "tuned-smo-gains"),
+    "gains": ("k_s and gains", "an earlier tuned-smo-gains"),
     "robust": ("k_s and gains against losses", "the rule"),
     "coupled": ("k_s and gains", "a narrow ramp"),
     "machines": ("k_s and gains, any machine,", "a ramp"),

@@ -218,56 +218,63 @@ static void sums(void) {
     }
 }
 
-/* A drive stalls with 0.95 of its current towards its reference and no speed, n_stall times in a row. */
+/* A drive stalls that asks for i_stall either way without speed, n_stall times in a row; without that
+ * current and with speed it turns its shaft. */
 static void stalls(void) {
     lock_params_t p = PARAMS[4].lock;
     p.n_stall = 5;
     const struct {
-        float size, way, omega_ref, omega; /* over i_max; sign of i_q; over slow */
-        int stalls;
-    } cases[] = {{0.96f, 1, 9.0f, 0.99f, 1},  {0.94f, 1, 9.0f, 0.99f, 0},
-                 {0.96f, -1, 9.0f, 0.0f, 0},  {0.96f, -1, -9.0f, 0.99f, 1},
-                 {0.96f, 1, 9.0f, -1.01f, 0}, {0.96f, 1, 9.0f, 1.01f, 0},
-                 {0.96f, 1, 1.0f, 0.49f, 1},  {0.96f, 1, 1.0f, 0.51f, 0},
-                 {0.96f, 1, 0.0f, 0.0f, 0},   {0.96f, -1, -1.0f, -0.49f, 1}};
+        float size, omega; /* over i_stall, over slow */
+        int stalls, turns;
+    } cases[] = {{1.01f, 0.99f, 1, 0},   {0.99f, 0.99f, 0, 0},  {-1.01f, 0.0f, 1, 0},
+                 {-1.01f, -0.99f, 1, 0}, {1.01f, -1.01f, 0, 1}, {1.01f, 1.01f, 0, 1},
+                 {0.0f, -1.01f, 0, 1}};
     for (unsigned j = 0; j < sizeof cases / sizeof cases[0]; j++) {
         lock_state_t x;
         memset(&x, 0, sizeof x);
-        float size = 7.0f * cases[j].size;
-        dq_t i = {-0.6f * size, 0.8f * cases[j].way * size};
         for (int k = 1; k < 9; k++) {
             x.omega = cases[j].omega * p.slow;
-            lock_stall(&p, &x, i, 7.0f, cases[j].omega_ref * p.slow);
+            lock_stall(&p, &x, cases[j].size * p.i_stall);
             check("stall", x.stalled == cases[j].stalls * (k < 5 ? k : 5));
+            check("stall: turned", x.turned == cases[j].turns * (k < 5 ? k : 5));
         }
         lock_judge(&p, &x, 0.0f, 1e9f);
         check("stall: told", x.bad == cases[j].stalls);
         x.reason = 0, x.bad = p.n_alarm;
         lock_judge(&p, &x, 0.0f, 1e9f);
         check("stall: reason", x.reason == (cases[j].stalls ? LOCK_STALL : 0));
-        lock_stall(&p, &x, i, 7.0f, 0.0f);
-        check("stall: over", x.stalled == 0);
-        x.stalled = 3;
+        x.omega = 0.0f;
+        lock_stall(&p, &x, 0.0f);
+        check("stall: over", x.stalled == 0 && x.turned == 5 * cases[j].turns);
+        x.stalled = x.turned = -1; /* damage */
+        lock_stall(&p, &x, 2.0f * p.i_stall);
+        check("stall: damaged", x.stalled == p.n_stall);
+        x.omega = 2.0f * p.slow;
+        lock_stall(&p, &x, 0.0f);
+        check("turned: damaged", x.turned == p.n_stall);
         lock_begin(&p, &x, 0.0f);
-        check("stall: anew", x.stalled == 0);
+        check("stall: anew", x.stalled == 0 && x.turned == p.n_stall);
     }
 }
 
-/* What a drive does after it: the current, the speeds and the pole are its own. */
+/* What a drive does after it: the current and the pole are its own. */
 static void stalled_drive(void) {
     drive_params_t p = PARAMS[4];
-    for (int j = 0; j < 6; j++) {
+    for (int j = 0; j < 12; j++) {
         drive_state_t x;
         drive_init(&p, &x, 0.0f, 0.0f, 0.5f);
-        x.control.i_ref.q = p.control.i_max, x.signal.omega_ref = 9.0f * p.lock.slow;
-        x.lock.bad = 0;
+        x.control.i_ref.q = 1.01f * p.lock.i_stall;
         drive_judge(&p, &x);
         check("stall: of the drive", x.lock.stalled == 1);
-        x.lock.stalled = p.lock.n_stall - j / 3, x.lock.restarts = 0, x.start.again = 1;
-        p.lock.action = LOCK_RESTART, p.estimator = j % 3 ? ESTIMATE_SMO : ESTIMATE_COUPLED;
+        int told = j % 2, turned = j / 2 % 2, coupled = j / 4 == 0;
+        x.lock.stalled = p.lock.n_stall - !told, x.lock.turned = p.lock.n_stall - !turned;
+        x.lock.restarts = 0, x.start.again = 1;
+        p.lock.action = LOCK_RESTART, p.estimator = coupled ? ESTIMATE_COUPLED : ESTIMATE_SMO;
         drive_act(&p, &x);
-        int other = j < 3 || p.estimator == ESTIMATE_COUPLED;
+        int other = told ? !turned : coupled;
         check("stall: pole", x.start.again == (other ? START_OTHER_POLE : START_SAME_POLE));
+        check("stall: known", x.lock.turned == (told && turned ? p.lock.n_stall : 0));
+        check("stall: counted", x.lock.restarts == 1);
     }
 }
 
@@ -310,9 +317,12 @@ static void told_once(void) {
     }
     for (int n = -2; n <= 1; n++) { /* restarts are forgotten once it was calm for n_calm */
         memset(&x, 0, sizeof x);
-        x.calm = p.n_calm + n, x.restarts = 2;
-        lock_judge(&p, &x, 0.0f, 1e9f);
-        check("restarts: forgotten", x.restarts == (n >= -1 ? 0 : 2));
+        x.calm = p.n_calm + n, x.restarts = 2, x.omega = 0.99f * p.slow;
+        lock_stall(&p, &x, 0.0f);
+        check("restarts: kept", x.restarts == 2);
+        x.omega = -1.01f * p.slow;
+        lock_stall(&p, &x, 0.0f);
+        check("restarts: forgotten", x.restarts == (n >= 0 ? 0 : 2));
     }
     for (int n = -1; n <= 1; n++) {
         memset(&x, 0, sizeof x);

@@ -11,10 +11,11 @@ static void fly(void) {
         x.start.again = again;
         int n = 0;
         x.flux.psi.a = x.flux.psi.b = 1.0f, x.emf.pll.omega = 70.0f;
-        x.control.i_int = 3.0f;
+        x.control.i_int = 3.0f, x.lock.turned = 7;
         for (; n < 1000 && x.start.phase == START_FLY; n++) {
             drive_step(p, &x, &in);
             check("load kept", (x.control.i_int == 3.0f) == again);
+            check("pole kept", x.start.phase == START_FLY || x.lock.turned == 7 * again);
             check("injection follows",
                   x.start.phase != START_FLY || x.hfi.pll.omega == x.est.omega);
         }

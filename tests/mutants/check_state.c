@@ -125,9 +125,9 @@ static void state_counts(void) {
     } cases[] = {{0, 1}, {(1 << 30) - 1, 1}, {1 << 30, 0}, {-1, 0}};
     for (int j = 0; j < 40; j++) {
         drive_state_t x = idle_drive(p);
-        int32_t *const counts[] = {&x.start.n,    &x.start.tries, &x.start.again,   &x.fault,
-                                   &x.lock.bad,   &x.lock.calm,   &x.lock.restarts, &x.lock.alarms,
-                                   &x.lock.alarm, &x.lock.reason};
+        int32_t *const counts[] = {&x.start.n,     &x.start.tries, &x.start.again,   &x.fault,
+                                   &x.lock.bad,    &x.lock.calm,   &x.lock.restarts, &x.lock.alarms,
+                                   &x.lock.turned, &x.lock.reason};
         int k = j % 10, sound = cases[j / 10].sound;
         *counts[k] = cases[j / 10].count;
         check("counts", drive_start_counts(&x) == (sound || k > 3));
