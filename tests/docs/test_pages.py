@@ -30,7 +30,15 @@ NAMES = {path.name for path in SOURCES if ".venv" not in path.parts and "build" 
 TOP = ("agents", "baselines", "core", "envs", "observers", "sensorless")
 MADE = ("build/", "runs/", "paper/")
 """Where commands of the documentation write."""
-EXPORTED = {"params.h", "params.c", "ks_table_data.c", "ks_table_q15.c", "test/", "example/"}
+EXPORTED = {
+    "params.h",
+    "params.c",
+    "ks_table_data.c",
+    "ks_table_q15.c",
+    "test/",
+    "example/",
+    "cmsis/",
+}
 """In the folder that an export writes."""
 GONE = ("CHANGELOG.md",)
 """Pages that also name what is no more."""

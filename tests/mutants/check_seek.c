@@ -183,10 +183,44 @@ static void unsound(void) {
     }
 }
 
+/* The axis that SCAN found, in the direction nearer to the angle of before, or to the other pole; and
+ * turned on by the speed of the EMF, no faster than the EMF's magnitude allows. */
+static void pole_after_scan(void) {
+    const drive_params_t *p = &PARAMS[4];
+    drive_in_t in = {0.0f, 0.0f, 540.0f, 0.0f, 0.0f};
+    int turned[2] = {0, 0};
+    for (int j = 0; j < 600; j++) {
+        drive_state_t x = seeking(p, START_SCAN, j % 2);
+        double at = draw(-3, 3), emf = draw(0, 1) * (double)p->start.e_fly;
+        x.start.n = 2 * p->start.n_scan + 1, x.start.again = j % 3;
+        x.start.axis.a = (float)cos(2.0 * at), x.start.axis.b = (float)sin(2.0 * at);
+        x.start.e_f.a = (float)emf, x.start.omega = draw_f(-1, 1) * p->hfi.pll.omega_max * 0.1f;
+        x.est.theta = draw_f(-3, 3);
+        double was = (double)x.est.theta;
+        drive_step(p, &x, &in);
+        double most =
+            hypot((double)x.start.e_f.a, (double)x.start.e_f.b) / (double)p->control.psi_f;
+        double omega = bounded((double)x.start.omega, most);
+        double on = (double)p->T_s * (p->start.n_catch + 2 * p->start.n_scan) * omega;
+        double from = was + on + (j % 3 == 2 ? M_PI : 0.0);
+        double off = wrapped(0.5 * atan2((double)x.start.axis.b, (double)x.start.axis.a) - from);
+        if (fabs(fabs(off) - 0.5 * M_PI) < 1e-3) {
+            continue;
+        }
+        double near_one = from + off + (fabs(off) > 0.5 * M_PI ? M_PI : 0.0);
+        check("pole after SCAN", x.start.phase == START_LOCK &&
+                                     fabs(wrapped((double)x.hfi.pll.theta - near_one)) < 1e-3);
+        check("speed after SCAN", near((double)x.hfi.pll.omega, omega, 1e-4));
+        turned[fabs(on) > 0.3] += 1;
+    }
+    check("pole after SCAN: each case", turned[0] > 99 && turned[1] > 99);
+}
+
 void check_seek(void) {
     fly();
     quiet();
     scan();
+    pole_after_scan();
     compensated();
     injects();
     spins();

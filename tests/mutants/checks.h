@@ -56,6 +56,7 @@ void check_start(void);
 void check_table(void);
 void check_drive(void);
 void check_lock(void);
+void check_stall(void);
 void check_restart(void);
 void check_match(void);
 void check_guard(void);

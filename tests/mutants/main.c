@@ -36,7 +36,7 @@ int main(int argc, char **argv) {
     void (*const all[])(void) = {check_math,    check_estimators, check_coupled, check_control,
                                  check_start,   check_table,      check_drive,   check_lock,
                                  check_restart, check_match,      check_seek,    check_guard,
-                                 check_state};
+                                 check_state,   check_stall};
     for (unsigned j = 0; j < sizeof all / sizeof all[0]; j++) {
         seed = 12345U + j;
         all[j]();
