@@ -69,8 +69,8 @@ ALARM, ACT, CLEAR, CALM = 2e-3, 2.0 * TAU, 10e-3, 1.0
 after which the alarm ends, and after which restarts are forgotten. A drive acts when what a swing
 left in the low-pass has decayed. A judge waits 10 ms; a slipping drive passes less at a time."""
 RESTARTS = 5
-STALL, STOOD, HEAVIER, ALL = 0.5, 0.02, 10.0, 0.99
-"""Time with all current [s] and speed over rated below which a drive stalls; the inertia over the
+STALL, STALLS, STOOD, HEAVIER, ALL = 0.5, 60.0, 0.02, 10.0, 0.99
+"""Least and most time with all current [s], and speed over rated, of a stall; the inertia over the
 file's with which a shaft may still be starting, since rated torque takes it beyond that speed in
 that time; and the share of the largest torque current that is all of it."""
 LOW_LINK = 0.88
@@ -201,7 +201,8 @@ def stall_current(motor: Motor) -> float:
 
 def stall_time(motor: Motor) -> float:
     """Time that a drive asks for all its current, and stands, until it is told [s]."""
-    return max(STALL, HEAVIER * STOOD * motor.omega_rated / rated_acceleration(motor))
+    start = HEAVIER * STOOD * motor.omega_rated / rated_acceleration(motor)
+    return min(max(STALL, start), STALLS)
 
 
 def evaluation_periods(motor: Motor) -> int:
