@@ -66,8 +66,9 @@ slope of the reference makes. A mean of the current is half an evaluation older 
 where the slope makes more than half of this share of that, it counts besides."""
 ALARM, ACT, CLEAR, CALM = 2e-3, 2.0 * TAU, 10e-3, 1.0
 """Times [s] from the first failed test to the alarm and until the drive acts, and of passed tests
-after which the alarm ends, and after which restarts are forgotten. A drive acts when what a swing
-left in the low-pass has decayed. A judge waits 10 ms; a slipping drive passes less at a time."""
+after which the alarm ends, and after which a shaft that turns forgets restarts. A drive acts when
+what a swing left in the low-pass has decayed. A judge waits 10 ms; a slipping drive passes less at
+a time."""
 RESTARTS = 5
 STALL, STALLS, STOOD, HEAVIER, ALL = 0.5, 60.0, 0.02, 10.0, 0.99
 """Least and most time with all current [s], and speed over rated, of a stall; the inertia over the
