@@ -1,13 +1,19 @@
 """The command ``sensorless simulate``."""
 
-import math
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from sensorless.cli.given import refuse_idle
+from sensorless.cli.one_run import (
+    check_outputs,
+    machine_alone,
+    replayed,
+    say_notes,
+    say_run,
+    write_run,
+)
 from sensorless.cli.options import (
     CarriedMotorOption,
     JsonOption,
@@ -15,15 +21,7 @@ from sensorless.cli.options import (
     PolicyOption,
     SetOption,
     bench_of,
-    console,
-    errors,
-    say_json,
-    say_wrote,
 )
-from sensorless.errors import UserError
-
-if TYPE_CHECKING:
-    from sensorless.evaluation.trace import Trace
 
 
 def simulate_command(
@@ -163,134 +161,21 @@ def simulate_command(
     if plant is not None or inputs is not None:
         machine_alone(plant, inputs, out)
         return
-    from sensorless.design.records import reference_most
-    from sensorless.envs.scenarios.words import (
-        fig9,
-        found_elsewhere,
-        own_machine,
-        plan_from,
-        scenario_from,
-    )
+    from sensorless.envs.scenarios.words import fig9, plan_from
     from sensorless.evaluation.trace import cut_short, trace
-    from sensorless.units import RAD_S_TO_RPM
 
     made = bench_of([policy], motor, settings, override)
     if scenario is not None:
-        given = scenario
-        own, scenario = own_machine(scenario)
-        if own is not None and motor is not None:
-            raise UserError(f"motor: {motor!r}: {given!r} has a machine of its own; leave it out")
-        made = made if own is None else made.on(own)
-    machine, rule = made.motor, made.policy(policy)
-    if scenario is not None:
-        case = scenario_from(scenario, machine)
+        made, case = replayed(scenario, made, motor)
     else:
+        machine = made.motor
         plan = fig9(machine) if speed is None else speed
-        case = plan_from(
-            plan,
-            load,
-            ramp,
-            duration,
-            machine,
-            seed,
-            start=start,
-            theta_err=theta_err,
-            spin=spin,
-        )
-    if foreign := found_elsewhere(scenario or "", machine, made.design.estimator):
-        errors.print(f"note: {foreign}", highlight=False, soft_wrap=True)
-    last = max(t for t in case.t[0] if t < math.inf)
-    if speed is not None and last >= case.duration[0]:
-        text = f"note: the plan goes on to {last:g} s, but the run ends at {case.duration[0]:g} s"
-        errors.print(f"{text}; --duration sets it", highlight=False, soft_wrap=True)
-    most = reference_most(machine, made.design) * RAD_S_TO_RPM
-    asked = float(abs(case.omega).max()) * RAD_S_TO_RPM
-    if asked > most * 1.001:
-        text = (
-            f"note: the drive follows at most {most:.0f} r/min, not {asked:.0f} (FAULT_COMMAND): "
-        )
-        text += "speed_bound times rated speed, less what a rated load that goes adds"
-        errors.print(text, highlight=False, soft_wrap=True)
+        numbers = (plan, load, ramp, duration, machine, seed)
+        case = plan_from(*numbers, start=start, theta_err=theta_err, spin=spin)
+    machine, rule = made.motor, made.policy(policy)
+    say_notes(case, made, planned=scenario is None and speed is not None)
     run = trace(rule, case, machine, made.design, go_on=True)
     short = cut_short(run, float(case.duration[0]))
     say_run(run, rule.name, short, as_json)
     title = f"{machine.name}, {rule.name}, {scenario or 'planned run'}"
     write_run(run, title, short, out, save_log, plot, show or ())
-
-
-def check_outputs(
-    plot: Path | None, show: Sequence[str], out: Path | None, save_log: Path | None
-) -> None:
-    """Check before the run that what is asked for can be drawn and written.
-
-    Raises
-    ------
-    UserError
-        A pane is unknown, or a file cannot be written.
-    """
-    from sensorless.files import check_writable
-    from sensorless.plots.wave import FOLDED
-    from sensorless.report.picture import check_drawable
-
-    check_drawable(plot)
-    unknown = [pane for pane in show if pane not in FOLDED]
-    if unknown:
-        raise UserError(f"show: {unknown[0]!r} is none of {', '.join(FOLDED)}; give one of these")
-    check_writable(out, ending=".csv")
-    check_writable(save_log, "log", ".csv")
-
-
-def say_run(run: "Trace", name: str, short: str | None, as_json: bool) -> None:
-    """Print how a run went; ``short`` says why it ended early, if it did."""
-    from sensorless.evaluation.trace import outcome
-    from sensorless.evaluation.trace_summary import plateaus, summary_table
-
-    if as_json:
-        facts = {"policy": name, "outcome": outcome(run), "cut_short": short}
-        say_json({**facts, "plateaus": plateaus(run)})
-    console.print(summary_table(run, name))
-    if short is not None:
-        console.print(short, highlight=False, soft_wrap=True)
-
-
-def write_run(
-    run: "Trace",
-    title: str,
-    short: str | None,
-    out: Path | None,
-    save_log: Path | None,
-    plot: Path | None,
-    show: Sequence[str],
-) -> None:
-    """Write the files of a run that were asked for."""
-    from sensorless.evaluation.trace import write_csv
-    from sensorless.plots.wave import wave
-    from sensorless.replay.log import write_log
-    from sensorless.report.picture import write_waves
-    from sensorless.versions import typed
-
-    if out is not None:
-        write_csv(run, out)
-    if save_log is not None:
-        write_log(run, save_log)
-    if plot is not None:
-        write_waves([wave(title, run)], plot, typed(), [short] if short else [], show)
-    say_wrote(out, save_log, plot)
-
-
-def machine_alone(plant: Path | None, inputs: Path | None, out: Path | None) -> None:
-    """Run the machine of a file under the voltages of another, without a drive.
-
-    Raises
-    ------
-    UserError
-        One of the three files is not given, or one is not what it should be.
-    """
-    from sensorless.plant.run import simulate_plant
-
-    if plant is None or inputs is None or out is None:
-        raise UserError(
-            "plant, inputs: a machine alone needs --plant, --inputs and --out; give all three"
-        )
-    simulate_plant(plant, inputs, out)
-    say_wrote(out)

@@ -120,7 +120,7 @@ def test_the_help_names_the_suite_that_a_command_uses() -> None:
     from sensorless.agents.train.env import training_scenarios
     from sensorless.cli import demo_steps
     from sensorless.evaluation import machine_check, validation
-    from sensorless.tuning import tune
+    from sensorless.tuning import rule_search
 
     motor, seeds = Motor.load("paper"), np.arange(3, dtype=np.uint64)
     trained = training_scenarios(motor, seeds)
@@ -130,7 +130,7 @@ def test_the_help_names_the_suite_that_a_command_uses() -> None:
         same = all(np.array_equal(getattr(drawn, f), getattr(trained, f)) for f in fields)
         assert same is (name == validation.SUITE), "training and validation draw the same way"
     for path, *suites in (
-        ("tune", tune.SUITE),
+        ("tune", rule_search.SUITE),
         ("train", validation.SUITE),
         ("distill", validation.SUITE),
         ("demo", demo_steps.SUITE),

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from sensorless.cli.app import app
 from sensorless.errors import UserError
-from sensorless.tuning import tune as tuning
+from sensorless.tuning import rule_search
 from sensorless.tuning.batch import costs
 from tests.helpers.scenarios import lasting
 
@@ -18,7 +18,7 @@ RUN = CliRunner()
 
 
 def test_a_result_is_a_policy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tuning, "suite", lasting(0.05))
+    monkeypatch.setattr(rule_search, "suite", lasting(0.05))
     out = tmp_path / "mine.json"
     words = ["tune", "quadratic", "--budget", "20", "--seed", "2", "--out", str(out)]
     monkeypatch.setattr(sys, "argv", ["sensorless", *words])
@@ -38,10 +38,10 @@ def test_a_result_is_a_policy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 def test_ctrl_c_writes_the_best_and_tells_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(tuning, "suite", lasting(0.05))
+    monkeypatch.setattr(rule_search, "suite", lasting(0.05))
 
     started = Mock(side_effect=[costs, KeyboardInterrupt])
-    monkeypatch.setattr(tuning, "costs", lambda *args: started()(*args))
+    monkeypatch.setattr(rule_search, "costs", lambda *args: started()(*args))
     out = tmp_path / "mine.json"
     done = RUN.invoke(app, ["tune", "linear", "--budget", "20", "--out", str(out)])
     assert done.exit_code == 130

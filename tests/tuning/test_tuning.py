@@ -14,6 +14,7 @@ from sensorless.errors import UserError
 from sensorless.evaluation.objective import Cost
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy, TablePolicy
+from sensorless.tuning import rule_search
 from sensorless.tuning import tune as tuning
 from sensorless.tuning.judge import judged as judge
 from tests.helpers.scenarios import lasting
@@ -43,12 +44,12 @@ def none_near(
 
 @pytest.fixture
 def without_near_losses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tuning, "near_losses", none_near)
+    monkeypatch.setattr(rule_search, "near_losses", none_near)
 
 
 @pytest.mark.usefixtures("without_near_losses")
 def test_finds_the_least_within_its_budget(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tuning, "costs", bowl)
+    monkeypatch.setattr(rule_search, "costs", bowl)
     seen: list[float] = []
     found = tuning.tune(
         "linear", PAPER, DESIGN, 20000.0, 5, progress=lambda done, best: seen.append(done)
@@ -70,7 +71,7 @@ def test_one_parameter_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
         corners = [p.table.axes[0].hi for p in policies if isinstance(p, TablePolicy)]
         return [Cost(0.0, (c - 0.7) ** 2, 0.0) for c in corners], 16.0 * len(policies)
 
-    monkeypatch.setattr(tuning, "costs", first_node)
+    monkeypatch.setattr(rule_search, "costs", first_node)
     found = tuning.tune("quadratic", PAPER, DESIGN, 5000.0, 1)
     assert found.parameters["corner"] == pytest.approx(0.7, abs=0.05)
 
@@ -87,7 +88,7 @@ def test_a_search_starts_from_the_numbers_given(monkeypatch: pytest.MonkeyPatch)
         judged.extend(corners)
         return [Cost(0.0, (c - 0.2) ** 2, 0.0) for c in corners], 16.0 * len(policies)
 
-    monkeypatch.setattr(tuning, "costs", first_node)
+    monkeypatch.setattr(rule_search, "costs", first_node)
     found = tuning.tune("quadratic:300", PAPER, DESIGN, 5000.0, 1)
     assert judged[0] == pytest.approx(0.2)
     assert found.parameters["corner"] == pytest.approx(0.2)
@@ -109,7 +110,7 @@ def test_ctrl_c_keeps_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
             raise KeyboardInterrupt
         return bowl(policies, scenarios, factory)
 
-    monkeypatch.setattr(tuning, "costs", until_tired)
+    monkeypatch.setattr(rule_search, "costs", until_tired)
     known = tuning.tune("linear", PAPER, DESIGN, 20000.0, 5).provenance
     assert known["interrupted"] and known["generations"] == 8
     assert known["best"]["objective"] < known["start"]["objective"]
@@ -125,8 +126,8 @@ def test_near_losses_count_like_losses(monkeypatch: pytest.MonkeyPatch) -> None:
         time = len(policies) * float(scenarios.duration.sum())
         return [0.01 if hi > 0.5 else 0.0 for hi in ends], time
 
-    monkeypatch.setattr(tuning, "costs", bowl)
-    monkeypatch.setattr(tuning, "near_losses", near_from_half)
+    monkeypatch.setattr(rule_search, "costs", bowl)
+    monkeypatch.setattr(rule_search, "near_losses", near_from_half)
     found = tuning.tune("linear", PAPER, DESIGN, 20000.0, 5)
     assert 0.45 < found.parameters["hi"] <= 0.5
     best = found.provenance["best"]
@@ -138,11 +139,11 @@ def test_the_same_words_give_the_same_result_on_real_drives(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(tuning, "FEWEST_SCENARIOS", 2)
-    monkeypatch.setattr(tuning, "suite", lasting(0.1))
+    monkeypatch.setattr(rule_search, "suite", lasting(0.1))
     state = np.random.get_state()[1].copy()  # type: ignore[index]
     first, second = (tuning.tune("linear", PAPER, DESIGN, 20.0, 7) for _ in range(2))
     assert first == second
-    assert first.provenance["generations"] >= tuning.CHECK
+    assert first.provenance["generations"] >= rule_search.CHECK
     third, fourth = (tuning.tune("linear", PAPER, DESIGN, 20.0, 7, machines=2) for _ in range(2))
     assert third == fourth
     assert third.provenance["start"] != first.provenance["start"]
@@ -162,7 +163,7 @@ def test_random_machines_share_the_scenarios(monkeypatch: pytest.MonkeyPatch) ->
         shift = 0.3 * (list(met).index(factory.motor.name) - 1)  # cancels in the mean
         return [Cost(0.0, c.torque_dev + shift, 0.0) for c in found], seconds
 
-    monkeypatch.setattr(tuning, "costs", by_machine)
+    monkeypatch.setattr(rule_search, "costs", by_machine)
     found = tuning.tune("linear", PAPER, DESIGN, 20000.0, 5, machines=3)
     assert found.parameters == pytest.approx({"lo": 0.15, "hi": 0.6}, abs=0.02)
     known, motors = found.provenance, family(5, 3)
@@ -177,8 +178,8 @@ def test_random_machines_share_the_scenarios(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_every_generation_has_scenarios_of_its_own() -> None:
-    seeds = [tuning.generation_scenarios(PAPER, 1, g, 8).seed for g in range(5)]
-    others = tuning.generation_scenarios(PAPER, 2, 1, 8).seed
+    seeds = [rule_search.generation_scenarios(PAPER, 1, g, 8).seed for g in range(5)]
+    others = rule_search.generation_scenarios(PAPER, 2, 1, 8).seed
     assert len(np.unique(np.concatenate([*seeds, others]))) == 48
 
 

@@ -21,6 +21,7 @@ from sensorless.evaluation.engines.named import engine_named
 from sensorless.evaluation.evaluate import evaluate, score
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policies
+from sensorless.tuning import rule_search
 from sensorless.tuning import tune as tuning
 from tests.helpers.command import run
 from tests.helpers.scenarios import lasting
@@ -148,10 +149,10 @@ def test_a_lost_node_costs_its_chunk_and_nothing_else(
 
 
 def test_tuning_finds_the_same(engine: Engine, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tuning, "suite", lasting(0.1))
+    monkeypatch.setattr(rule_search, "suite", lasting(0.1))
     monkeypatch.setattr("sensorless.tuning.batch.DRIVES", 32)
     local = tuning.tune("linear", MOTOR, DESIGN, 60.0, 7)
-    assert local.provenance["generations"] >= tuning.CHECK
+    assert local.provenance["generations"] >= rule_search.CHECK
     assert tuning.tune("linear", MOTOR, DESIGN, 60.0, 7, engine=engine) == local
 
 
