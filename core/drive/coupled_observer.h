@@ -11,6 +11,7 @@
  * Injection gives the slow part with weight k_s. Its error e_h turns the angle, and moves the flux
  * by what such a turn does to e, j e_h psi_a: so its noise never reaches eps and the speed, whatever
  * the load. What errors of the voltages do to the flux is learned from it (voltage_drift.h).
+ * Where the flux is trusted less (near zero current), eps says less of load and sensors.
  * Derivation, poles and gains: docs/coupled-observer.md.
  */
 #ifndef SENSORLESS_COUPLED_OBSERVER_H
@@ -42,8 +43,8 @@ typedef struct {
     float k_tau;       /* share of the flux-current product that accelerates [rad/(s^2 Vs A)] */
     float load_max;    /* bound on the load [rad/s^2] */
     float alpha_rise;  /* low-pass on eps for the bandwidth's rise: 1 - exp(-w T_s) */
-    float eps_rise;    /* |eps| above which the bandwidth rises [rad] */
-    float rise;        /* its rise with |eps| above that [1/rad] */
+    float eps_rise;    /* |eps_f| above which the bandwidth rises [rad] */
+    float rise;        /* its rise with |eps_f| above that [1/rad] */
     float rise_max;    /* its largest rise, as a share of the bandwidth */
     float inv_slope;   /* 1 / slope of the injection's error signal [rad] */
     float k_h;         /* from injection to angle and flux [1/s] times T_s */
@@ -57,7 +58,7 @@ typedef struct {
     ab_t psi;     /* estimated stator flux [Vs] */
     ab_t i_1;     /* sample k-1, whichever observer is in use; the caller keeps it [A] */
     float load;   /* acceleration by load and friction [rad/s^2] */
-    float eps_f;  /* low-passed error across the auxiliary flux [rad] */
+    float eps_f;  /* low-passed error across the auxiliary flux, times the squared trust [rad] */
     float gain_0; /* correction of the flux at standstill [1/s] times T_s, see coupled_rates */
     float gain_w; /* its rise with speed, times T_s [s] */
     drift_state_t drift; /* what errors of the voltages do to the flux */
@@ -129,9 +130,10 @@ CORE_INLINE float coupled_observe(const coupled_params_t *p, const flux_model_t 
 
     float e_h = k_s * err;
     float trust = x->drift.trust;
-    float load = bound_f(x->load + p->k_l * eps * (trust * trust), p->load_max);
+    float told = trust * trust * eps; /* a load leaves an error that is larger by the inverse */
+    float load = bound_f(x->load + p->k_l * told, p->load_max);
     x->load = fresh ? 0.0f : load;
-    x->eps_f += p->alpha_rise * (eps - x->eps_f);
+    x->eps_f += p->alpha_rise * (told - x->eps_f);
     float rise = clamp_f(p->rise * (abs_f(x->eps_f) - p->eps_rise), 0.0f, p->rise_max);
     float f = trust * (1.0f + rise); /* of the bandwidth in force */
     float f_eps = f * eps;
@@ -159,8 +161,9 @@ CORE_INLINE float coupled_observe(const coupled_params_t *p, const flux_model_t 
     }
     match_gain(&p->match, &x->match, learn > 0 && (learn & 1) != 0, i_ab, r, aux, model.inv, m->L_d,
                m->L_qq, along, y->pll.omega, k_s);
-    match_offset(&p->match, &x->match, learn > 0 && (learn & 1) == 0, r, aux, model.inv, eps,
-                 y->pll.omega);
+    float square = x->drift.trust * x->drift.trust; /* as for load; and for the error's variance */
+    match_offset(&p->match, &x->match, learn > 0 && (learn & 1) == 0, r, aux, model.inv,
+                 square * square * y->err, y->pll.omega);
     return jump;
 }
 

@@ -120,9 +120,9 @@ static void one(int j) {
     double part = bounded(cimag(c) * (double)p.drift.inv_i, 1.0);
     double away = (double)was.drift.even + (double)was.drift.turn * part;
     double trust = (double)was.drift.trust;
-    double k_l = (double)p.k_l * trust * trust;
-    double load = bounded((double)was.load + k_l * eps, (double)p.load_max);
-    double eps_f = (double)was.eps_f + (double)p.alpha_rise * (eps - (double)was.eps_f);
+    double told = trust * trust * eps;
+    double load = bounded((double)was.load + (double)p.k_l * told, (double)p.load_max);
+    double eps_f = (double)was.eps_f + (double)p.alpha_rise * (told - (double)was.eps_f);
     double more = (double)p.rise * (fabs(eps_f) - (double)p.eps_rise);
     double f = trust * (1.0 + fmax(0.0, fmin(more, (double)p.rise_max)));
     load = fresh ? 0.0 : load;
@@ -147,6 +147,15 @@ static void one(int j) {
     check("coupled: valid", y.valid == (led ? 1.0f : 0.0f));
     check("coupled: gain in odd periods", (x.match.mean != 0.0f) == (!fresh && learn == 1));
     check("coupled: offsets in even periods", (x.match.offset_a != 0.0f) == (!fresh && learn == 2));
+    match_state_t sensors = was.match;
+    dq_t aux_dq = {(float)creal(aux), (float)cimag(aux)};
+    double now = (double)x.drift.trust;
+    double inv_sq = 1.0 / fmax(pow(cabs(aux), 2.0), (double)m.psi_sq_min);
+    match_offset(&p.match, &sensors, learn == 2, rot_of(old.pll.theta), aux_dq, (float)inv_sq,
+                 (float)(now * now * now * now * eps), y.pll.omega);
+    check("coupled: offsets by what is told",
+          fabs((double)(x.match.offset_a - sensors.offset_a)) < 1e-5 &&
+              fabs((double)(x.match.offset_b - sensors.offset_b)) < 1e-5);
 }
 
 /* The share of the correction that leans the angle no more than braking allows; more of it without

@@ -227,12 +227,17 @@ def test_sigmoid_is_linear_inside_its_layer_and_bounded_outside(c: Call, linear:
             assert a[1] - a[0] == pytest.approx(0.5 * math.tanh(2.0) * (b[1] - b[0]), rel=0.02)
 
 
-def test_bandwidth_rises_with_the_error(c: Call, linear: Motor) -> None:
-    """A load that is eight times as large displaces the angle by much less than eight times."""
+@pytest.mark.parametrize("share", [1.0, 0.5])
+def test_bandwidth_rises_with_the_error(share: float, c: Call, linear: Motor) -> None:
+    """A load that is eight times as large displaces the angle by much less than eight times.
+
+    Where the flux is trusted less, so by a share of the bandwidth, the same loads make it rise.
+    """
     p = params(linear)
-    n = 3000
+    p["drift"]["calm"] = share
+    n = 3000 if share == 1.0 else 6000
     peak = {
-        a: float(Run(c, linear, p, OMEGA + a * T_S * np.arange(n))["eps"].max())
+        a: share**2 * float(Run(c, linear, p, OMEGA + a * T_S * np.arange(n))["eps"].max())
         for a in (300.0, 2400.0)
     }
     assert peak[300.0] < float(p["eps_rise"][0]) < peak[2400.0]
