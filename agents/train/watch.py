@@ -62,7 +62,7 @@ class Watch(BaseCallback):
         self.best = _kept(folder, factories[0].motor)
 
     def _on_training_start(self) -> None:
-        self._first_step = self.model.num_timesteps
+        self._first_step = self._last_step = self.model.num_timesteps
         self._steps = self.actor.steps()
         if self._rows and self._rows[-1]["steps"] == self._first_step and self.best is not None:
             self._judged = self._updates  # a resumed run has its row of this actor

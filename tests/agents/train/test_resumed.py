@@ -24,7 +24,9 @@ from sensorless.policies.registry import table_named
 from sensorless.table.ks_table import KsTable
 from tests.helpers.scenarios import briefly
 
-SMALL = TrainConfig(n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=0, validate_size=16)
+SMALL = TrainConfig(
+    n_envs=16, n_steps=16, n_epochs=1, steps=512, warm_up=0, validate_size=16, eval_freq=256
+)
 
 pytestmark = pytest.mark.usefixtures("brief")
 
@@ -43,7 +45,7 @@ def twice(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_curve_has_one_row_for_a_number_of_decisions(twice: Path) -> None:
     with (twice / PROGRESS).open() as file:
         steps = [int(row["steps"]) for row in csv.DictReader(file)]
-    assert steps == [0, 512, 1024]
+    assert steps == [0, 256, 512, 768, 1024]
 
 
 def test_configuration_and_schedule_say_that_the_run_went_on(twice: Path) -> None:
