@@ -47,7 +47,8 @@ class BlendSettings:
     motor: Motor | str | Path = "paper"
     """Machine: the name of a shipped one, a TOML file, or a `Motor`."""
     design: DriveDesign = field(default_factory=DriveDesign)
-    """Settings of the drive: estimator, bandwidths, control."""
+    """Settings of the drive: estimator, bandwidths, control; also those by name, as a file has
+    them."""
     scenarios: Sampler | str = stress_1_scenarios
     """A suite by name, such as ``handoff``, or a function of (motor, seeds (n,)) that draws n
     scenarios, row i from seed i alone."""
@@ -77,7 +78,14 @@ class BlendSettings:
             if name not in cls.__dataclass_fields__:
                 known = ", ".join(cls.__dataclass_fields__)
                 raise UserError(f"{name}: {shown(value)}: is unknown; choose from {known}")
-        return cls(**settings)
+        given = dict(settings)
+        if isinstance(design := given.get("design"), Mapping):
+            for name in design:
+                if name not in DriveDesign.__dataclass_fields__:
+                    known = ", ".join(DriveDesign.__dataclass_fields__)
+                    raise UserError(f"design: {shown(name)} is unknown; choose from {known}")
+            given["design"] = DriveDesign(**design)
+        return cls(**given)
 
     @property
     def ranges(self) -> dict[str, Gain]:

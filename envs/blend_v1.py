@@ -28,8 +28,8 @@ class GainEnv(BlendEnv):
 
     **Reward**
     The terms of `WindowWeights`: running costs over the last 20 ms, integrated over time, together
-    at most 0.30 per 1 ms, and lost_penalty (-200, once). A return does not depend on a decision
-    period that divides 20 ms but for what the decisions themselves change.
+    at most 0.30 per 1 ms, and lost_penalty (-200, once). A return hardly depends on a decision
+    period that divides 20 ms and is whole PWM periods, but for what the decisions change.
     ``sensorless.envs.window_reward`` has the formulas.
 
     Parameters

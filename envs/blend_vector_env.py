@@ -47,7 +47,8 @@ class BlendVectorEnv(VectorEnv[Observation, ArrayLike, Any]):
 
     A drive whose episode ended begins its next scenario by itself, in one of two modes:
 
-    - ``NEXT_STEP`` (default): in the following step, whose action it ignores and whose reward is 0.
+    - ``NEXT_STEP`` (default): in the following step, whose action must be valid but has no effect,
+      and whose reward is 0.
     - ``SAME_STEP``: at once. Observation and ``privileged`` are the first of the new episode; the
       last of the old one are in ``info["final_obs"]`` and ``info["final_info"]``. Terms,
       ``lost`` and ``alarm`` belong to the reward returned with them, so their masks are True.

@@ -1,7 +1,8 @@
 r"""Reward of ``Blend-v1``: running costs of the last 20 ms, integrated over time.
 
-Weights are per 1 ms and every cost is taken over the same 20 ms, so a return does not depend on the
-decision period if that divides 20 ms; a longer one is the window itself. With v a root mean square
+Weights are per 1 ms and every cost is taken over the same 20 ms, so a return hardly depends on the
+decision period if that divides 20 ms and is whole PWM periods: each decision takes one sample of a
+cost. A longer one is the window itself. With v a root mean square
 over these 20 ms and s its scale below,
 
     cost = v^2 / (v^2 + s^2)

@@ -9,6 +9,7 @@ import argparse
 
 import torch
 from stable_baselines3 import PPO
+from stable_baselines3.common.vec_env import VecMonitor
 
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.cli.study_numbers import a_count
@@ -26,7 +27,7 @@ torch.set_num_threads(1)
 env = GainVectorEnv(256, autoreset_mode="SameStep", gains=())  # k_s alone
 model = PPO(
     "MlpPolicy",
-    SB3VecEnv(env),
+    VecMonitor(SB3VecEnv(env)),  # logs the return of an episode
     n_steps=100,  # half a second, the time after which an angle shows in the speed
     batch_size=3200,
     n_epochs=4,
@@ -35,8 +36,9 @@ model = PPO(
     policy_kwargs={"log_std_init": -1.0},
     seed=1,
     device="cpu",
+    verbose=1,
 )
-model.learn(steps)
+model.learn(steps, log_interval=10)
 model.save("ppo.zip")  # for examples/own_policy.py
 
 judge = GainVectorEnv(1024, gains=())

@@ -4,6 +4,7 @@ import argparse
 
 import torch
 from stable_baselines3 import SAC
+from stable_baselines3.common.vec_env import VecMonitor
 
 from sensorless.agents.train.sb3_adapter import SB3VecEnv
 from sensorless.cli.study_numbers import a_count
@@ -21,7 +22,7 @@ torch.set_num_threads(1)
 env = GainVectorEnv(64, autoreset_mode="SameStep", gains=())  # k_s alone
 model = SAC(
     "MlpPolicy",
-    SB3VecEnv(env),
+    VecMonitor(SB3VecEnv(env)),  # logs the return of an episode
     learning_starts=25_600,  # one scenario of every drive
     train_freq=1,
     gradient_steps=2,
@@ -32,6 +33,7 @@ model = SAC(
     policy_kwargs={"net_arch": [64, 64]},
     seed=1,
     device="cpu",
+    verbose=1,
 )
 model.learn(steps)
 
