@@ -11,6 +11,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import LOST_ANGLE_DEG
 from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import evaluate
+from sensorless.evaluation.idle import idle_swing
 from sensorless.evaluation.metrics.held import BAND_PCT
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy
@@ -47,6 +48,9 @@ MUCH_DEAD_TIME = 0.5
 """Dead-time voltage over the injected voltage times 1 - L_d/L_q, above which it is named."""
 TOLD = 0.99
 """Share of the losses that a drive tells in time, below which that is said."""
+IDLE = (0.02, 0.05)
+"""Swing of the torque without load, over rated, above which it is noted, and limits: the ripple of
+a loaded drive is some 0.01."""
 INFEASIBLE = 0.05
 """Share of a quick run that the sensored twin fails too, above which the drive is limited."""
 
@@ -124,7 +128,20 @@ def check(motor: Motor, design: DriveDesign, policy: Policy, under: str, size: i
     light = dip > DIP and not math.isclose(dip, DIP)  # else the loop is as designed, and stiffer
     helps = light and not limited  # a heavier shaft is longer at the limit
     found = judged(runs, (MORE_INERTIA if helps else "") + dead_time_hint(motor))
+    found += swings_idle(*idle_swing(motor, design, policy), under)
     return Check(replace(e, findings=(*e.findings, *found)), runs, dip)
+
+
+def swings_idle(swing: float, speed: float, under: str) -> list[Finding]:
+    """What a swing without load adds, over rated torque, at a speed over rated; NaN: lost."""
+    at = f"without load at {speed:.0%} of rated speed"
+    if math.isnan(swing):
+        return [Finding(LIMIT, "run", f"the drive under {under} is lost {at}")]
+    if swing <= IDLE[0]:
+        return []
+    text = f"{at} the torque swings by {swing:.1%} of rated (RMS): near zero current nobody knows "
+    text += "what dead time takes; a shorter one calms it"
+    return [Finding(LIMIT if swing > IDLE[1] else NOTE, "dead_time", text)]
 
 
 def dead_time_hint(motor: Motor) -> str:

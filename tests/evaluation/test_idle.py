@@ -1,0 +1,38 @@
+"""The swing of a drive without load, and what a machine's check says of it."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from sensorless.design.drive import DriveDesign
+from sensorless.evaluation.idle import SPEEDS, idle_swing
+from sensorless.evaluation.machine_check import IDLE, swings_idle
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
+from sensorless.suitability.finding import LIMIT, NOTE
+
+
+def test_dead_time_makes_it() -> None:
+    motor = Motor.load("brusa_hsm1")
+    for_motor = {x: replace(motor, dead_time=x * motor.dead_time) for x in (0.1, 1.0)}
+    swing = {x: idle_swing(m, DriveDesign(), make_policy("eq25", m)) for x, m in for_motor.items()}
+    assert 0.0 < 3.0 * swing[0.1][0] < swing[1.0][0] < 0.1
+    assert all(speed in SPEEDS for _, speed in swing.values())
+
+
+@pytest.mark.parametrize(
+    ("swing", "weight", "said"),
+    [
+        (IDLE[0] + 1e-3, NOTE, "without load at 50% of rated speed the torque swings by 2.1%"),
+        (IDLE[1] + 1e-3, LIMIT, "swings by 5.1% of rated"),
+        (math.nan, LIMIT, "the drive under Eq. 25 is lost without load at 50% of rated speed"),
+    ],
+)
+def test_a_swing_is_told(swing: float, weight: str, said: str) -> None:
+    (found,) = swings_idle(swing, 0.5, "Eq. 25")
+    assert found.weight == weight and said in found.text
+
+
+def test_a_quiet_drive_is_not_told() -> None:
+    assert swings_idle(IDLE[0], 0.5, "Eq. 25") == []
