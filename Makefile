@@ -29,7 +29,7 @@ check: $(READY) c-warnings c-lint ## Lint, format, types, and C warnings as erro
 	$(VENV)/bin/ruff format --check
 	$(VENV)/bin/mypy
 
-core: $(READY) ## Rebuild the compiled core in place
+core: $(READY) ## Rebuild the compiled core in place, in .venv
 
 bench: $(READY) ## Measure speed, write build/bench.json
 	$(VENV)/bin/python -m benchmarks.bench
@@ -94,7 +94,7 @@ venv:
 	@echo "==> installing into $(VENV) (minutes the first time, log in $(VENV)/install.log)"
 	@touch $(VENV)/.installing
 	@set -o pipefail; trap 'exit 130' INT TERM; \
-	$(VENV)/bin/python -m pip --require-virtualenv install --progress-bar off \
+	$(VENV)/bin/python -m pip --require-virtualenv install --no-compile --progress-bar off \
 	  $(if $(LOCKED),-c constraints.txt) -e '.[plot,tune,fuzzy,scale,dev,docs]' 2>&1 | tee $(VENV)/install.log \
 	| while read -r step name _; do name=$${name##*/}; name=$${name%%-[0-9]*}; \
 	    case "$$step $$name" in \

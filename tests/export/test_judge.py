@@ -10,6 +10,7 @@ import pytest
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machine_family import member
 from sensorless.errors import UserError
+from sensorless.evaluation import machine_check
 from sensorless.evaluation.compare import Comparison
 from sensorless.evaluation.machine_check import SUITES, Check, QuickRun
 from sensorless.evaluation.objective import Cost
@@ -100,6 +101,7 @@ def test_a_machine_that_the_simulation_of_its_check_refuses(
 ) -> None:
     """Its numbers pass, and Eq. 25 is no worse than Eq. 25."""
     monkeypatch.setattr(module, "CHECKED", 20)
+    monkeypatch.setattr(machine_check, "SUITES", ("stress", "handoff", "hold"))
     weak = member(1000502, 54)
     judged = module.judge_export(make_policy("eq25", weak), weak, DriveDesign())
     found = check(weak, DriveDesign(), 20).examination.verdict
@@ -115,6 +117,7 @@ def test_a_machine_that_the_simulation_of_its_check_refuses(
 def test_a_schedule_that_loses_what_eq25_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its machine is not to blame."""
     monkeypatch.setattr(module, "CHECKED", 20)
+    monkeypatch.setattr(machine_check, "SUITES", ("stress", "handoff", "hold"))
     judged = module.judge_export(make_policy("constant:0", PAPER), PAPER, DriveDesign())
     assert judged.suits and judged.objection.startswith(
         "it does not suit its machine, as Eq. 25 does"

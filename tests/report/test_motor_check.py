@@ -8,6 +8,7 @@ import pytest
 
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machine_family import member
+from sensorless.evaluation import machine_check
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.machine_check import LOST, SUITES, QuickRun, dead_time_hint, judged
 from sensorless.machine.motor import Motor, Saturation
@@ -74,8 +75,9 @@ def test_a_wrong_file_limits_whatever_it_makes_of_the_speed() -> None:
         assert found.weight == LIMIT and "of mismatch: measure resistance" in found.text
 
 
-def test_a_machine_that_depends_on_its_file_is_told() -> None:
+def test_a_machine_that_depends_on_its_file_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is fit as long as its file is right."""
+    monkeypatch.setattr(machine_check, "SUITES", ("stress", "impact", "mismatch"))
     motor = member(501, 2)
     done = check(replace(motor, J=0.65 * motor.J), DriveDesign(), 100)
     lost = {run.suite: run.lost for run in done.runs}
@@ -97,9 +99,9 @@ def test_loads_at_low_speed_and_a_wrong_file_are_run_too() -> None:
 
 
 def test_a_bare_servo_shaft_is_told_that_it_is_light() -> None:
-    """From rest to rated speed in 10 ms: loads run ahead of the drive, which slips and is back."""
+    """From rest to rated speed in 5 ms: loads run ahead of the drive, which slips and is back."""
     servo = replace(
-        Motor.load("paper"), n_p=5, R_s=1.1, L_d=3.2e-3, L_q=4.6e-3, psi_f=0.036, J=3.2e-5, B=1e-5,
+        Motor.load("paper"), n_p=5, R_s=1.1, L_d=3.2e-3, L_q=4.6e-3, psi_f=0.036, J=1.6e-5, B=1e-5,
         tau_rated=1.0, i_rated=3.6, n_rated_rpm=3000.0, u_dc=310.0, T_s=1e-4, u_inj=40.0, i_max=7.5,
         i_trip=15.0, dead_time=2.5e-6, adc_range=16.0,
         saturation=Saturation.linear(3.2e-3, 4.6e-3, 0.036),
@@ -135,8 +137,9 @@ def test_it_says_whether_the_drive_finds_the_rotor(name: str, said: str) -> None
     assert said in found["start"]
 
 
-def test_trips_at_a_right_angle_ask_for_a_higher_limit() -> None:
+def test_trips_at_a_right_angle_ask_for_a_higher_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     """Not those of drives whose angle was lost first, nor those that an encoder does not save."""
+    monkeypatch.setattr(machine_check, "SUITES", ("stress", "braking"))
     brusa = Motor.load("brusa_hsm1")
     close = replace(brusa, i_trip=0.95 * brusa.i_max)
     (run,) = (r for r in check(close, DriveDesign(), 24).runs if r.suite == "braking")
@@ -147,8 +150,9 @@ def test_trips_at_a_right_angle_ask_for_a_higher_limit() -> None:
     assert "i_trip" not in judged([lost_first])[0].text
 
 
-def test_too_little_injection_for_the_switches_is_told() -> None:
+def test_too_little_injection_for_the_switches_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """A machine of a 158 V link that loses none of ``stress-1``, where switches take nothing."""
+    monkeypatch.setattr(machine_check, "SUITES", ("stress",))
     weak = member(1000502, 54)
     done = check(weak, DriveDesign(), 24)
     assert done.runs[0].lost > LOST[1] and done.examination.verdict.word == "no"
