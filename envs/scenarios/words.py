@@ -132,7 +132,7 @@ def plan_from(
     start : bool
         The drive has to find its rotor first.
     theta_err : float
-        Truth minus the drive's first angle, electrical [deg].
+        Truth minus the drive's first angle, which is 0, electrical [deg].
     spin : float
         Speed of the shaft at the beginning [r/min].
 
@@ -168,7 +168,8 @@ def plan_from(
         s.omega[0, j:] = RPM_TO_RAD_S * _at(speeds, t)
         s.tau[0, j:] = _at(loads, t)
     s.omega_rate[:] = np.inf if ramp is None else ramp * RPM_TO_RAD_S
-    s.seek[:], s.theta_err_0[:], s.omega_0[:] = start, np.deg2rad(theta_err), spin * RPM_TO_RAD_S
+    s.theta_0[:] = s.theta_err_0[:] = np.deg2rad(theta_err)  # the drive begins at 0
+    s.seek[:], s.omega_0[:] = start, spin * RPM_TO_RAD_S
     return s
 
 

@@ -72,6 +72,8 @@ def import_map_command(
     """
     import dataclasses
 
+    from sensorless.design.derived import derive
+    from sensorless.design.drive import DriveDesign
     from sensorless.files import write_atomic
     from sensorless.machine.correction_fit import corrected
     from sensorless.machine.flux_correction import correction_table
@@ -81,8 +83,10 @@ def import_map_command(
     from sensorless.machine.mapped import far_from, mapped, outside, saturation_table, tables_of
     from sensorless.machine.motor import Motor
     from sensorless.machine.motor_file import check_motor_out, table_lines, written
+    from sensorless.observers.injection_signal import suggested_injection
     from sensorless.plots.figure import check_picture
     from sensorless.suitability.pole import pole_unsure
+    from sensorless.suitability.seen import near
 
     check_motor_out(out)
     check_picture(plot)
@@ -111,6 +115,12 @@ def import_map_command(
     if unsure:
         console.print(f"note: {unsure}")
         made = dataclasses.replace(made, pole_at_rest=False)
+    pll_hz = derive(made, DriveDesign()).hfi_pll_hz
+    if not near(made.u_inj, volt := suggested_injection(made, pll_hz)):
+        console.print(
+            f"note: u_inj stays at {made.u_inj:g} V; with this map {volt:g} V is suggested, "
+            "sensorless motor check says more"
+        )
     beyond = ""
     if max(d, q) > WANTED:
         made = corrected(made, i, psi)

@@ -72,7 +72,8 @@ def test_a_flux_map_becomes_a_motor_file(
     assert "within rated current: 0.65 and 0.49 RMS" in done.stdout
     made = Motor.load(tmp_path / "made.toml")
     assert made.saturation != Motor.load("pmsyrm_5600w").saturation
-    assert "flux map baldor_400rpm_map.csv" in (tmp_path / "made.toml").read_text(encoding="utf-8")
+    text = (tmp_path / "made.toml").read_text(encoding="utf-8")
+    assert "flux map baldor_400rpm_map.csv" in text
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
     again = run("motor", "check", "made.toml", "--size", "0", cwd=tmp_path)
     assert "suitable: yes" in again.stdout
