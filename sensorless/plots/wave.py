@@ -67,7 +67,7 @@ def wave(title: str, t: Trace) -> Wave:
     angles = {"HFI": "_hfi", "blend": "", "observer": "_smo"}
     peaks = {n: np.nanmax(np.abs(np.rad2deg(t[f"theta_e_err{x}"]))) for n, x in angles.items()}
     beyond = ", ".join(name for name, peak in peaks.items() if peak > edge)
-    label = "angle error [° el.], truth − estimate" + (f"; cut: {beyond}" if beyond else "")
+    label = "angle error [° el.], truth − estimate" + (f", {beyond} cut off" if beyond else "")
     c, s = np.cos(t["theta_e"]), np.sin(t["theta_e"])
     u_alpha, u_beta = t["u_alpha"], t["u_beta"]
     u_d, u_q = c * u_alpha + s * u_beta, c * u_beta - s * u_alpha

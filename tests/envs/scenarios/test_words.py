@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sensorless.envs.scenarios.suites import suite
-from sensorless.envs.scenarios.words import scenario_from
+from sensorless.envs.scenarios.words import plan_from, scenario_from
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 
@@ -33,3 +33,11 @@ def test_a_word_names_a_row_of_its_suite(name: str, size: int) -> None:
 def test_other_words_are_refused(word: str, said: str) -> None:
     with pytest.raises(UserError, match=said):
         scenario_from(word, PAPER)
+
+
+def test_the_rotor_is_turned_and_not_the_drive() -> None:
+    """So that a start seeks another rotor, and not the same one from another guess."""
+    for start in (False, True):
+        case = plan_from("0:0", "0:0", None, 1.0, PAPER, 0, start=start, theta_err=100.0)
+        assert np.rad2deg(case.theta_0) == pytest.approx(100.0)
+        assert np.rad2deg(case.theta_err_0) == pytest.approx(100.0)
