@@ -6,7 +6,7 @@ the centre of the search is judged on a fixed set of scenarios drawn for tuning 
 the best centre judged, or the start if none is better.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass
 from typing import TYPE_CHECKING
 
@@ -87,21 +87,19 @@ def search(
     (state.best_cost,) = _costs(state, [state.best], 0, state.judged)
     state.start_cost = state.best_cost
     try:
-        _run(state, es, budget, length, progress)
+        for share in _generations(state, es, budget, length):
+            if progress is not None:
+                progress(share, state.best_cost)
     except KeyboardInterrupt:
         state.interrupted = True
 
 
-def _run(
-    state: RuleSearch,
-    es: "CMAEvolutionStrategy",
-    budget: float,
-    length: float,
-    progress: Progress | None,
-) -> None:
-    """Search until another generation and its judgement could exceed the budget."""
-    rule, last = state.rule, 0
-    while True:
+def _generations(
+    state: RuleSearch, es: "CMAEvolutionStrategy", budget: float, length: float
+) -> Iterator[float]:
+    """Search until another generation and its judgement could exceed the budget; share used."""
+    rule, last, end = state.rule, 0, False
+    while not end:
         longest = (es.popsize * state.batch + state.judged) * length
         go_on = state.used + longest <= budget
         if go_on:
@@ -115,10 +113,7 @@ def _run(
             centre = _decode(rule, es.result.xfavorite)
             if rule.allows(centre):
                 _judge(state, centre)
-        if progress is not None:
-            progress(min(state.used / budget, 1.0), state.best_cost)
-        if end:
-            return
+        yield min(state.used / budget, 1.0)
 
 
 def _costs(
