@@ -21,7 +21,7 @@ from sensorless.envs.scenarios.suites import sampler
 from sensorless.envs.window_reward import WindowWeights
 from sensorless.errors import UserError, shown
 from sensorless.machine.motor import Motor
-from sensorless.settings import check, number
+from sensorless.settings import check, number, read
 
 Sampler = Callable[[Motor, Seeds], Scenarios]
 KINDS: dict[str, tuple[Any, str]] = {
@@ -80,11 +80,7 @@ class BlendSettings:
                 raise UserError(f"{name}: {shown(value)}: is unknown; choose from {known}")
         given = dict(settings)
         if isinstance(design := given.get("design"), Mapping):
-            for name in design:
-                if name not in DriveDesign.__dataclass_fields__:
-                    known = ", ".join(DriveDesign.__dataclass_fields__)
-                    raise UserError(f"design: {shown(name)} is unknown; choose from {known}")
-            given["design"] = DriveDesign(**design)
+            given["design"] = DriveDesign(**read(DriveDesign, design, "design: "))
         return cls(**given)
 
     @property

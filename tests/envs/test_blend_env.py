@@ -51,17 +51,6 @@ def test_stable_baselines3_checker_finds_nothing() -> None:
         check_sb3_env(BlendEnv())
 
 
-def test_a_design_comes_from_a_file_too() -> None:
-    """Gymnasium's own JSON of an environment, and a YAML file, have the settings by name."""
-    spec = gymnasium.make("sensorless/Blend-v0", design=DriveDesign(estimator="flux")).spec
-    assert spec is not None
-    again = gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(spec.to_json()))
-    env = again.unwrapped
-    assert isinstance(env, BlendEnv) and env.batch.settings.design == DriveDesign(estimator="flux")
-    with pytest.raises(UserError, match="design: 'observer' is unknown; choose from hfi_pll_hz"):
-        BlendEnv(design={"observer": "flux"})
-
-
 def test_step_returns_plain_types_and_named_terms() -> None:
     env = BlendEnv()
     env.reset(seed=3)
