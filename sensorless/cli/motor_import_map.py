@@ -71,22 +71,29 @@ def import_map_command(
         sensorless motor import-map map.csv --motor mine.toml --out sat.toml
     """
     import dataclasses
+    from contextlib import suppress
 
-    from sensorless.design.derived import derive
     from sensorless.design.drive import DriveDesign
+    from sensorless.errors import UserError
     from sensorless.files import write_atomic
     from sensorless.machine.correction_fit import corrected
     from sensorless.machine.flux_correction import correction_table
     from sensorless.machine.magnetics import plant_currents
     from sensorless.machine.map_file import load_map
     from sensorless.machine.map_fit import fit_map
-    from sensorless.machine.mapped import far_from, mapped, outside, saturation_table, tables_of
+    from sensorless.machine.mapped import (
+        LIKELY,
+        far_from,
+        mapped,
+        outside,
+        saturation_table,
+        tables_of,
+    )
     from sensorless.machine.motor import Motor
     from sensorless.machine.motor_file import check_motor_out, table_lines, written
-    from sensorless.observers.injection_signal import suggested_injection
     from sensorless.plots.figure import check_picture
+    from sensorless.report.motor_check import check
     from sensorless.suitability.pole import pole_unsure
-    from sensorless.suitability.seen import near
 
     check_motor_out(out)
     check_picture(plot)
@@ -115,12 +122,13 @@ def import_map_command(
     if unsure:
         console.print(f"note: {unsure}")
         made = dataclasses.replace(made, pole_at_rest=False)
-    pll_hz = derive(made, DriveDesign()).hfi_pll_hz
-    if not near(made.u_inj, volt := suggested_injection(made, pll_hz)):
-        console.print(
-            f"note: u_inj stays at {made.u_inj:g} V; with this map {volt:g} V is suggested, "
-            "sensorless motor check says more"
-        )
+    with suppress(UserError):  # of no drive at all: motor check says why
+        wanted = check(made, DriveDesign(), 0).examination.suggested
+        if wanted is not None and wanted["u_inj"] > LIKELY * made.u_inj:
+            console.print(
+                f"note: u_inj stays at {made.u_inj:g} V; with this map {wanted['u_inj']:g} V is "
+                "suggested, sensorless motor check says more"
+            )
     beyond = ""
     if max(d, q) > WANTED:
         made = corrected(made, i, psi)

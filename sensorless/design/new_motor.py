@@ -7,7 +7,6 @@ from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.datasheet import Datasheet, Number, check_number, machine_numbers
 from sensorless.machine.inverter import LOW_VOLTAGE
-from sensorless.machine.mapped import LINEAR
 from sensorless.machine.motor import Motor
 from sensorless.machine.motor_file import tables
 from sensorless.machine.saliency import require_saliency
@@ -73,7 +72,7 @@ def new_motor(
     numbers |= _inverter(i_rated, u_dc, 1.0 / pwm_hz, adc_range, adc_bits, dead_time)
     numbers["u_inj"] = Number(u_inj if u_inj is not None else 0.1 * u_dc, "given")
     power = f"{tau * omega:.3g} W" if tau * omega < 1e3 else f"{tau * omega / 1e3:.3g} kW"
-    what = f"{power} at {sheet.speed_rpm:g} r/min, from data-sheet numbers{LINEAR}"
+    what = f"{power} at {sheet.speed_rpm:g} r/min, from data-sheet numbers"
     motor = Motor.from_tables(tables(name, what, numbers), name)
     require_sane(motor)
     require_saliency(motor)

@@ -39,10 +39,6 @@ def mapped(motor: Motor, fit: MapFit) -> Motor:
     return dataclasses.replace(motor, L_d=_six(L_d), L_q=_six(L_q), psi_f=_six(psi_f), saturation=s)
 
 
-LINEAR = ", linear"
-"""End of the description of a motor made from a data sheet, which a map takes away."""
-
-
 def tables_of(motor: Motor, source: str, base: str, beyond: str) -> dict[str, Any]:
     """Tables of its motor file.
 
@@ -56,7 +52,7 @@ def tables_of(motor: Motor, source: str, base: str, beyond: str) -> dict[str, An
     fields = {**TABLES, "drive": (*TABLES["drive"], *_given(motor))}
     return {
         "name": motor.name,
-        "description": motor.description.removesuffix(LINEAR),
+        "description": motor.description,
         **{table: {f: getattr(motor, f) for f in names} for table, names in fields.items()},
         "saturation": saturation_table(motor.saturation),
         **({} if more is None else {"flux_correction": correction_table(more)}),

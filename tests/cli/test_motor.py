@@ -72,8 +72,8 @@ def test_a_flux_map_becomes_a_motor_file(
     assert "within rated current: 0.65 and 0.49 RMS" in done.stdout
     made = Motor.load(tmp_path / "made.toml")
     assert made.saturation != Motor.load("pmsyrm_5600w").saturation
-    text = (tmp_path / "made.toml").read_text(encoding="utf-8")
-    assert "flux map baldor_400rpm_map.csv" in text
+    assert "flux map baldor_400rpm_map.csv" in (tmp_path / "made.toml").read_text(encoding="utf-8")
+    assert "note: u_inj" not in done.stdout
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
     again = run("motor", "check", "made.toml", "--size", "0", cwd=tmp_path)
     assert "suitable: yes" in again.stdout
@@ -116,12 +116,15 @@ def test_a_map_of_one_half_leaves_the_pole_to_the_user(
     head = "i_d [A],i_q [A],psi_d [Vs],psi_q [Vs]"
     np.savetxt(tmp_path / "half.csv", np.c_[i, psi], delimiter=",", header=head, comments="")
     text = (MOTORS / "paper.toml").read_text(encoding="utf-8")
-    own = text.replace("[drive]\n", "[drive]\nspeed_hz = 1.5\n")
+    own = text.replace("[drive]\n", "[drive]\nspeed_hz = 1.5\n").replace(
+        "u_inj = 50.0", "u_inj = 11.0"
+    )
     (tmp_path / "mine.toml").write_text(own, encoding="utf-8")
     words = ["half.csv", "--motor", "mine.toml"]
     done = run("motor", "import-map", *words, "--out", "made.toml", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "so pole_at_rest = false" in " ".join(done.stdout.split())
+    assert "note: u_inj stays at 11 V; with this map" in " ".join(done.stdout.split())
     made = Motor.load(tmp_path / "made.toml")
     assert not made.pole_at_rest and made.speed_hz == 1.5
     text = (tmp_path / "made.toml").read_text(encoding="utf-8")
