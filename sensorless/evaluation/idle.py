@@ -6,12 +6,12 @@ import numpy as np
 
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
-from sensorless.evaluation.rollout import rollout
+from sensorless.evaluation.rollout import are_feasible, rollout
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy
 
 SPEEDS = np.array([0.3, 0.4, 0.5, 0.65, 0.8, 1.0])
-"""Speeds over rated: above the hand-over of Eq. 25, so that no injection is on."""
+"""Speeds over rated: above the hand-over of Eq. 25, under which no injection is on."""
 DURATION = 1.0
 """Length of a run [s]."""
 
@@ -25,7 +25,7 @@ def idle_swing(motor: Motor, design: DriveDesign, policy: Policy) -> tuple[float
     Returns
     -------
     swing : float
-        over rated torque; NaN if the drive is lost at a speed
+        over rated torque; NaN if the drive is lost at a speed that it can turn at with an encoder
     speed : float
         over rated speed
     """
@@ -37,5 +37,6 @@ def idle_swing(motor: Motor, design: DriveDesign, policy: Policy) -> tuple[float
     square = late["dev_lf_sq"].sum(axis=0, dtype=np.float64)
     periods = late["n"].sum(axis=0, dtype=np.float64)
     swing = np.where(r.lost == 0, np.sqrt(square / np.maximum(periods, 1.0)), np.nan)
+    swing[~are_feasible(r.lost)] = 0.0
     worst = int(np.argmax(swing))
     return float(swing[worst]) / motor.tau_rated, float(SPEEDS[worst])

@@ -16,9 +16,8 @@ learned from all of the error, ``formula_wheel`` had 1.75 and 0.15 % at 40 % of 
 
 @pytest.mark.parametrize("carrier", [False, True])
 @pytest.mark.parametrize("share", [0.4, 0.5])
-@pytest.mark.parametrize("name", ["formula_wheel"])
-def test_a_drive_without_load_runs_quietly(name: str, share: float, carrier: bool) -> None:
-    motor = Motor.load(name)
+def test_a_drive_without_load_runs_quietly(share: float, carrier: bool) -> None:
+    motor = Motor.load("formula_wheel")
     rpm = share * motor.n_rated_rpm
     case = plan_from(f"0:{rpm}", "0:0", None, 1.0, motor, 3, spin=rpm)
     run = trace(make_policy("eq25", motor), case, motor, DriveDesign(carrier=carrier))
