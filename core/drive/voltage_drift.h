@@ -17,13 +17,18 @@
  * that have time for it.
  *
  * Near zero current dead time makes a voltage that no current tells, so the flux is trusted less: the
- * observer follows it with a share of its bandwidth.
+ * observer follows it with a share of its bandwidth. And a loss that counts as too large there feeds
+ * a swing of the current about zero, as one too small does not: so without steady torque it counts
+ * as less than what was learned.
  * docs/coupled-learning.md derives it.
  */
 #ifndef SENSORLESS_VOLTAGE_DRIFT_H
 #define SENSORLESS_VOLTAGE_DRIFT_H
 
 #include "dead_time.h"
+
+/* Share of the learned loss that counts without steady torque: what was learned errs by a tenth. */
+#define LOSS_SURE 0.9f
 
 typedef struct {
     float k;          /* from the injection's angle error to the drifts [1/s^2] times T_s */
@@ -53,7 +58,7 @@ typedef struct {
     float ind;   /* drift by inductances at rated torque current from 1 / inv_omega on [rad/s] */
     float even;  /* [rad/s] */
     float sign;  /* low-passed sign of the torque current */
-    float loss;  /* voltage that a leg loses [V], from dead */
+    float loss;  /* voltage that a leg loses, as it counts [V], from dead and sign */
     float turn;  /* res, ind, and what the loss does not explain of dead [rad/s] */
     float sum;   /* of the injection's angle errors since the last use [rad] */
     float trust; /* share of its bandwidth with which the observer follows the flux */
@@ -97,7 +102,8 @@ CORE_INLINE void drift_learn(const drift_params_t *p, drift_state_t *x, int now,
     x->ind = now ? ind : x->ind;
     float dead = bound_f(x->dead + p->dead_share * step, p->most);
     x->dead = now ? dead : x->dead;
-    float loss = clamp_f(p->u_dt - p->to_loss * dead, 0.0f, p->loss_max);
+    float counts = LOSS_SURE + (1.0f - LOSS_SURE) * (sign * sign);
+    float loss = clamp_f(counts * (p->u_dt - p->to_loss * dead), 0.0f, p->loss_max);
     x->loss = now ? loss : x->loss;
     x->turn = now ? res + w * ind + dead + p->from_loss * (loss - p->u_dt) : x->turn;
 }

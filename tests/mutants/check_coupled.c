@@ -54,7 +54,7 @@ static void drift(const drift_params_t *p, const drift_state_t *was, const drift
     double dead = bounded((double)was->dead + var[0] * all, most);
     double res = bounded((double)was->res + i * var[1] * all, (double)p->res_most);
     double ind = bounded((double)was->ind + i * rise * var[2] * all, (double)p->ind_most);
-    double loss = (double)p->u_dt - (double)p->to_loss * dead;
+    double loss = (1.0 - 0.1 * (1.0 - sign * sign)) * ((double)p->u_dt - (double)p->to_loss * dead);
     loss = fmin(fmax(loss, 0.0), (double)p->loss_max);
     double turn = res + rise * ind + dead + (double)p->from_loss * (loss - (double)p->u_dt);
     double trust = fmin((double)p->calm + (double)p->calm_rise * i, 1.0);
