@@ -53,12 +53,14 @@ def difference_interval(here: Bools, there: Bools, groups: Groups | None = None)
     """Interval of the rate of ``here`` (n,) minus that of ``there``, pair by pair; NaN for n = 0.
 
     From the two Wilson intervals and the correlation of the pairs: method 10 of
-    Newcombe, doi 10.1002/(SICI)1097-0258(19981130)17:22<2635::AID-SIM954>3.0.CO;2-C.
+    Newcombe, doi 10.1002/(SICI)1097-0258(19981130)17:22<2635::AID-SIM954>3.0.CO;2-C. With
+    ``groups`` both are of their totals.
     """
     if not len(here):
         return math.nan, math.nan
     (low, high), (low_2, high_2) = rate_interval(here, groups), rate_interval(there, groups)
-    p, p_2, phi = float(here.mean()), float(there.mean()), _correlation(here, there)
+    p, p_2 = float(here.mean()), float(there.mean())
+    phi = _correlation(here, there) if groups is None else _between(here, there, groups)
 
     def width(one: float, other: float) -> float:
         return math.sqrt(max(one**2 - 2.0 * phi * one * other + other**2, 0.0))
@@ -75,3 +77,11 @@ def _correlation(here: Bools, there: Bools) -> float:
         return 0.0
     excess = float(both * neither - only_here * only_there)
     return (max(excess - n / 2.0, 0.0) if excess > 0.0 else excess) / math.sqrt(sides)
+
+
+def _between(here: Bools, there: Bools, groups: Groups) -> float:
+    """Correlation of the totals of groups, each less its size times the rate; 0 if undefined."""
+    size = np.bincount(groups)
+    a, b = (np.bincount(groups, x) - x.mean() * size for x in (here, there))
+    both = float(a @ a) * float(b @ b)
+    return float(a @ b) / math.sqrt(both) if both > 0.0 else 0.0

@@ -93,3 +93,33 @@ def test_95_of_100_grouped_intervals_hold_the_truth() -> None:
             inside = low <= truth <= high
             held, free = held + (inside and name == "grouped"), free + (inside and name == "free")
     assert held / 400 >= 0.9 > 0.85 >= free / 400
+
+
+@pytest.mark.parametrize(
+    ("size", "share", "bad", "good"),
+    [(64, 0.1, 0.25, 0.01), (64, 0.3, 0.5, 0.05), (25, 0.3, 0.5, 0.05)],
+)
+def test_95_of_100_grouped_differences_hold_the_truth_and_no_more(
+    size: int, share: float, bad: float, good: float
+) -> None:
+    """Both rules lose on the same machines, one 1.2 times as often, in other scenarios."""
+    rng, groups = np.random.default_rng(4), np.repeat(np.arange(size), 16)
+    held, width, found, n = 0, 0.0, [], 400
+    truth = 0.2 * (share * bad + (1.0 - share) * good)
+    for _ in range(n):
+        rate = np.where(rng.random(size) < share, bad, good)[groups]
+        here, there = rng.random(16 * size) < 1.2 * rate, rng.random(16 * size) < rate
+        low, high = difference_interval(here, there, groups)
+        held, width = held + (low <= truth <= high), width + (high - low) / n
+        found.append(here.mean() - there.mean())
+    assert 0.92 <= held / n <= 0.98
+    assert width < 1.25 * 2.0 * 1.96 * np.std(found)
+
+
+def test_groups_of_which_none_differs_have_no_correlation() -> None:
+    """Either rate is the same on all of them, or there is but one."""
+    hits, groups = np.arange(32) % 2 == 0, np.repeat(np.arange(2), 16)
+    ends = [rate_interval(hits, groups)[i] - 0.5 for i in (0, 1)]
+    low, high = difference_interval(hits, hits, groups)
+    assert (low, high) == pytest.approx((-math.hypot(*ends), math.hypot(*ends)))
+    assert np.isfinite(difference_interval(hits, hits, np.zeros(32, dtype=np.intp))).all()
