@@ -79,7 +79,8 @@ def _check(tally: Tally) -> None:
     places = ((tally.lost, tally.lost_at), (tally.not_held, tally.not_held_at))
     missing = any(len(at) != min(count, LISTED) for count, at in places)
     beyond = any(x >= tally.scenarios for x in listed)
-    if sum(counts[1:]) > tally.scenarios or missing or beyond:
+    mixed = any(list(at) != sorted(set(at)) for _, at in places)
+    if sum(counts[1:]) > tally.scenarios or missing or beyond or mixed:
         raise ValueError
 
 

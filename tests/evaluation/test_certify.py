@@ -99,6 +99,9 @@ def test_a_file_knows_its_run(tmp_path: Path) -> None:
         {"lost": 3, "lost_at": [0, 1, 2], "not_held": 2, "not_held_at": [0, 1]},
         {"lost": 1, "lost_at": [4]},
         {"lost": 1, "lost_at": []},
+        {"lost": 2, "lost_at": [2, 1]},
+        {"lost": 2, "lost_at": [1, 1]},
+        {"not_held": 2, "not_held_at": [3, 0]},
     ],
 )
 def test_a_damaged_tally_is_refused(damage: dict[str, object], tmp_path: Path) -> None:
