@@ -5,7 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import NormalDist
+from typing import Any
 
+from sensorless.envs.scenarios.machines_suite import SCENARIOS
 from sensorless.evaluation.compare import hops_often
 from sensorless.evaluation.objective import LOST_WEIGHT, weighted
 from sensorless.evaluation.results import RATES, Results
@@ -45,7 +47,8 @@ MEASURES = (
     Measure("injection_share", "injection on", 100.0, " %", 1),
 )
 FEWEST = 20
-"""Feasible scenarios of a suite, below which its intervals are too narrow to judge by."""
+"""Feasible scenarios of a suite, or machines that can do any where it draws those, below which its
+intervals are too narrow to judge by."""
 BETTER, SAME, WORSE = "better", "same", "worse"
 
 
@@ -144,6 +147,18 @@ def feasible(results: Results, policy: dict[str, float]) -> int:
     return round(results.count * (1.0 - policy["infeasible_rate"]))
 
 
+def _too_few(results: Results, policy: dict[str, Any]) -> tuple[str, str] | None:
+    """Head and reason of a verdict, if there is too little to judge by."""
+    if "by_machine" in policy:
+        able = sum(n > 0 for n in policy["by_machine"]["feasible"])
+        enough = SCENARIOS * -(-FEWEST * results.size // max(able, 1))
+        few = f"{able} on which a scenario is feasible; give --size {enough} or more."
+        return ("Too few machines to judge by.", few) if able < FEWEST else None
+    able = feasible(results, policy)
+    few = f"{able} feasible scenarios of {results.suite}; give a larger --size."
+    return ("Too few to judge by.", few) if able < FEWEST else None
+
+
 def best_rule(results: Results, words: Sequence[str]) -> str | None:
     """The tuned rule of the lowest objective that may be flashed; None if none was judged.
 
@@ -199,9 +214,8 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
             lost = f"{round(p['lost_rate'] * feasible(r, p))} of {feasible(r, p)}"
             return Verdict("no", "Do not flash it.", f"It loses {lost} scenarios of {r.suite}.")
     for r in results:
-        if feasible(r, r.policies[name]) < FEWEST:
-            few = f"{feasible(r, r.policies[name])} feasible scenarios of {r.suite}"
-            return Verdict("no", "Too few to judge by.", f"{few}; give a larger --size.")
+        if few := _too_few(r, r.policies[name]):
+            return Verdict("no", *few)
         if hops(r, name, contrasts[0].other):
             often = f"{r.policies[name]['hops']:.0%} of those of {r.suite} with rest"
             why = f"k_s hops, it moves at constant speed and load, in {often}."

@@ -1,6 +1,7 @@
 """The verdict of a report, from results that are written by hand."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -136,6 +137,21 @@ def test_few_scenarios_are_no_ground_for_a_verdict() -> None:
     assert said.sentence == (
         "Too few to judge by. 19 feasible scenarios of stress-1; give a larger --size."
     )
+
+
+def test_few_machines_are_no_ground_for_a_verdict() -> None:
+    """Their scenarios are alike, so 16 on each do not make up for them."""
+    for able, size, said in (
+        ([16] * 19, 19, "19 on which a scenario is feasible; give --size 320 or more."),
+        ([16, 1, 0, 0] * 5, 20, "10 on which a scenario is feasible; give --size 640 or more."),
+        ([1] * 20, 20, None),
+    ):
+        r = replace(results({"eq25": pair(torque_dev_rms=-5.0)}), suite="machines", size=size)
+        r.policies["mine"]["by_machine"] = {"feasible": able}
+        found = verdict([r], [contrast(r, "eq25")], True)
+        assert found.word == ("no" if said else "yes")
+        assert found.head == ("Too few machines to judge by." if said else "Flash it.")
+        assert said is None or found.because == said
 
 
 def test_the_best_rule_is_a_tuned_one() -> None:
