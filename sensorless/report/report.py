@@ -1,7 +1,7 @@
 """Judges a policy and writes one HTML page about it."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
@@ -24,7 +24,7 @@ from sensorless.policy import TablePolicy, design_for
 from sensorless.report import maps, tables
 from sensorless.report.cases import Case, cases
 from sensorless.report.folder import PAGE, keep_other_files, results_file
-from sensorless.report.judged import case_of, judged
+from sensorless.report.judged import case_of, judged, other_control
 from sensorless.report.learning import learning
 from sensorless.report.page import UPLOT, render
 from sensorless.report.verdict import (
@@ -33,7 +33,7 @@ from sensorless.report.verdict import (
     Verdict,
     balance,
     best_rule,
-    contrast,
+    contrasts_of,
     feasible,
     verdict,
 )
@@ -117,8 +117,9 @@ class Report:
         panels, about_panels = learning(self.run)
         words = [self.run, *self.others]
         results = [self._evaluate(name, seed, size, words) for name in suites]
-        rivals = self._rivals(results[0])
-        contrasts = [contrast(r, other) for other in rivals for r in results]
+        apart = other_control(self.bench, suites, seed, size, words)
+        rivals = self._rivals(results[0], apart)
+        contrasts = contrasts_of(results, rivals, apart)
         said = verdict(results, contrasts, isinstance(self.policy, TablePolicy))
         beside = self._beside(rivals)
         own, shown = self.policy.name, self._shown(results[0], rivals)
@@ -138,11 +139,11 @@ class Report:
             name=own,
             motor=f"{self.motor.name}, {self.motor.description}",
             verdict=said,
-            contrasts=[contrast(r, other) for other in beside for r in results],
-            balance=balance(results[0], rivals),
+            contrasts=contrasts_of(results, beside, apart),
+            balance=balance(results[0], [name for name in rivals if name not in apart]),
             basis=self._basis(results),
             least=f"{LEAST:g}",
-            sections=[self._section(r, shown, [own, *beside]) for r in results],
+            sections=[self._section(r, shown, [own, *beside], apart) for r in results],
             shown=shown,
             columns=[heading for _, heading, _, _ in tables.COLUMNS],
             place_columns=[heading for _, heading, _, _ in tables.PLACE_COLUMNS],
@@ -167,9 +168,9 @@ class Report:
         write_atomic(folder / PAGE, page)
         return folder / PAGE, said
 
-    def _rivals(self, results: Results) -> list[str]:
+    def _rivals(self, results: Results, apart: Collection[str]) -> list[str]:
         """Names of Eq. 25, or else the first other policy, and of the best tuned rule."""
-        best = best_rule(results, self.others)
+        best = best_rule(results, self.others, apart)
         return list(dict.fromkeys(filter(None, (self.reference.name, best))))
 
     def _beside(self, rivals: Sequence[str]) -> list[str]:
@@ -192,13 +193,13 @@ class Report:
         return judged(self.bench, suite, seed, size, policies, report)
 
     def _section(
-        self, results: Results, shown: Sequence[str], sides: Sequence[str]
+        self, results: Results, shown: Sequence[str], sides: Sequence[str], apart: Collection[str]
     ) -> dict[str, Any]:
         return {
             "suite": results.suite,
             "setting": f"seed {results.seed}, {results.count} scenarios",
             "rows": tables.result_rows(results, shown),
-            "pairs": tables.pair_rows(results, shown),
+            "pairs": tables.pair_rows(results, shown, apart),
             "places": tables.place_rows(results, sides),
             "machines": tables.machine_rows(results, sides),
         }

@@ -2,7 +2,7 @@
 
 import inspect
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -55,15 +55,22 @@ def result_rows(results: Results, shown: Sequence[str]) -> list[Row]:
     ]
 
 
-def pair_rows(results: Results, shown: Sequence[str]) -> list[Row]:
-    """The first policy minus each other: the opposite sign of the differences in the results."""
+def pair_rows(results: Results, shown: Sequence[str], apart: Collection[str] = ()) -> list[Row]:
+    """The first policy minus each other: the opposite sign of the differences in the results.
+
+    Beside those with another control, ``apart``, nothing is better or worse.
+    """
     names = [name for name in shown if name in results.paired]
     names += [name for name in results.paired if name not in shown]
     return [
         {
             **_head(results, name, shown),
             "both": results.paired[name]["survived_both"],
-            "cells": [_difference(results.paired[name], key, x, n) for key, _, x, n in COLUMNS],
+            "cells": [
+                _difference(results.paired[name], key, x, n)
+                | ({"word": ""} if name in apart else {})
+                for key, _, x, n in COLUMNS
+            ],
         }
         for name in names
     ]

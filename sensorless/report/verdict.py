@@ -1,8 +1,8 @@
 """Flash it or not: a policy's measures beside Eq. 25's and the best tuned rule's, in words."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import NormalDist
 from typing import Any
@@ -65,7 +65,7 @@ class Change:
     high: float
     """its 95 % interval, likewise"""
     word: str
-    """better, same or worse"""
+    """better, same or worse; empty beside another control"""
     widths: float = 0.0
     """how far the change is from 0, over the half of its interval on that side"""
     rates: tuple[tuple[float, ...], ...] = ()
@@ -86,6 +86,9 @@ class Contrast:
     suite: str
     other: str
     changes: tuple[Change, ...]
+    control: str = ""
+    """Options that give both one control; empty unless their sensored twins differ. With them no
+    change has a word: it may be one of the twin."""
 
     @property
     def reach(self) -> float:
@@ -112,12 +115,20 @@ class Verdict:
         return " ".join(filter(None, (self.head, self.because, *found)))
 
 
-def contrast(results: Results, other: str) -> Contrast:
-    """Set the first policy of results beside another one."""
+def contrast(results: Results, other: str, control: str = "") -> Contrast:
+    """Set the first policy of results beside another one; ``control`` as in ``Contrast``."""
     first = next(iter(results.policies))
-    return Contrast(
-        results.suite, other, tuple(_change(results, first, other, m) for m in MEASURES)
-    )
+    changes = tuple(_change(results, first, other, m) for m in MEASURES)
+    if control:
+        changes = tuple(replace(change, word="") for change in changes)
+    return Contrast(results.suite, other, changes, control)
+
+
+def contrasts_of(
+    results: Sequence[Results], others: Sequence[str], controls: Mapping[str, str]
+) -> list[Contrast]:
+    """Beside every other policy on every suite; ``controls`` by name of those that need them."""
+    return [contrast(r, other, controls.get(other, "")) for other in others for r in results]
 
 
 def _change(results: Results, first: str, other: str, m: Measure) -> Change:
@@ -159,15 +170,16 @@ def _too_few(results: Results, policy: dict[str, Any]) -> tuple[str, str] | None
     return ("Too few to judge by.", few) if able < FEWEST else None
 
 
-def best_rule(results: Results, words: Sequence[str]) -> str | None:
+def best_rule(results: Results, words: Sequence[str], apart: Collection[str] = ()) -> str | None:
     """The tuned rule of the lowest objective that may be flashed; None if none was judged.
 
     ``words`` name policies. A rule that hops too often beside the first other policy
-    is none to take.
+    is none to take, nor is one of those with another control, ``apart``.
     """
     tuned = set(shipped.tuned_names()) | {Path(w).stem for w in words if w.endswith(".json")}
     others = list(results.policies)[1:]
-    found = [name for name in others if name in tuned and not hops(results, name, others[0])]
+    able = [name for name in others if name in tuned and name not in apart]
+    found = [name for name in able if not hops(results, name, others[0])]
     return min(found, key=lambda name: _objective(results, name)) if found else None
 
 
@@ -185,11 +197,11 @@ def _objective(results: Results, name: str) -> float:
 def balance(results: Results, others: Sequence[str]) -> str:
     """Objective of the first policy and of others, in words."""
     first = next(iter(results.policies))
-    own, *rest = (f"{number(100.0 * _objective(results, n), 2)} %" for n in (first, *others))
-    beside = ", ".join(f"{n} {text}" for n, text in zip(others, rest, strict=True))
+    told = [(n, f"{number(100.0 * _objective(results, n), 2)} %") for n in (first, *others)]
+    (_, own), *rest = told
     return (
         f"On balance, by what training minimises ({LOST_WEIGHT:g} × lost + deviation + ripple, on "
-        f"{results.suite}): {own}; {beside}."
+        f"{results.suite}): {'; '.join(filter(None, (own, ', '.join(map(' '.join, rest)))))}."
     )
 
 
@@ -221,6 +233,9 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
             why = f"k_s hops, it moves at constant speed and load, in {often}."
             return Verdict("no", "Do not flash it.", why)
     plain, own = contrasts[0].other, _objective(results[0], name)
+    if contrasts[0].control:
+        why = f"The control of {plain} is another, so its sensored twin is, too: add"
+        return Verdict("no", "Nothing to judge by.", f"{why} {contrasts[0].control}.")
     words: dict[str, set[str]] = {}
     for k in contrasts:
         words.setdefault(k.other, set()).update(c.word for c in k.changes)

@@ -164,6 +164,19 @@ def test_the_best_rule_is_a_tuned_one() -> None:
     assert best_rule(results({"eq25": pair()}), ["eq25"]) is None
 
 
+def test_beside_another_control_nothing_is_better_or_worse() -> None:
+    r = results({"eq25": pair(torque_dev_rms=-50.0, lost_rate=2.0), "linear-tuned": pair()})
+    beside = contrast(r, "eq25", "--set speed_hz=1 --override")
+    assert {change.word for change in beside.changes} == {""}
+    said = verdict([r], [beside], True)
+    assert said.word == "no" and said.sentence == (
+        "Nothing to judge by. The control of eq25 is another, so its sensored twin is, too: add "
+        "--set speed_hz=1 --override."
+    )
+    assert best_rule(r, list(r.policies), ["linear-tuned"]) is None
+    assert balance(r, []).endswith("on stress-1): 4.00 %.")
+
+
 def test_the_balance_is_the_objective() -> None:
     r = results({"eq25": pair()}, lost=1)
     assert balance(r, ["eq25"]).endswith("on stress-1): 14.00 %; eq25 4.00 %.")
