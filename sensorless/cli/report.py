@@ -81,7 +81,8 @@ def report_command(
     The page stands alone and opens with the verdict: beside Eq. 25, the linear rule of the source
     paper, and the best tuned rule, what is better, what is worse, and how sure that is. Below:
     all results, where it fails over speed and load, waveforms of its worst cases, the table beside
-    Eq. 25, learning curves, commands and versions.
+    Eq. 25, learning curves, commands and versions. Before it says yes, it checks the machine with
+    the policy, as `sensorless export` does.
 
     For example:
 

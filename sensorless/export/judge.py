@@ -88,7 +88,7 @@ def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
     factories = [SimFactory(motor, design)]
     nominal = outcomes(policy, factories, SUITE, SEED, SIZE)
     eq25 = TablePolicy("eq25", linear_table(*eq25_band(motor)), policy.settings)
-    machine = check(motor, design, policy, "the schedule", CHECKED)
+    machine = machine_with(policy, motor, design)
     return Judged(
         int(nominal.lost.sum()),
         int(nominal.feasible.sum()),
@@ -97,6 +97,11 @@ def judge_export(policy: Policy, motor: Motor, design: DriveDesign) -> Judged:
         machine,
         _says_no(machine) and not _says_no(check(motor, design, eq25, "Eq. 25", CHECKED)),
     )
+
+
+def machine_with(policy: Policy, motor: Motor, design: DriveDesign) -> Check:
+    """What ``sensorless motor check`` says of a machine on this drive, with a schedule."""
+    return check(motor, design, policy, "the schedule", CHECKED)
 
 
 def _says_no(machine: Check) -> bool:

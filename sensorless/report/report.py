@@ -23,8 +23,9 @@ from sensorless.policies.bench import Bench
 from sensorless.policy import TablePolicy, design_for
 from sensorless.report import maps, tables
 from sensorless.report.cases import Case, cases
+from sensorless.report.control import other_control
 from sensorless.report.folder import PAGE, keep_other_files, results_file
-from sensorless.report.judged import case_of, judged, other_control
+from sensorless.report.judged import case_of, judged, on_its_machine
 from sensorless.report.learning import learning
 from sensorless.report.page import UPLOT, render
 from sensorless.report.verdict import (
@@ -121,6 +122,7 @@ class Report:
         rivals = self._rivals(results[0], apart)
         contrasts = contrasts_of(results, rivals, apart)
         said = verdict(results, contrasts, isinstance(self.policy, TablePolicy))
+        said = on_its_machine(said, self.policy, self.bench, self.progress)
         beside = self._beside(rivals)
         own, shown = self.policy.name, self._shown(results[0], rivals)
         chosen = {c.scenario: c for r in results for c in cases(r, own, self.reference.name)}

@@ -14,6 +14,7 @@ from sensorless.evaluation.results import RATES, Results
 from sensorless.evaluation.results_tables import number
 from sensorless.export.judge import MOST_LOST
 from sensorless.policies import shipped
+from sensorless.suitability.finding import Verdict as Suitability
 
 PLAIN = "eq25"
 """What a policy is compared with first, if it was judged."""
@@ -256,8 +257,8 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
         return Verdict("no", "Do not flash it.", why, lines)
     for other, found in words.items():
         if BETTER not in found and WORSE in found:
-            why = f"Nothing is better than {other}."
-            return Verdict("no", f"Flash {other} instead.", why, lines)
+            why = f"Nothing is better than {other}: rather take that."
+            return Verdict("no", "Do not flash it.", why, lines)
     if not table:
         why = "It is no table, and export writes tables; sensorless distill makes one of a network."
         return Verdict("with", "Not as it is.", why, lines)
@@ -268,6 +269,14 @@ def verdict(results: Sequence[Results], contrasts: Sequence[Contrast], table: bo
     if any(word == WORSE for word, _ in lines):
         return Verdict("with", "Flash it, if you can live with what got worse.", "", lines)
     return Verdict("yes", "Flash it.", "Nothing got worse.", lines)
+
+
+def unsuited(said: Verdict, machine: Suitability) -> Verdict:
+    """The same, or *no* where a check says that the machine does not suit with the policy."""
+    if machine.word != "no":
+        return said
+    why = f"With it, the machine does not suit, because {'; '.join(machine.because)}."
+    return Verdict("no", "Do not flash it.", why, said.lines)
 
 
 def wide_enough(looks: int) -> float:

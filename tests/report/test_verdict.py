@@ -12,9 +12,11 @@ from sensorless.report.verdict import (
     balance,
     best_rule,
     contrast,
+    unsuited,
     verdict,
     wide_enough,
 )
+from sensorless.suitability.finding import Verdict as Suitability
 
 
 def entry(lost: int = 0, size: int = 100, *, bound: bool = False) -> dict[str, Any]:
@@ -52,7 +54,7 @@ def results(pairs: dict[str, dict[str, Any]], lost: int = 0, *, bound: bool = Fa
         ({"eq25": pair(torque_dev_rms=-5.0)}, 0, False, "with", "Not as it is"),
         (
             {"eq25": pair(torque_dev_rms=-5.0), "linear-tuned": pair(torque_dev_rms=3.0)},
-            0, True, "no", "Flash linear-tuned instead",
+            0, True, "no", "Do not",
         ),
     ],
     ids=["better", "mixed", "too little", "loses more", "loses many", "network", "rule is better"],
@@ -73,6 +75,18 @@ def test_a_rule_that_is_better_on_balance_is_named() -> None:
     said = verdict([r], [contrast(r, name) for name in pairs], True)
     assert said.word == "with" and said.head == "Flash it only if you cannot take linear-tuned."
     assert "on balance linear-tuned is better still" in said.because
+
+
+@pytest.mark.parametrize(
+    ("word", "head"),
+    [("no", "Do not flash it."), ("with limits", "Flash it."), ("yes", "Flash it.")],
+)
+def test_it_is_not_flashed_on_a_machine_that_does_not_suit(word: str, head: str) -> None:
+    r = results({"eq25": pair(torque_dev_rms=-5.0)})
+    said = verdict([r], [contrast(r, "eq25")], True)
+    found = unsuited(said, Suitability(word, ("it loses 70% of reversal", "it swings")))
+    assert found.head == head and found.lines == said.lines
+    assert ("because it loses 70% of reversal; it swings." in found.because) == (word == "no")
 
 
 def test_the_plain_rule_is_not_refused_for_hops() -> None:

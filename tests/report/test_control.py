@@ -14,7 +14,7 @@ from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.motor import Motor
 from sensorless.policies.bench import bench
-from sensorless.report.judged import other_control
+from sensorless.report.control import other_control
 from sensorless.report.report import Report
 
 pytestmark = pytest.mark.usefixtures("short_suites")
