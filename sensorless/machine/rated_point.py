@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sensorless.machine.magnetics import Floats, flux, torque_of
+from sensorless.machine.magnetics import Floats, flux, mtpa, torque, torque_of
 from sensorless.machine.motor import Motor
 from sensorless.units import RPM_TO_RAD_S
 
@@ -36,7 +36,8 @@ class RatedPoint:
     speed: float
     """largest speed of rated torque within rated current and voltage, at most rated [r/min]"""
     base_speed: float
-    """speed up to which the least current of rated torque needs no field weakening [r/min]"""
+    """speed up to which the least current of rated torque needs no field weakening [r/min], or that
+    of the most torque of i_max if that is just short of it"""
     top_speed: float
     """largest speed without load and without field weakening [r/min]"""
 
@@ -72,7 +73,10 @@ class RatedPoint:
 
 
 def rated_point(motor: Motor) -> RatedPoint:
-    """Search all currents within the limits on a grid of amplitudes and angles."""
+    """Search all currents within the limits on a grid of amplitudes and angles.
+
+    The least current of rated torque is on the curve of maximum torque per ampere.
+    """
     i = polar(motor)
     psi = flux(motor.saturation, i)
     tau = torque_of(motor.n_p, psi, i)
@@ -81,19 +85,36 @@ def rated_point(motor: Motor) -> RatedPoint:
     enough = tau >= (1.0 - ROUNDING) * motor.tau_rated
     top = top_speeds(motor, i, psi)
     reaches = rated & (top >= motor.omega_rated)
-    strong = np.where(enough, size, np.inf)
-    best = int(np.argmin(strong))
-    possible = bool(np.isfinite(strong[best]))
+    current, base = _least_current(motor)
     to_rpm = 1.0 / (motor.n_p * RPM_TO_RAD_S)
     within = top[rated & enough]
     return RatedPoint(
         torque=float(tau[rated].max(initial=0.0)),
-        current=float(strong[best]),
+        current=current,
         torque_at_speed=float(tau[reaches].max(initial=0.0)),
         speed=min(float(within.max(initial=0.0)) * to_rpm, motor.n_rated_rpm),
-        base_speed=float(top[best]) * to_rpm if possible else 0.0,
+        base_speed=base * to_rpm,
         top_speed=float(top[0]) * to_rpm,
     )
+
+
+def _least_current(motor: Motor) -> tuple[float, float]:
+    """Least current of rated torque [A], and the largest electrical speed with it [rad/s].
+
+    Where ``i_max`` falls short, the current is infinite, and the speed that of the most torque, or
+    zero if that is short by more than ``ROUNDING``.
+    """
+    i = np.stack(mtpa(motor), axis=-1)
+    tau = torque(motor, i)
+    wanted = min(motor.tau_rated, float(tau.max()))
+    if wanted < (1.0 - ROUNDING) * motor.tau_rated:
+        return math.inf, 0.0
+    above = max(int(np.argmax(tau >= wanted)), 1)
+    share = (wanted - tau[above - 1]) / (tau[above] - tau[above - 1])
+    at = i[above - 1 : above] + share * (i[above] - i[above - 1])
+    (top,) = top_speeds(motor, at, flux(motor.saturation, at))
+    least = float(np.hypot(*at[0])) if wanted == motor.tau_rated else math.inf
+    return least, float(top)
 
 
 def polar(motor: Motor) -> Floats:

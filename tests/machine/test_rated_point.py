@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from sensorless.machine.magnetics import flux
 from sensorless.machine.motor import Motor, Saturation
@@ -24,6 +25,43 @@ def test_linear_machine_against_closed_forms() -> None:
     assert p.torque == pytest.approx(tau, rel=1e-3)
     top = 0.97 * motor.u_dc / math.sqrt(3.0) / motor.psi_f / motor.n_p * 30.0 / math.pi
     assert p.top_speed == pytest.approx(top, rel=1e-9)
+
+
+@pytest.mark.parametrize("i_rated", [0.97, 1.0, 1.3])
+def test_the_least_current_of_all_of_rated_torque(i_rated: float) -> None:
+    """Against MTPA of constant inductances, whatever rated current and the grid are."""
+    motor = Motor.load("ipmsm_2200w")
+    d, tau = motor.L_q - motor.L_d, motor.tau_rated
+
+    def ampere(i: float) -> tuple[float, float]:
+        i_d = motor.psi_f / (4 * d) - math.sqrt((motor.psi_f / (4 * d)) ** 2 + i**2 / 2)
+        return i_d, math.sqrt(i**2 - i_d**2)
+
+    def missing(i: float) -> float:
+        i_d, i_q = ampere(i)
+        return 1.5 * motor.n_p * (motor.psi_f - d * i_d) * i_q - tau
+
+    least = float(brentq(missing, 0.1, motor.i_max))
+    p = rated_point(replace(motor, i_rated=i_rated * motor.i_rated))
+    assert p.current == pytest.approx(least, rel=1e-4)
+    i_d, i_q = ampere(least)
+    w = p.base_speed * motor.n_p * math.pi / 30.0
+    u = math.hypot(
+        motor.R_s * i_d - w * motor.L_q * i_q,
+        motor.R_s * i_q + w * (motor.psi_f + motor.L_d * i_d),
+    )
+    assert u == pytest.approx(0.97 * motor.u_dc / math.sqrt(3.0), rel=1e-4)
+
+
+def test_a_largest_current_just_short_of_rated_torque() -> None:
+    """The row says so, and nothing is objected within the rounding of a name plate."""
+    motor = Motor.load("ipmsm_2200w")
+    least = rated_point(motor).current
+    for share, objected in ((0.99, False), (0.97, True)):
+        short = replace(motor, i_rated=share * least, i_max=share * least)
+        p = rated_point(short)
+        assert math.isinf(p.current) and (p.base_speed == 0.0) == objected
+        assert (p.objection(short) is not None) == objected
 
 
 def test_the_papers_machine() -> None:
