@@ -54,23 +54,11 @@ def check_command(
     from sensorless.machine.motor import Motor
 
     check_writable(out, ending=".html")
-    show_check(
-        Motor.load(file),
-        design_from(settings),
-        size,
-        out,
-        f"sensorless motor check {file}",
-        as_json,
-    )
+    show_check(Motor.load(file), design_from(settings), size, out, as_json)
 
 
 def show_check(
-    motor: "Motor",
-    design: "DriveDesign",
-    size: int,
-    out: Path | None,
-    command: str,
-    as_json: bool,
+    motor: "Motor", design: "DriveDesign", size: int, out: Path | None, as_json: bool
 ) -> None:
     """Check a motor under a design; print the findings and the verdict, and write the page.
 
@@ -80,6 +68,7 @@ def show_check(
         With status 1 if the motor does not suit.
     """
     from sensorless.report.motor_check import check, facts, screen, write_page
+    from sensorless.versions import typed
 
     done = check(motor, design, size)
     console.print(screen(done))
@@ -90,7 +79,7 @@ def show_check(
     if as_json:
         say_json(facts(done))
     if out is not None:
-        write_page(done, out, command)
+        write_page(done, out, design, typed())
         say_wrote(out)
     if verdict.word == "no":
         raise typer.Exit(1)

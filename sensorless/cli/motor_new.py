@@ -207,7 +207,7 @@ def new_command(
     write_atomic(out, written(data, head))
     say_wrote(out)
     try:
-        show_check(motor, design, size, None, f"sensorless motor check {out}", as_json)
+        show_check(motor, design, size, None, as_json)
     except typer.Exit:
         if not as_json:
             errors.print("to try other numbers, add --replace", highlight=False)

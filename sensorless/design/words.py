@@ -51,6 +51,16 @@ def asked_for(words: Sequence[str] | None) -> dict[str, Any]:
     return values
 
 
+def words_of(design: DriveDesign) -> list[str]:
+    """Words NAME=VALUE of all settings that are not the default."""
+    default = DriveDesign()
+    return [
+        f"{name}={text_of(getattr(design, name))}"
+        for name in settings_of(DriveDesign)
+        if getattr(design, name) != getattr(default, name)
+    ]
+
+
 def text_of(value: float | bool | str | None) -> str:
     """Value of a setting as --set takes it."""
     if value is None:

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from sensorless.design.derived import back_after
 from sensorless.design.drive import DriveDesign
+from sensorless.design.words import words_of
 from sensorless.evaluation.machine_check import LOST, SIZE, Check, QuickRun
 from sensorless.evaluation.machine_check import check as run_check
 from sensorless.evaluation.rates import rate_interval
@@ -196,8 +197,8 @@ def _runs(c: Check) -> Iterator[PlainTable | Text]:
     yield Text(f" {runs_say(c)}", "dim")
 
 
-def write_page(c: Check, path: Path, command: str) -> None:
-    """Write the result as one HTML page without other files."""
+def write_page(c: Check, path: Path, design: DriveDesign, command: str) -> None:
+    """Write the result as one HTML page without other files, with the command that was typed."""
     e = c.examination
     panels = [] if e.point is None else [reach(e.motor)]
     first = len(panels)  # of what injection sees
@@ -208,6 +209,7 @@ def write_page(c: Check, path: Path, command: str) -> None:
         motor=e.motor, verdict=e.verdict, word=e.verdict.word, rows=rows(c),
         hints=any(hint for _, _, hint in rows(c)),
         columns=RUNS, runs=run_rows(c), runs_say=runs_say(c),
+        drive=", ".join(words_of(design)),
         findings=e.findings, reach=range(first), seen=range(first, len(panels)),
         labels=[panel["label"] for panel in panels], command=command, uplot=UPLOT,
     )  # fmt: skip

@@ -18,14 +18,25 @@ from tests.helpers.machines import MEASURED_MAP
 
 
 def test_the_page_has_all_that_the_screen_has(tmp_path: Path) -> None:
-    done = run("motor", "check", "paper", "--size", "16", "--out", "page.html", cwd=tmp_path)
+    words = ["paper", "--size", "16", "--out", "page.html", "--set", "estimator=coupled"]
+    done = run("motor", "check", *words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     for text in ("suitable: yes", "4.54 at rest", "u_inj = 53 V", "16 stress", "16 mismatch"):
         assert text in " ".join(done.stdout.split())
         assert text in page
+    assert "Quick runs under Eq. 25, on the default drive" in page
+    assert f"Made by <code>sensorless motor check {' '.join(words)}</code>" in page
     assert page.count("data-curves=") == 4
     assert len(done.stdout.splitlines()) < 40, "one screen"
+
+
+def test_the_page_says_which_drive_it_judged(tmp_path: Path) -> None:
+    words = ["paper", "--size", "2", "--set", "estimator=smo", "--set", "speed_hz=4"]
+    run("motor", "check", *words, "--out", "page.html", cwd=tmp_path)
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "Quick runs under Eq. 25, with speed_hz=4, estimator=smo</h2>" in page
+    assert f"Made by <code>sensorless motor check {' '.join(words)} --out page.html</code>" in page
 
 
 @pytest.mark.parametrize(
