@@ -1,6 +1,7 @@
 """Maps of where lock holds over speed and load, one per policy. Needs the extra ``plot``."""
 
 import math
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
 
 SHOWN = 12.0
 """End of the colour scale [deg]."""
+NAME = 30
+"""Characters of a policy's name that have room in a line above a map."""
+LINE = 0.18
+"""Height of a line of text [inch]."""
 LOST, BEYOND = "#3d1020", "#9aa0a6"
 
 
@@ -33,8 +38,10 @@ def envelope_maps(results: Results, motor: Motor) -> "Figure":
     n = len(results.policies)
     columns = n if n <= 4 else 3
     rows = math.ceil(n / columns)
+    names = [fill(name, NAME) for name in results.policies]
+    more = max(name.count("\n") for name in names) * rows + (columns == 1)  # lines of text
     figure, axes = new_figure(
-        (2.9 * columns + 1.1, 3.1 * rows + 0.7),
+        (2.9 * columns + 1.1, 3.1 * rows + 0.7 + LINE * more),
         rows=rows,
         columns=columns,
         sharex=True,
@@ -43,7 +50,7 @@ def envelope_maps(results: Results, motor: Motor) -> "Figure":
     places = [ax for row in axes for ax in row]
     images = [
         _map(ax, name, policy, motor)
-        for ax, (name, policy) in zip(places, results.policies.items(), strict=False)
+        for ax, name, policy in zip(places, names, results.policies.values(), strict=False)
     ]
     _name_quadrants(places[0])
     for ax in places[n:]:
@@ -54,7 +61,7 @@ def envelope_maps(results: Results, motor: Motor) -> "Figure":
         last.tick_params(labelbottom=True)
     for row in axes:
         row[0].set_ylabel("load torque [N m]")
-    _legend(figure)
+    _legend(figure, min(columns, 2))
     figure.colorbar(images[-1], ax=places, label="angle error, RMS [° el.]", extend="max")
     return figure
 
@@ -99,7 +106,7 @@ def _one_colour(colour: str) -> "Colormap":
     return ListedColormap([colour])
 
 
-def _legend(figure: "Figure") -> None:
+def _legend(figure: "Figure", columns: int) -> None:
     from matplotlib.patches import Patch
 
     figure.legend(
@@ -108,7 +115,7 @@ def _legend(figure: "Figure") -> None:
             Patch(color=BEYOND, label="beyond the machine: the sensored twin is lost too"),
         ],
         loc="outside upper center",
-        ncols=2,
+        ncols=columns,
         frameon=False,
         fontsize=9,
     )
