@@ -57,6 +57,21 @@ class Learned:
 def settle(learned: Learned, motor: Motor, sign: float = 1.0) -> None:
     """Let the torque current's low-passed sign settle at rated current, with nothing to learn."""
     learned.run(np.zeros(20 * round(1.0 / float(learned.p["alpha"][0]))), sign * motor.i_rated)
+    assert learned.x["sign"][0] == pytest.approx(sign, rel=1e-3)
+    learned.x["sign"] = sign  # in float32 its low-pass ends some 1e-5 short of it
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_without_steady_torque_nine_tenths_of_the_loss_count(c: Call, name: str) -> None:
+    """A loss that counts as too large feeds a swing of the current about zero."""
+    motor = Motor.load(name)
+    learned = Learned(c, motor)
+    u_dt = float(learned.p["u_dt"][0])
+    assert learned.run(np.zeros(5), 0.0)[-1, LOSS] == pytest.approx(0.9 * u_dt)
+    settle(learned, motor)
+    assert learned.run(np.zeros(1), motor.i_rated)[-1, LOSS] == pytest.approx(u_dt)
+    swing = motor.i_rated * np.where(np.arange(400) % 2, 1.0, -1.0)
+    assert learned.run(np.zeros(400), swing)[-1, LOSS] == pytest.approx(0.9 * u_dt, rel=0.01)
 
 
 @pytest.mark.parametrize("share", [0.3, 1.0])
@@ -127,8 +142,10 @@ def test_a_reversal_of_torque_turns_the_flux_the_other_way_at_once(c: Call, moto
     settle(learned, motor)
     before = learned.run(np.full(100, 1e-3), motor.i_rated)[-1]
     after = learned.run(np.zeros(1), -motor.i_rated)[0]
-    assert after[TURN] == pytest.approx(-before[TURN], rel=1e-4) and before[TURN] > 0.0
-    assert after[LOSS] == before[LOSS]
+    counts = 0.9 + 0.1 * (1.0 - 2.0 * float(learned.p["alpha"][0])) ** 2
+    assert after[LOSS] == pytest.approx(counts * before[LOSS], rel=1e-6)
+    turns = before[TURN] - (1.0 - counts) * before[LOSS] * 4.0 / 3.0 / motor.psi_f
+    assert after[TURN] == pytest.approx(-turns, rel=1e-4) and before[TURN] > 0.0
 
 
 @pytest.mark.parametrize("omega", [0.0, 50.0])
@@ -199,7 +216,9 @@ def test_bounds(c: Call, name: str) -> None:
 def test_the_low_inductance_is_known_from_the_start(c: Call, name: str, speed: float) -> None:
     """4.5 % of L_q: with phi of the flux, nu = -|omega| phi/(2 zeta), to a fifth of rated speed."""
     motor = Motor.load(name)
-    turn = Learned(c, motor).run(np.zeros(1), motor.i_rated, speed * motor.omega_rated)[0, TURN]
+    learned = Learned(c, motor)
+    settle(learned, motor)
+    turn = learned.run(np.zeros(1), motor.i_rated, speed * motor.omega_rated)[0, TURN]
     phi = 0.045 * motor.L_q * motor.i_rated / motor.psi_f
     omega = min(speed, 0.2) * motor.omega_rated
     assert turn == pytest.approx(-omega * phi / (2.0 * zeta(motor)), rel=1e-4)
