@@ -75,15 +75,17 @@ def check_outputs(
     check_writable(save_log, "log", ".csv")
 
 
-def say_run(run: "Trace", name: str, short: str | None, as_json: bool) -> None:
-    """Print how a run went; ``short`` says why it ended early, if it did."""
+def say_run(
+    run: "Trace", name: str, tau_rated: float, short: str | None, as_json: bool
+) -> None:
+    """Print how a run went; rated torque [N m]; ``short`` says why it ended early, if it did."""
     from sensorless.evaluation.trace import outcome
     from sensorless.evaluation.trace_summary import plateaus, summary_table
 
     if as_json:
         facts = {"policy": name, "outcome": outcome(run), "cut_short": short}
         say_json({**facts, "plateaus": plateaus(run)})
-    console.print(summary_table(run, name))
+    console.print(summary_table(run, name, tau_rated))
     if short is not None:
         console.print(short, highlight=False, soft_wrap=True)
 

@@ -176,6 +176,6 @@ def simulate_command(
     say_notes(case, made, planned=scenario is None and speed is not None)
     run = trace(rule, case, machine, made.design, go_on=True)
     short = cut_short(run, float(case.duration[0]))
-    say_run(run, rule.name, short, as_json)
+    say_run(run, rule.name, machine.tau_rated, short, as_json)
     title = f"{machine.name}, {rule.name}, {scenario or 'planned run'}"
     write_run(run, title, short, out, save_log, plot, show or ())

@@ -215,3 +215,8 @@ def write_csv(t: Trace, path: Path) -> None:
     lines = [",".join(names)]
     lines += [",".join(f"{x:.9g}" for x in row) for row in np.stack([t[n] for n in names], axis=-1)]
     write_atomic(path, "\n".join(lines) + "\n")
+
+
+def mean_of_two(x: Array) -> Array:
+    """Mean of two successive samples: without the injected part."""
+    return np.asarray(0.5 * (x + np.concatenate([x[:1], x[:-1]])))

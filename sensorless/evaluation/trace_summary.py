@@ -3,8 +3,9 @@
 import numpy as np
 
 from sensorless.core.api import Array
+from sensorless.evaluation.metrics.ripple import RIPPLE_WINDOW
 from sensorless.evaluation.metrics.step import SETTLED
-from sensorless.evaluation.trace import Trace, outcome
+from sensorless.evaluation.trace import Trace, mean_of_two, outcome
 from sensorless.plain_table import PlainTable
 from sensorless.units import RAD_S_TO_RPM
 
@@ -16,25 +17,27 @@ SHORTEST = 0.05
 """Least length of a plateau, and of what of it comes before its load changes [s]."""
 
 
-def summary_table(t: Trace, policy: str) -> PlainTable:
-    """One row for every stretch of constant speed reference."""
+def summary_table(t: Trace, policy: str, tau_rated: float) -> PlainTable:
+    """One row for every stretch of constant speed reference; ``tau_rated`` in N m."""
     title = f"{policy}: {outcome(t)}"
     seeking = t["t"][t["starting"] > 0.0]
     if len(seeking):
         title += f", rotor found after {1e3 * seeking[-1]:.0f} ms"
     caption = (
         "settled: within 2 % of the step; overshoot: in % of it; both until the load changes; "
-        "steady: largest 20 ms mean of the last 0.2 s, in which faster swings do not show"
+        "steady: largest 20 ms mean of the last 0.2 s, in which faster swings do not show; ripple: "
+        "RMS about that mean in them, in % of rated torque, without the injection's"
     )
     table = PlainTable(title=title, caption=caption)
     for heading in (
         "from [s]",
         "target\n[r/min]",
         "settled\nafter [s]",
-        "overshoot\n[%]",
-        "k_s at\nthe end",
-        "steady angle\nerror [°]",
-        "largest angle\nerror [°]",
+        "over-\nshoot\n[%]",
+        "k_s at\nend",
+        "steady\nangle\nerror [°]",
+        "largest\nangle\nerror [°]",
+        "torque\nripple\n[%]",
     ):
         table.add_column(heading, justify="right")
     for row in plateaus(t):
@@ -46,6 +49,7 @@ def summary_table(t: Trace, policy: str) -> PlainTable:
             f"{row['k_s']:.2f}",
             f"{row['angle_err_steady_deg']:.2f}",
             f"{row['angle_err_max_deg']:.1f}",
+            f"{100.0 * row['torque_ripple_nm'] / tau_rated:.2f}",
         )
     return table
 
@@ -64,7 +68,8 @@ def plateaus(t: Trace) -> list[dict[str, float]]:
         of the step [s], NaN if that is only for the last tenth; ``overshoot_pct`` of the step;
         both until the load changes, NaN where that is too soon; ``k_s``: mean of the last 0.2 s;
         ``angle_err_steady_deg``: largest magnitude of its 20 ms mean there; ``angle_err_max_deg``,
-        the start sequence left out.
+        the start sequence left out; ``torque_ripple_nm``: RMS of the last 0.2 s about its centred
+        20 ms mean, of means of two samples, which have no injection [N m].
     """
     ref, omega = RAD_S_TO_RPM * t["omega_m_ref"], RAD_S_TO_RPM * t["omega_m"]
     edges = np.flatnonzero(np.abs(np.diff(ref)) > 1e-6) + 1
@@ -104,17 +109,29 @@ def _plateau(
     beyond = float(np.max(np.sign(step) * (omega[a:c] - target), initial=0.0))
     told = abs(step) > 1.0 and (c == b or (c - a) * T_s >= SHORTEST)
     err = np.where(t["starting"][a:b] > 0.0, 0.0, np.rad2deg(t["theta_e_err"][a:b]))
-    tail = err[-round(STEADY / T_s) :]
-    window = max(1, round(0.02 / T_s))
-    smooth = (
-        np.convolve(tail, np.ones(window) / window, mode="valid") if len(tail) >= window else tail
-    )
+    late = slice(-round(STEADY / T_s), None)
+    torque = mean_of_two(t["tau"][a:b])[late]
     return {
         "from_s": a * T_s,
         "target_rpm": target,
         "settled_s": settled if told and settled <= (1.0 - STAYS) * (c - a) * T_s else np.nan,
         "overshoot_pct": 100.0 * beyond / abs(step) if told else np.nan,
-        "k_s": float(np.mean(t["k_s"][a:b][-round(STEADY / T_s) :])),
-        "angle_err_steady_deg": float(np.max(np.abs(smooth))),
+        "k_s": float(np.mean(t["k_s"][a:b][late])),
+        "angle_err_steady_deg": float(np.max(np.abs(_smooth(err[late], T_s)))),
         "angle_err_max_deg": float(np.max(np.abs(err))),
+        "torque_ripple_nm": _ripple(torque, T_s),
     }
+
+
+def _smooth(x: Array, T_s: float) -> Array:
+    """Means of 20 ms; x as it is if it is shorter."""
+    n = max(1, round(RIPPLE_WINDOW / T_s))
+    return np.convolve(x, np.ones(n) / n, mode="valid") if len(x) >= n else x
+
+
+def _ripple(x: Array, T_s: float) -> float:
+    """RMS of x about its centred 20 ms mean; about its mean if it is shorter."""
+    mean = _smooth(x, T_s)
+    a = (len(x) - len(mean)) // 2
+    about = x[a : a + len(mean)] - mean if len(mean) < len(x) else x - np.mean(x)
+    return float(np.sqrt(np.mean(about**2)))

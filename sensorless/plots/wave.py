@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sensorless.core.api import Array, enumeration
-from sensorless.evaluation.trace import Trace, outcome
+from sensorless.evaluation.trace import Trace, mean_of_two, outcome
 from sensorless.units import RAD_S_TO_RPM
 
 FOLDED = ("current", "voltage", "faults")
@@ -169,8 +169,3 @@ def events(
     return bands, marks + [
         (float(t["t"][j]), "" if k else word, "bad") for k, j in enumerate(alarms)
     ]
-
-
-def mean_of_two(x: Array) -> Array:
-    """Mean of two successive samples: without the injected part."""
-    return np.asarray(0.5 * (x + np.concatenate([x[:1], x[:-1]])))

@@ -138,3 +138,18 @@ def test_a_wrong_weight_is_no_trace(weights: object, said: str) -> None:
     case = plan_from("0:40", "0:0", None, 0.1, motor, 1)
     with pytest.raises(UserError, match=f"^policy fixed: act gave {re.escape(said)}"):
         trace(Fixed(weights), case, motor, DriveDesign())
+
+
+def test_ripple_is_about_the_mean_of_20_ms_and_without_injection(overloaded: Trace) -> None:
+    """Closed form: sine, sine, and a square wave of the period that a mean of two takes away."""
+    motor = Motor.load("paper")
+    plan = plan_from("0:100", "0:0", None, 0.5, motor, 0)
+    run = trace(make_policy("eq25", motor), plan, motor, DriveDesign())
+    t, T_s = run["t"], motor.T_s
+    slow, fast = 3.0 * np.sin(2.0 * np.pi * 1.0 * t), 2.0 * np.sin(2.0 * np.pi * 200.0 * t)
+    injected = 5.0 * np.where(np.arange(len(t)) % 2, 1.0, -1.0)
+    (row,) = plateaus({**run, "tau": 7.0 + slow + fast + injected})
+    assert row["torque_ripple_nm"] == pytest.approx(
+        2.0 / np.sqrt(2.0) * np.cos(np.pi * 200.0 * T_s), rel=0.01
+    )
+    assert plateaus(overloaded)[0]["torque_ripple_nm"] >= 0.0
