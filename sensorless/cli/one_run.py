@@ -75,9 +75,7 @@ def check_outputs(
     check_writable(save_log, "log", ".csv")
 
 
-def say_run(
-    run: "Trace", name: str, tau_rated: float, short: str | None, as_json: bool
-) -> None:
+def say_run(run: "Trace", name: str, tau_rated: float, short: str | None, as_json: bool) -> None:
     """Print how a run went; rated torque [N m]; ``short`` says why it ended early, if it did."""
     from sensorless.evaluation.trace import outcome
     from sensorless.evaluation.trace_summary import plateaus, summary_table
