@@ -3,9 +3,12 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from sensorless.core.api import lib
 from sensorless.design.drive import DriveDesign
+from sensorless.evaluation import idle
 from sensorless.evaluation.idle import SPEEDS, idle_swing
 from sensorless.evaluation.machine_check import IDLE, swings_idle
 from sensorless.machine.motor import Motor
@@ -36,3 +39,15 @@ def test_a_swing_is_told(swing: float, weight: str, said: str) -> None:
 
 def test_a_quiet_drive_is_not_told() -> None:
     assert swings_idle(IDLE[0], 0.5, "Eq. 25") == []
+
+
+@pytest.mark.parametrize(("twin", "told"), [(0, True), (int(lib.LOST_TWIN), False)])
+def test_a_drive_is_not_blamed_for_what_an_encoder_cannot_do(
+    monkeypatch: pytest.MonkeyPatch, twin: int, told: bool
+) -> None:
+    real = idle.rollout
+    lost = np.array([0, 0, int(lib.LOST_ANGLE) | twin, 0, 0, 0], dtype=np.int32)
+    monkeypatch.setattr(idle, "rollout", lambda *of: replace(real(*of), lost=lost))
+    motor = Motor.load("paper")
+    swing, _ = idle_swing(motor, DriveDesign(), make_policy("eq25", motor))
+    assert math.isnan(swing) == told
