@@ -8,9 +8,9 @@ import pytest
 
 from sensorless.core.api import lib
 from sensorless.design.drive import DriveDesign
-from sensorless.evaluation import idle
 from sensorless.evaluation.idle import SPEEDS, idle_swing
 from sensorless.evaluation.machine_check import IDLE, swings_idle
+from sensorless.evaluation.rollout import rollout
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.suitability.finding import LIMIT, NOTE
@@ -45,9 +45,9 @@ def test_a_quiet_drive_is_not_told() -> None:
 def test_a_drive_is_not_blamed_for_what_an_encoder_cannot_do(
     monkeypatch: pytest.MonkeyPatch, twin: int, told: bool
 ) -> None:
-    real = idle.rollout
     lost = np.array([0, 0, int(lib.LOST_ANGLE) | twin, 0, 0, 0], dtype=np.int32)
-    monkeypatch.setattr(idle, "rollout", lambda *of: replace(real(*of), lost=lost))
+    path = "sensorless.evaluation.idle.rollout"
+    monkeypatch.setattr(path, lambda *of: replace(rollout(*of), lost=lost))
     motor = Motor.load("paper")
     swing, _ = idle_swing(motor, DriveDesign(), make_policy("eq25", motor))
     assert math.isnan(swing) == told
