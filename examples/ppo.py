@@ -1,6 +1,6 @@
 """Plain PPO of stable-baselines3 against Eq. 25: python examples/ppo.py [STEPS].
 
-4 million steps take two to three minutes. They end at a return of -5.4 where Eq. 25 has -4.1, as
+4 million steps take two to three minutes. They end at a return of -5.7 where Eq. 25 has -4.1, as
 the last lines print: plain PPO does not reach the rule with these settings. `sensorless train`
 does, on paired rollouts.
 """
