@@ -3,6 +3,7 @@
 import numpy as np
 
 from sensorless.core.api import Array
+from sensorless.evaluation.metrics import RIPPLE_WINDOW
 from sensorless.evaluation.metrics.step import SETTLED
 from sensorless.evaluation.trace import Trace, mean_of_two, outcome
 from sensorless.plain_table import PlainTable
@@ -10,8 +11,6 @@ from sensorless.units import RAD_S_TO_RPM
 
 STEADY = 0.2
 """Length of the end of a plateau that counts as steady [s]."""
-WINDOW = 0.02
-"""Length of its means [s], as ``RIPPLE_WINDOW`` of ``metrics/ripple.py``, which imports SciPy."""
 STAYS = 0.1
 """Least part of a plateau that the speed has to stay settled for at its end: a swing does not."""
 SHORTEST = 0.05
@@ -126,7 +125,7 @@ def _plateau(
 
 def _smooth(x: Array, T_s: float) -> Array:
     """Means of 20 ms; x as it is if it is shorter."""
-    n = max(1, round(WINDOW / T_s))
+    n = max(1, round(RIPPLE_WINDOW / T_s))
     return np.convolve(x, np.ones(n) / n, mode="valid") if len(x) >= n else x
 
 

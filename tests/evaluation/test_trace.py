@@ -12,10 +12,9 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.words import fig9, plan_from
 from sensorless.errors import UserError
 from sensorless.evaluation.evaluate import score
-from sensorless.evaluation.metrics.ripple import RIPPLE_WINDOW
 from sensorless.evaluation.rollout import CAUSES
 from sensorless.evaluation.trace import TESTS, Trace, cut_short, lost_cause, outcome, trace
-from sensorless.evaluation.trace_summary import WINDOW, plateaus
+from sensorless.evaluation.trace_summary import plateaus
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import NO_SETTINGS, Signals
@@ -153,4 +152,4 @@ def test_ripple_is_about_the_mean_of_20_ms_and_without_injection(overloaded: Tra
     assert row["torque_ripple_nm"] == pytest.approx(
         2.0 / np.sqrt(2.0) * np.cos(np.pi * 200.0 * T_s), rel=0.01
     )
-    assert plateaus(overloaded)[0]["torque_ripple_nm"] >= 0.0 and WINDOW == RIPPLE_WINDOW
+    assert plateaus(overloaded)[0]["torque_ripple_nm"] >= 0.0

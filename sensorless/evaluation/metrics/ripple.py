@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 
+from sensorless.evaluation.metrics import RIPPLE_WINDOW
 from sensorless.evaluation.rollout import Floats, Rollout
-
-RIPPLE_WINDOW = 0.02
-"""Length of the moving mean of torque ripple, and width of a peak-to-peak window [s]."""
 
 HANDOVER = (0.17, 0.32)
 """Hand-over window: speed over rated, 255 to 480 r/min on the paper's motor. It is the published

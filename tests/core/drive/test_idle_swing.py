@@ -28,14 +28,16 @@ def test_a_drive_without_load_runs_quietly(share: float, carrier: bool) -> None:
     assert abs(beside) < 0.01 * MOST_BIAS_PCT * motor.omega_rated / motor.n_p
 
 
-@pytest.mark.parametrize(("name", "share"), [("pmsyrm_5600w", 0.3), ("brusa_hsm1", 0.4)])
-def test_what_injection_taught_feeds_no_swing(name: str, share: float) -> None:
-    """While all of the learned loss counted, these swung by 3.7 and 2.0 % of rated torque."""
+@pytest.mark.parametrize(
+    ("name", "shares"), [("pmsyrm_5600w", (0.15, 0.3)), ("brusa_hsm1", (2 / 15, 7 / 30, 0.4))]
+)
+def test_what_injection_taught_feeds_no_swing(name: str, shares: tuple[float, ...]) -> None:
+    """While all of the learned loss counted, these swung by 3.4 to 4.3 and 1.9 to 3.8 % of rated
+    torque, with six seeds; now by 0.2 and 0.5 to 0.8 %."""
     motor = Motor.load(name)
-    rpm = motor.n_rated_rpm
-    plan = f"0:{0.15 * rpm},0.7:{share * rpm}"
-    case = plan_from(plan, "0:0", None, 3.0, motor, 3, spin=0.1 * rpm)
+    plan = ",".join(f"{j}:{share * motor.n_rated_rpm}" for j, share in enumerate(shares))
+    case = plan_from(plan, "0:0", None, len(shares) + 0.5, motor, 3)
     run = trace(make_policy("eq25", motor), case, motor, DriveDesign())
-    late = run["t"] > 2.5
+    late = run["t"] > len(shares)
     swing = run["tau"][late] - run["tau_twin"][late]
-    assert 100.0 * np.std(swing) / motor.tau_rated < 0.8
+    assert 100.0 * np.std(swing) / motor.tau_rated < 1.2
