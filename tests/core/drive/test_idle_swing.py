@@ -32,8 +32,7 @@ def test_a_drive_without_load_runs_quietly(share: float, carrier: bool) -> None:
     ("name", "shares"), [("pmsyrm_5600w", (0.15, 0.3)), ("brusa_hsm1", (2 / 15, 7 / 30, 0.4))]
 )
 def test_what_injection_taught_feeds_no_swing(name: str, shares: tuple[float, ...]) -> None:
-    """While all of the learned loss counted, these swung by 3.4 to 4.3 and 1.9 to 3.8 % of rated
-    torque, with six seeds; now by 0.2 and 0.5 to 0.8 %."""
+    """While all of the learned loss counted, they swung by 3.4 and 1.9 % at least (six seeds)."""
     motor = Motor.load(name)
     plan = ",".join(f"{j}:{share * motor.n_rated_rpm}" for j, share in enumerate(shares))
     case = plan_from(plan, "0:0", None, len(shares) + 0.5, motor, 3)
