@@ -66,8 +66,8 @@ def report_command(
         typer.Option(
             "--policy",
             metavar="POLICY",
-            help="Compare with this policy; repeat the option for several. Default: "
-            "sliding_mode, eq25, oracle, sensored and, on the motor paper, every rule tuned for it "
+            help="Compare with this policy, and with eq25; repeat the option for several. Default: "
+            "sliding_mode, oracle, sensored and, on the motor paper, every rule tuned for it "
             "(fuzzy ones where simpful is installed).",
         ),
     ] = None,
@@ -86,7 +86,7 @@ def report_command(
 
     For example:
 
-        sensorless report runs/first --policy eq25 --policy hysteresis --size 200
+        sensorless report runs/first --policy hysteresis --size 200
     """
     from sensorless.report.report import SUITES, Report
     from sensorless.versions import typed

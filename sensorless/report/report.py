@@ -59,9 +59,9 @@ class Report:
     bench : Bench
         Machine and drive.
     others : sequence of str, optional
-        Policies to compare with; by default Eq. 25 on the paper's observers and on the design's,
-        every shipped rule that was tuned for this motor, and the bounds. Waveforms are beside
-        Eq. 25, or else the first.
+        Policies to compare with; by default Eq. 25 on the paper's observers, every shipped rule
+        that was tuned for this motor, and the bounds. Eq. 25 on the design's observer is always
+        there, as an export compares with it, too; waveforms are beside it.
     options : sequence of str
         Words of the command line for this motor and design.
     progress : optional
@@ -86,6 +86,8 @@ class Report:
         self.motor, self.design = bench.motor, bench.design
         self.options, self.progress = options, progress
         wanted = others or (PAPER, PLAIN, *_tuned(self.motor), "oracle", "sensored")
+        if PLAIN not in wanted:
+            wanted = (PLAIN, *wanted)
         self.others = [word for word in wanted if word != run] or [PAPER]
         self.plain = PLAIN if PLAIN in self.others else self.others[0]
         self.policy, self.reference = bench.policy(run), bench.policy(self.plain)

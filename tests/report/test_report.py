@@ -206,6 +206,12 @@ def test_a_rule_without_a_table_has_a_report_too(tmp_path: Path) -> None:
     assert not any(key.startswith("table") for key in page.data["maps"])
 
 
+@pytest.mark.parametrize(("run", "others"), [("hysteresis", ["eq25", "hfi"]), ("eq25", ["hfi"])])
+def test_it_stands_beside_eq25_as_an_export_does(run: str, others: list[str]) -> None:
+    """Or a rule that is worse than Eq. 25 is to be flashed where hfi is worse still."""
+    assert Report(run, Bench(MOTOR, DESIGN), others=["hfi"]).others == others
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
