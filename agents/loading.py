@@ -7,7 +7,7 @@ from typing import Any
 from sensorless.agents.mlp.schedule import MlpSchedule
 from sensorless.design.carried import Carried, carried, refuse_other
 from sensorless.errors import UserError, shown
-from sensorless.files import read_json, reason
+from sensorless.files import as_text, read_json, reason
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import KsTable
@@ -41,7 +41,7 @@ def load_table(path: Path, motor: Motor, *, override: bool = False) -> TablePoli
     known = carried(table.provenance, str(path))
     if not override:
         refuse_other(known, motor, str(path))
-    return TablePolicy(path.stem, table, known.settings)
+    return TablePolicy(as_text(path.stem), table, known.settings)
 
 
 def carried_by_run(folder: str | Path) -> Carried:
@@ -60,7 +60,7 @@ def carried_by_run(folder: str | Path) -> Carried:
 
 
 def _schedule(path: Path) -> TablePolicy | MlpSchedule:
-    name = path.resolve().name
+    name = as_text(path.resolve().name)
     if (path / TABLE).is_file():
         return TablePolicy(name, KsTable.load(path / TABLE))
     if (path / MLP).is_file():

@@ -101,6 +101,11 @@ def decoded(raw: bytes) -> str:
         return raw.decode("latin-1")
 
 
+def as_text(name: str) -> str:
+    """Name of a file, for people; what is not UTF-8 in it as ``?``."""
+    return name.encode("utf-8", "replace").decode("utf-8")
+
+
 def is_device(path: Path) -> bool:
     """Whether something that is neither file nor folder has the name, such as /dev/null."""
     return path.exists() and not (path.is_file() or path.is_dir())

@@ -26,7 +26,7 @@ WORDS = {
 }  # fmt: skip
 
 
-NARROWEST = 60
+NARROWEST = 80
 """Columns below which tables would cut their numbers: there the terminal breaks their lines."""
 WIDEST = 10_000
 """Columns of a terminal, from which on ``COLUMNS`` is taken for a mistake."""

@@ -25,6 +25,7 @@ from sensorless.baselines import (
 from sensorless.baselines.rule import Rule
 from sensorless.design.carried import Carried, carried
 from sensorless.errors import UserError, like
+from sensorless.files import as_text
 from sensorless.machine.motor import Motor
 from sensorless.policies import shipped
 from sensorless.policies.python import is_python, python_policy
@@ -254,6 +255,6 @@ def load_tuned(path: Path, motor: Motor) -> Policy:
             f"{path}: parameters: {dict(tuned.parameters)!r}; give those of {rule.usage}, each in "
             "its range"
         )
-    policy = rule.build(path.stem, tuned.parameters, motor)
+    policy = rule.build(as_text(path.stem), tuned.parameters, motor)
     policy.settings = {**tuned.carried(str(path)).settings, **policy.settings}
     return policy

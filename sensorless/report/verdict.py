@@ -13,6 +13,7 @@ from sensorless.evaluation.objective import LOST_WEIGHT, weighted
 from sensorless.evaluation.results import RATES, Results
 from sensorless.evaluation.results_tables import number
 from sensorless.export.judge import MOST_LOST
+from sensorless.files import as_text
 from sensorless.policies import shipped
 from sensorless.suitability.finding import Verdict as Suitability
 
@@ -177,7 +178,9 @@ def best_rule(results: Results, words: Sequence[str], apart: Collection[str] = (
     ``words`` name policies. A rule that hops too often beside the first other policy
     is none to take, nor is one of those with another control, ``apart``.
     """
-    tuned = set(shipped.tuned_names()) | {Path(w).stem for w in words if w.endswith(".json")}
+    tuned = set(shipped.tuned_names()) | {
+        as_text(Path(w).stem) for w in words if w.endswith(".json")
+    }
     others = list(results.policies)[1:]
     able = [name for name in others if name in tuned and name not in apart]
     found = [name for name in able if not hops(results, name, others[0])]

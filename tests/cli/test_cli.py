@@ -1,11 +1,14 @@
 """The command line as a user meets it."""
 
 import json
+import os
+import sys
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from sensorless.policies.shipped import FOLDER
 from tests.helpers.command import process, run
 
 GOLDEN = Path(__file__).parents[1] / "data" / "golden"
@@ -213,6 +216,34 @@ def test_simulate_writes_csv_and_picture(tmp_path: Path) -> None:
     assert lines[0].startswith("t,omega_m_ref,omega_m")
     assert len(lines) == 1501
     assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such file names")
+def test_a_policy_whose_file_name_is_not_utf8_has_a_picture(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    name = os.fsdecode(b"lauf\xdf.json")
+    (tmp_path / name).write_bytes((FOLDER / "tuned" / "linear-tuned.json").read_bytes())
+    done = run("simulate", "--duration", "0.1", "--policy", name, "--plot", "x.png", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("evaluate", "--policy", "fuzzy-coupled-tuned", "--size", "3"),
+        ("simulate", "--duration", "0.1"),
+        ("settings",),
+        ("motors",),
+    ],
+)
+def test_a_narrow_terminal_shows_all(
+    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rich shortens with an ellipsis what does not fit."""
+    monkeypatch.setenv("COLUMNS", "60")
+    done = process(*words, cwd=tmp_path)
+    assert done.returncode == 0 and "…" not in done.stdout
 
 
 def test_plant_alone_writes_the_format_of_the_golden_files(tmp_path: Path) -> None:
