@@ -14,9 +14,14 @@ from sensorless.evaluation.aggregate import (
     worst,
 )
 from sensorless.evaluation.metrics.place import PLACE
-from sensorless.evaluation.rates import rate_interval
+from sensorless.evaluation.rates import difference_interval, rate_interval
 
 pytestmark = pytest.mark.usefixtures("all_draws")
+
+MACHINES = np.repeat(np.arange(10), 10)
+"""Group of each of 100 scenarios, ten to a machine."""
+FIRST_TWO = MACHINES < 2
+NONE = np.zeros(100, dtype=np.int32)
 
 
 def test_mean_interval_is_that_of_the_normal_law_for_many_values() -> None:
@@ -42,6 +47,13 @@ def test_values_that_come_in_groups_are_drawn_by_groups() -> None:
     assert mean_interval(np.repeat(machines, 16)[some], 1, groups[some]) == pytest.approx(
         mean_interval(machines[3:], 1)
     )
+
+
+def test_a_large_group_counts_as_all_of_its_scenarios() -> None:
+    """Twenty machines with one scenario of 0, twenty with nine of 1: the mean is 0.9, not 0.5."""
+    size, ends = np.tile([1, 9], 20), np.tile([0.0, 1.0], 20)
+    low, high = mean_interval(np.repeat(ends, size), 1, np.repeat(np.arange(40), size))
+    assert low < 0.9 < high
 
 
 def test_too_few_values_have_no_interval() -> None:
@@ -71,6 +83,13 @@ def test_summary_counts_every_early_end_of_a_feasible_scenario_as_lost() -> None
     assert out["x"] == 2.0
 
 
+def test_rates_of_groups_have_the_intervals_of_groups() -> None:
+    loose = np.where(MACHINES == 5, 1.0, 0.0)
+    out = summary(FIRST_TWO.astype(np.int32), {"not_held": loose}, 0, MACHINES)
+    assert out["lost_ci"] == rate_interval(FIRST_TWO, MACHINES)
+    assert out["not_held_rate_ci"] == rate_interval(loose > 0.0, MACHINES)
+
+
 def test_everything_lost_leaves_no_means() -> None:
     out = summary(np.ones(3, dtype=np.int32), {"x": np.ones(3)}, 0)
     assert out["lost_rate"] == 1.0
@@ -89,6 +108,14 @@ def test_pairs_are_scenarios_that_both_survive() -> None:
     assert out["defined"] == {"x": 2}
     assert out["lost_rate"] == 0.0
     assert out["there"] == {"lost_rate": 1 / 5, "x": 1.5}
+
+
+def test_pairs_of_groups_have_the_intervals_of_groups() -> None:
+    held, loose = np.zeros(100), np.where(MACHINES == 5, 1.0, 0.0)
+    lost = FIRST_TWO.astype(np.int32)
+    out = paired(lost, {"not_held": loose}, NONE, {"not_held": held}, 0, MACHINES)
+    assert out["lost_rate_ci"] == difference_interval(FIRST_TWO, NONE > 0, MACHINES)
+    assert out["not_held_rate_ci"] == difference_interval(loose > 0.0, held > 0.0, MACHINES)
 
 
 def test_pairing_sees_a_difference_that_means_apart_would_hide() -> None:
@@ -124,6 +151,13 @@ def test_places_count_who_came_and_who_was_lost_there() -> None:
     assert out["time_share"] == pytest.approx([50 / 60, 10 / 60])
     assert out["angle_err_rms_deg"] == pytest.approx([2.0, 2.0])
     assert out["torque_dev_rms"] == pytest.approx([math.sqrt(2.7 / 50), 0.0])
+
+
+def test_a_place_of_groups_has_the_interval_of_groups() -> None:
+    places = np.zeros((100, 1), dtype=PLACE)
+    places["periods"], places["lost"][:, 0] = 1, FIRST_TWO
+    (found,) = by_place(places, ~FIRST_TWO, MACHINES)["lost_ci"]
+    assert found == rate_interval(FIRST_TWO, MACHINES)
 
 
 def test_a_place_where_nobody_came_has_no_rate() -> None:

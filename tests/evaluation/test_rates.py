@@ -74,6 +74,17 @@ def test_groups_that_end_alike_count_as_one_each() -> None:
     assert found == pytest.approx(wilson(0.1 * 49, 49), abs=1e-6)
 
 
+def test_groups_that_are_more_alike_than_chance_make_no_interval_narrower() -> None:
+    """Half of every group: no variance between them."""
+    hits = np.arange(32) % 2 == 0
+    assert rate_interval(hits, np.repeat(np.arange(8), 4)) == rate_interval(hits)
+
+
+def test_scenarios_of_a_single_group_tell_as_much_as_one() -> None:
+    one = rate_interval(np.arange(32) < 8, np.zeros(32, dtype=np.intp))
+    assert one == pytest.approx(wilson(0.25, 1), abs=1e-6)
+
+
 def test_groups_without_a_pattern_change_little() -> None:
     hits, groups = np.random.default_rng(3).random(16_000) < 0.1, np.repeat(np.arange(1000), 16)
     free, grouped = rate_interval(hits), rate_interval(hits, groups)
