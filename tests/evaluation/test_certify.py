@@ -9,12 +9,16 @@ import pytest
 from typer.testing import CliRunner
 
 from sensorless.cli.app import app
+from sensorless.core.api import SIM
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import Scenarios
 from sensorless.errors import UserError
-from sensorless.evaluation.certificate import Tally, exact_interval, read_tally, write
+from sensorless.evaluation import certify as module
+from sensorless.evaluation.certificate import Tally, exact_interval, read_tally, result, write
 from sensorless.evaluation.certify import certify, certify_machines
 from sensorless.evaluation.evaluate import evaluate
 from sensorless.evaluation.machines import evaluate_machines
+from sensorless.evaluation.rollout import CAUSES, Rollout
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy
@@ -32,6 +36,33 @@ def test_the_exact_interval() -> None:
     assert most == pytest.approx(1.0 - 0.025**1e-6) and most < 3.7e-6
     assert exact_interval(2, 10) == pytest.approx((0.0252, 0.5561), abs=1e-4)  # table value
     assert exact_interval(0, 0) == (0.0, 1.0)
+
+
+def test_rates_are_of_the_feasible_scenarios() -> None:
+    """100 less 40."""
+    run = {"suite": SUITE, "seed": SEED}
+    found = result(run, Tally(100, 40, 3, 2, (1, 2, 3), (4, 5)))
+    assert found["lost_ci"] == exact_interval(3, 60)
+    assert found["not_held_ci"] == exact_interval(2, 60)
+
+
+def test_what_is_not_feasible_is_neither_lost_nor_held(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four scenarios, twice: not held, lost, lost with the twin, not held."""
+    lost = np.array([0, CAUSES["angle"], CAUSES["angle"] | CAUSES["twin"], 0], dtype=np.int32)
+    four = Scenarios.nominal(PAPER, np.ones(4, dtype=np.uint64), 1.0)
+    sums = np.zeros((1, 4), dtype=SIM["sums"])
+
+    def made_up(*of: object, **more: object) -> list[Rollout]:
+        return [Rollout(PAPER, four, sums, lost, np.ones(4, dtype=np.int64))]
+
+    monkeypatch.setattr(module, "CHUNK", 4)
+    monkeypatch.setattr(module, "rollouts", made_up)
+    monkeypatch.setattr(module, "with_twin_to_the_end", lambda r, *of: r)
+    monkeypatch.setattr(module, "not_held", lambda r: np.array([1.0, 0.0, 1.0, 1.0]))
+    found = certify(make_policy("eq25", PAPER), PAPER, SMO, SUITE, SEED, 8)
+    assert [found[x] for x in ("scenarios", "infeasible", "lost", "not_held")] == [8, 2, 2, 4]
+    assert found["first_lost"] == [f"{SUITE}:{SEED}:{i}" for i in (1, 5)]
+    assert found["first_not_held"] == [f"{SUITE}:{SEED}:{i}" for i in (0, 3, 4, 7)]
 
 
 def test_it_counts_as_evaluate_does_and_goes_on(
