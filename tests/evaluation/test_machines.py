@@ -1,6 +1,7 @@
 """The suite of random machines: each as if it were judged alone, and compared with itself."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,11 +13,13 @@ from sensorless.envs.scenarios.machines_suite import SCENARIOS, on_machine, rows
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.words import scenario_from
 from sensorless.errors import UserError
+from sensorless.evaluation import machines as module
 from sensorless.evaluation.aggregate import mean_interval
-from sensorless.evaluation.evaluate import score
-from sensorless.evaluation.machines import evaluate_machines
+from sensorless.evaluation.evaluate import Scores, score
+from sensorless.evaluation.machines import COMPARED, evaluate_machines
 from sensorless.evaluation.results import Results
 from sensorless.evaluation.results_tables import machines_table
+from sensorless.evaluation.rollout import CAUSES, Floats
 from sensorless.machine.motor import Motor
 from sensorless.policies.bench import bench
 from sensorless.policies.registry import make_policy
@@ -76,6 +79,55 @@ def test_a_policy_stands_beside_the_first_on_the_same_machine(results: Results) 
     low, high = pair["torque_ripple_rms_ci"]
     assert low < mean < high
     assert machines_table(results).row_count == len(NAMES)
+
+
+Ends = Callable[[str, int], tuple[Floats, Floats]]
+"""From policy and machine to what is lost, as bits, and the deviation of each scenario."""
+KEPT = np.zeros(SCENARIOS)
+
+
+def ended(ends: Ends, monkeypatch: pytest.MonkeyPatch) -> Results:
+    """Results of drives that ended so."""
+    first = MOTORS[0]
+    policy = policies_on(first)["sliding_mode"]
+    known = score(policy, rows_on(first, 0, SEED, N), SimFactory(first, DESIGN))
+
+    def made_up(policy: Policy, factory: SimFactory, rows: object) -> Scores:
+        lost, deviation = ends(policy.name, MOTORS.index(factory.motor))
+        metrics = known.metrics | dict.fromkeys(COMPARED, deviation)
+        return replace(known, lost=lost.astype(np.int32), metrics=metrics)
+
+    monkeypatch.setattr(module, "score_chunk", made_up)
+    return evaluate_machines(DESIGN, SEED, N, policies_on)
+
+
+def test_two_percent_more_on_a_machine_is_as_good(monkeypatch: pytest.MonkeyPatch) -> None:
+    more = {"reference": (1.0, 1.0), "sliding_mode": (1.03, 1.01)}
+    results = ended(lambda name, i: (KEPT, np.full(SCENARIOS, more[name][i])), monkeypatch)
+    pair = results.paired["sliding_mode"]["by_machine"]
+    assert pair["torque_dev_rms_ratios"] == pytest.approx([1.03, 1.01])
+    assert pair["torque_dev_rms_as_good"] == 0.5
+
+
+def test_what_the_first_policy_loses_is_not_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+    """There it deviates nine times as much."""
+    first = np.arange(SCENARIOS) == 0
+    wild = np.where(first, 9.0, 1.0)
+
+    def ends(name: str, machine: int) -> tuple[Floats, Floats]:
+        return (CAUSES["angle"] * first, wild) if name == "reference" else (KEPT, KEPT + 1.0)
+
+    pair = ended(ends, monkeypatch).paired["sliding_mode"]["by_machine"]
+    assert pair["torque_dev_rms_ratios"] == pytest.approx([1.0, 1.0])
+
+
+def test_a_machine_does_not_count_as_lost_what_it_cannot_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    lost = KEPT.copy()
+    lost[:2] = CAUSES["angle"] | CAUSES["twin"], CAUSES["angle"]
+    found = ended(lambda *of: (lost, KEPT), monkeypatch).policies["reference"]["by_machine"]
+    assert found["lost"] == [1] * N and found["feasible"] == [SCENARIOS - 1] * N
 
 
 @pytest.mark.parametrize("threads", [1, 2])
