@@ -10,7 +10,7 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation import compare as module
-from sensorless.evaluation.compare import Outcomes, compare, comparison
+from sensorless.evaluation.compare import Outcomes, compare, comparison, outcomes
 from sensorless.evaluation.objective import Cost
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -82,6 +82,11 @@ def test_what_is_not_feasible_does_not_count() -> None:
     assert found.theirs.torque_dev == pytest.approx(float(DEV[::2].mean()) + 0.01)
 
 
+def test_what_is_not_feasible_for_the_other_does_not_count_either() -> None:
+    half = Outcomes(np.arange(N) % 2 == 0, NONE, DEV, DEV)
+    assert comparison(ended(DEV), half, "it").scenarios == N // 2
+
+
 def test_a_machine_that_can_do_nothing_is_not_judged() -> None:
     none = Outcomes(NONE, NONE, DEV, DEV)
     found = comparison(none, none, "it")
@@ -111,6 +116,13 @@ def test_a_schedule_that_hops_on_drives(monkeypatch: pytest.MonkeyPatch) -> None
     )
     found = compare(fuzzy, eq25, "Eq. 25", [SimFactory(motor, DriveDesign())])
     assert 0.1 < found.hops < 0.3 and "k_s hops" in found.sentence
+
+
+def test_every_machine_has_scenarios_of_its_own() -> None:
+    """Two that are the same machine here."""
+    factory = SimFactory(Motor.load("paper"), DriveDesign())
+    found = outcomes(make_policy("eq25", factory.motor), [factory] * 2, "stress-1", 97, 8)
+    assert not np.any(found.torque_dev[:4] == found.torque_dev[4:])
 
 
 def test_on_drives(monkeypatch: pytest.MonkeyPatch) -> None:
