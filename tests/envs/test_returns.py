@@ -9,8 +9,10 @@ from sensorless.core.gains import DEFAULT, GAIN_NAMES
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.blend_v1 import GainVectorEnv
 from sensorless.envs.blend_vector_env import BlendVectorEnv
-from sensorless.envs.returns import acts
+from sensorless.envs.returns import acts, returns
+from sensorless.envs.scenarios.stress import stress_1_scenarios
 from sensorless.errors import UserError
+from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import design_for, gains_of
@@ -71,3 +73,17 @@ def test_acting_at_another_interval_leaves_a_policy_as_it_is() -> None:
     before = copy.deepcopy(vars(policy))
     acts(policy, GainVectorEnv(2, gains=()))
     assert str(vars(policy)) == str(before)
+
+
+def test_a_return_ends_with_its_episode_while_another_goes_on() -> None:
+    """Each drive earns what it would alone."""
+    scenarios = stress_1_scenarios(MOTOR, np.arange(2, dtype=np.uint64))
+    scenarios.duration[:] = 0.02, 0.1
+
+    def earned(rows: slice) -> Floats:
+        env = BlendVectorEnv(len(scenarios[rows]))
+        return returns(env, acts(make_policy("eq25", MOTOR), env), 1, scenarios[rows])
+
+    alone = np.concatenate([earned(slice(0, 1)), earned(slice(1, 2))])
+    assert (alone < 0.0).all()
+    assert earned(slice(0, 2)) == pytest.approx(alone)
