@@ -6,15 +6,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from sensorless.evaluation.evaluate import Scores
+from sensorless.evaluation.rollout import are_feasible
 
 RESAMPLES = 1000
 
 
 def survived(s: Scores, names: Sequence[str]) -> dict[str, float]:
-    """Lost scenarios, and means of metrics over the survived ones."""
-    kept = s.lost == 0
+    """Lost scenarios ``of`` the feasible ones, and means of metrics over the survived ones."""
+    kept, feasible = s.lost == 0, are_feasible(s.lost)
     means = {n: round(float(np.nanmean(s.metrics[n][kept])), 5) for n in names}
-    return {"lost": int(np.sum(~kept)), "of": len(kept), **means}
+    return {"lost": int(np.sum(~kept & feasible)), "of": int(np.sum(feasible)), **means}
 
 
 def change_over_seeds(ours: Sequence[Scores], theirs: Scores, name: str) -> dict[str, float]:
