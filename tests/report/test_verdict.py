@@ -9,6 +9,7 @@ import pytest
 from sensorless.evaluation.results import Results
 from sensorless.report.verdict import (
     MEASURES,
+    Verdict,
     balance,
     best_rule,
     contrast,
@@ -38,6 +39,20 @@ def pair(**ours_minus_theirs: float) -> dict[str, Any]:
     return out
 
 
+def off(change: float, low: float, high: float, **others: float) -> dict[str, Any]:
+    """A pair whose torque deviation changes so, with this interval, over the other's mean."""
+    out = pair(**others)
+    out["torque_dev_rms"], out["there"]["torque_dev_rms"] = -change, 1.0 + change
+    out["torque_dev_rms_ci"] = (-high, -low)
+    return out
+
+
+def said_of(pairs: dict[str, dict[str, Any]]) -> Verdict:
+    """Of a table, beside all of the others."""
+    r = results(pairs)
+    return verdict([r], [contrast(r, name) for name in pairs], True)
+
+
 def results(pairs: dict[str, dict[str, Any]], lost: int = 0, *, bound: bool = False) -> Results:
     policies = {"mine": entry(lost, bound=bound), **{name: entry() for name in pairs}}
     return Results("stress-1", 1, 100, "paper", "", {}, {}, policies, pairs)
@@ -49,7 +64,10 @@ def results(pairs: dict[str, dict[str, Any]], lost: int = 0, *, bound: bool = Fa
         ({"eq25": pair(torque_dev_rms=-5.0)}, 0, True, "yes", "Flash it."),
         ({"eq25": pair(torque_dev_rms=-5.0, angle_err_rms_deg=3.0)}, 0, True, "with", "if you can"),
         ({"eq25": pair(torque_dev_rms=-0.5)}, 0, True, "no", "Do not"),
+        ({"eq25": pair(torque_dev_rms=-1.5)}, 0, True, "yes", "Flash it."),
         ({"eq25": pair(torque_dev_rms=-5.0, lost_rate=2.0)}, 2, True, "no", "Do not"),
+        ({"eq25": pair(torque_dev_rms=-5.0, not_held_rate=2.0)}, 0, True, "no", "Do not"),
+        ({"eq25": pair(torque_dev_rms=-5.0)}, 5, True, "yes", "Flash it."),
         ({"eq25": pair(torque_dev_rms=-5.0)}, 6, True, "no", "Do not"),
         ({"eq25": pair(torque_dev_rms=-5.0)}, 0, False, "with", "Not as it is"),
         (
@@ -57,7 +75,10 @@ def results(pairs: dict[str, dict[str, Any]], lost: int = 0, *, bound: bool = Fa
             0, True, "no", "Do not",
         ),
     ],
-    ids=["better", "mixed", "too little", "loses more", "loses many", "network", "rule is better"],
+    ids=[
+        "better", "mixed", "too little", "enough", "loses more", "holds fewer", "loses 5 %",
+        "loses many", "network", "rule is better",
+    ],
 )  # fmt: skip
 def test_verdict(
     pairs: dict[str, dict[str, Any]], lost: int, table: bool, word: str, head: str
@@ -106,14 +127,52 @@ def test_what_got_worse_is_said_with_its_size() -> None:
 def test_one_of_many_comparisons_may_look_better_by_chance() -> None:
     """An interval of 95 % that barely excludes zero does not do, one that is far from it does."""
     for widths, word in ((1.2, "no"), (2.0, "yes")):
-        barely = pair()
-        barely["torque_dev_rms"], barely["there"]["torque_dev_rms"] = 0.05, 0.95
-        barely["torque_dev_rms_ci"] = (0.05 - 0.05 / widths, 0.05 + 0.05 / widths)
-        r = results({"eq25": barely})
-        said = verdict([r], [contrast(r, "eq25")], True)
+        half = 0.05 / widths
+        said = said_of({"eq25": off(-0.05, -0.05 - half, -0.05 + half)})
         assert said.word == word
         assert ("one of 7 comparisons" in said.because) == (word == "no")
     assert wide_enough(1) == pytest.approx(1.0) and 1.3 < wide_enough(7) < 1.5
+
+
+@pytest.mark.parametrize(("low", "high", "word"), [(-0.5, -0.03, "yes"), (-0.06, -0.005, "no")])
+def test_a_change_is_sure_by_its_distance_from_zero(low: float, high: float, word: str) -> None:
+    """5 % less: 2.5 and 1.1 times its interval on that side, of which 7 comparisons need 1.37."""
+    assert said_of({"eq25": off(-0.05, low, high)}).word == word
+
+
+BARELY = (-0.05, -0.092, -0.008)
+"""Better by 1.2 times the half of the interval."""
+
+
+def test_what_is_surely_worse_does_not_make_sure_of_what_is_better() -> None:
+    said = said_of({"eq25": off(*BARELY, angle_err_rms_deg=20.0)})
+    assert said.word == "no" and "Nothing is surely better than eq25" in said.because
+
+
+def test_what_is_surely_better_than_a_rule_may_not_be_than_the_plain_one() -> None:
+    said = said_of({"eq25": off(*BARELY), "linear-tuned": pair(torque_dev_rms=-9.0)})
+    assert said.word == "no" and "one of 7 comparisons" in said.because
+
+
+def test_a_rule_that_is_neither_better_nor_worse_is_not_to_be_taken_instead() -> None:
+    """On balance it is worse."""
+    r = results({"eq25": pair(torque_dev_rms=-5.0), "linear-tuned": pair()})
+    r.policies["linear-tuned"]["torque_dev_rms"] = 0.05
+    found = verdict([r], [contrast(r, name) for name in r.paired], True)
+    assert found.word == "yes" and found.lines == (
+        ("better", "Better than eq25: torque deviation −5 % on stress-1."),
+    )
+
+
+def test_a_change_of_a_mean_of_nothing_is_told_in_numbers() -> None:
+    nothing = pair()
+    nothing["there"]["overshoot_excess_pct"] = 0.0
+    (found,) = (
+        c
+        for c in contrast(results({"eq25": nothing}), "eq25").changes
+        if c.measure.key == "overshoot_excess_pct"
+    )
+    assert math.isnan(found.percent) and found.text == "0.00 % instead of 0.00 %"
 
 
 def test_a_weight_that_hops_is_not_to_be_flashed() -> None:
@@ -154,10 +213,14 @@ def test_few_scenarios_are_no_ground_for_a_verdict() -> None:
 
 
 def test_few_machines_are_no_ground_for_a_verdict() -> None:
-    """Their scenarios are alike, so 16 on each do not make up for them."""
+    """Their scenarios are alike, so 16 on each do not make up for them.
+
+    Of 20 with 7 that can do any, 58 are needed for 20.
+    """
     for able, size, said in (
         ([16] * 19, 19, "19 on which a scenario is feasible; give --size 320 or more."),
         ([16, 1, 0, 0] * 5, 20, "10 on which a scenario is feasible; give --size 640 or more."),
+        ([16] * 7 + [0] * 13, 20, "7 on which a scenario is feasible; give --size 928 or more."),
         ([1] * 20, 20, None),
     ):
         r = replace(results({"eq25": pair(torque_dev_rms=-5.0)}), suite="machines", size=size)
