@@ -31,10 +31,16 @@ def made_up(k_s: Floats, twin: float | Floats = 0.0, live: int = 15_000) -> Roll
 
 @pytest.mark.parametrize("hz", [0.6, 5.0, 40.0])
 def test_a_weight_that_swings_shows_its_peak_to_peak(hz: float) -> None:
-    for swing, hopping in ((0.04, 0.0), (0.3, 1.0)):
+    for swing, hopping in ((0.04, 0.0), (0.06, 1.0), (0.3, 1.0)):
         r = made_up(0.5 + 0.5 * swing * np.sin(2.0 * np.pi * hz * TIME))
         assert k_s_hop(r)[0] == pytest.approx(swing, rel=0.03)
         assert hops(r)[0] == hopping
+
+
+def test_a_weight_that_creeps_up_hops_by_all_of_its_way() -> None:
+    """For 1.5 s by 0.2 a second, without a change since 1 s."""
+    creeps = 0.2 + 0.2 * np.maximum(TIME - 1.5, 0.0)
+    assert k_s_hop(made_up(creeps))[0] == pytest.approx(0.3, abs=1e-3)
 
 
 def test_what_follows_a_change_is_no_hop() -> None:

@@ -1,5 +1,7 @@
 """Where drives are and what they do there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,7 @@ from sensorless.evaluation.metrics.place import (
     speed_bin,
 )
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
-from sensorless.evaluation.rollout import Rollout, rollout
+from sensorless.evaluation.rollout import CAUSES, Rollout, rollout
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 
@@ -39,9 +41,9 @@ def told(speed: list[float], torque: list[float], live: int, **fields: float) ->
 
 
 def test_quadrants_and_bins_by_hand() -> None:
-    speed = [0.31, 0.31, -0.31, -0.31, 0.004, 0.31, 0.07, -1.3]
-    torque = [0.5, -0.5, -0.5, 0.5, 1.0, 0.01, 0.5, 0.5]
-    r = told(speed, torque, 8)
+    speed = [0.31, 0.31, -0.31, -0.31, 0.009, 0.31, 0.07, -1.3, 0.011, 0.31]
+    torque = [0.5, -0.5, -0.5, 0.5, 1.0, 0.019, 0.5, 0.5, 0.5, 0.021]
+    r = told(speed, torque, 10)
     assert [QUADRANTS[i] for i in quadrant(r)[:, 0]] == [
         "forward motoring",
         "forward regenerating",
@@ -51,8 +53,11 @@ def test_quadrants_and_bins_by_hand() -> None:
         "no load",
         "forward motoring",
         "reverse regenerating",
+        "forward motoring",
+        "forward motoring",
     ]
-    assert [SPEED_EDGES[i] for i in speed_bin(r)[:, 0]] == [0.3, 0.3, 0.3, 0.3, 0, 0.3, 0.05, 1.0]
+    bins = [SPEED_EDGES[i] for i in speed_bin(r)[:, 0]]
+    assert bins == [0.3, 0.3, 0.3, 0.3, 0, 0.3, 0.05, 1.0, 0, 0.3]
 
 
 def test_a_lost_drive_was_lost_where_it_lived_last() -> None:
@@ -62,6 +67,13 @@ def test_a_lost_drive_was_lost_where_it_lived_last() -> None:
     assert places["lost"].tolist() == [False, True, False, False, False, False]
     assert places["err_sq"].tolist() == [20.0, 20.0, 0, 0, 0, 0]
     assert places["dev_sq"][1] == pytest.approx(45.0 / MOTOR.tau_rated**2)
+
+
+def test_what_is_not_feasible_was_lost_nowhere() -> None:
+    r = told([0.3, 0.3], [0.5, 0.5], 1)
+    lost = np.array([CAUSES["angle"] | CAUSES["twin"]], dtype=np.int32)
+    assert not any(x["lost"].any() for x in by_place(replace(r, lost=lost)).values())
+    assert any(x["lost"].any() for x in by_place(r).values())
 
 
 def test_a_drive_that_never_lived_was_nowhere() -> None:

@@ -92,6 +92,7 @@ def test_overshoot_against_the_twin_is_taken_step_by_step() -> None:
         (10.0, -1.5, 10.0, 3.0, 1.0),
         (10.0, -0.8, 10.0, 1.6, 0.0),
         (4.0, -0.5, 0.2, 4.0, 1.0),
+        (4.0, -0.5, 0.8, 1.0, 0.0),
     ],
 )
 def test_overshoot_where_the_twin_has_none(
@@ -130,6 +131,16 @@ def test_a_change_of_load_does_not_end_the_window() -> None:
     assert overshoot_pct(made_up(scenario, speed))[0] == pytest.approx(7.0, abs=1e-4)
 
 
+def test_a_decision_in_which_a_step_falls_is_no_part_of_its_window() -> None:
+    """From 0.5003 s on: the speed of 0.5 to 0.501 s is that before it, too."""
+    scenario = profile((0.0, 0.0, 0.0), (0.5003, 100.0, 0.0))
+    speed = np.where(TIME < 0.501, 0.0, 100.0)
+    speed[500] = 130.0
+    assert overshoot_pct(made_up(scenario, speed))[0] == 0.0
+    speed[501] = 110.0
+    assert overshoot_pct(made_up(scenario, speed))[0] == pytest.approx(10.0)
+
+
 def test_a_step_is_as_high_as_the_reference_had_to_go() -> None:
     scenario = profile((0.0, 100.0, 0.0), (0.5, 150.0, 0.0))
     scenario.omega_rate[:] = 40.0
@@ -137,12 +148,14 @@ def test_a_step_is_as_high_as_the_reference_had_to_go() -> None:
     assert overshoot_pct(r)[0] == pytest.approx(10.0, rel=1e-4)
 
 
-def test_small_steps_are_passed_over() -> None:
+def test_steps_below_5_percent_are_passed_over() -> None:
     scenario = profile((0.0, 0.04 * RATED, 0.0))
     r = made_up(scenario, np.full(2000, 0.1 * RATED))
     assert np.isnan(overshoot_pct(r)[0])
     assert np.isnan(settling_s(r)[0])
     assert np.isnan(dip_pct_s(r)[0])
+    r = made_up(profile((0.0, 0.06 * RATED, 0.0)), np.full(2000, 0.09 * RATED))
+    assert overshoot_pct(r)[0] == pytest.approx(50.0)
 
 
 def test_settling_of_a_first_order_lag_is_ln_50_time_constants() -> None:
