@@ -48,7 +48,7 @@ def test_what_the_twin_cannot_do_is_not_feasible_whoever_trips_first(overloaded:
     """As in an evaluation."""
     judged = score(make_policy("eq25", LIGHT), BEYOND, SimFactory(LIGHT, DriveDesign()))
     verdict = overloaded["t"][overloaded["judged"]][0]
-    assert overloaded["twin_fails"][0] > verdict, "lost first"
+    assert verdict < overloaded["twin_fails"][0] < verdict + 0.1, "lost first"
     assert outcome(overloaded).startswith("not feasible: the drive with an encoder")
     assert judged.lost[0] & CAUSES["twin"]
     assert lost_cause(overloaded) == "+".join(
@@ -100,6 +100,16 @@ def test_a_narrow_escape_is_said() -> None:
     assert outcome(t) == "kept lock, but its own alarm came at 0.022 s (EMF, current)"
     t["alarm"][:] = False
     assert outcome(t) == "kept lock"
+
+
+def test_an_alarm_long_before_the_verdict_is_not_of_it() -> None:
+    """It ended half a second before."""
+    t = np.arange(1000) * 1e-3
+    never = np.zeros(1000, dtype=bool)
+    run = {"t": t, "judged": t > 0.8, "recovering": never, "lost": np.full(1000, CAUSES["angle"])}
+    assert outcome({**run, "alarm": (t > 0.2) & (t < 0.3)}) == "lost (angle), unnoticed"
+    late = outcome({**run, "alarm": (t > 0.7505) & (t < 0.79)})
+    assert late == "lost (angle), alarm 49 ms before the verdict"
 
 
 def test_the_tests_that_failed_are_recorded() -> None:

@@ -170,6 +170,13 @@ def test_peak_to_peak_in_the_window_leaves_the_injection_out() -> None:
     assert torque_p2p_window(drive(tau[10:]))[0] == pytest.approx(0.1, rel=1e-5)
 
 
+def test_the_window_is_from_17_to_32_percent_of_rated_speed() -> None:
+    tau = np.zeros(100)
+    for speed, inside in ((0.168, False), (0.172, True), (0.318, True), (0.322, False)):
+        assert in_handover(drive(tau, speed=speed)).all() == inside
+        assert in_handover(drive(tau, speed=-speed)).all() == inside
+
+
 def test_a_drive_that_never_came_there_has_no_ripple_of_the_window() -> None:
     for speed in (0.99 * HANDOVER[0], 1.01 * HANDOVER[1]):
         r = drive(noisy(1000, 2), speed=speed)
