@@ -151,7 +151,8 @@ def _doubts(t: Trace) -> Iterator[str]:
     far = (np.abs(t["theta_e_err"]) > np.deg2rad(LOST_ANGLE_DEG)) & (t["starting"] == 0.0)
     if far.any():
         ms = 1e3 * int(far.sum()) * float(t["t"][-1] - t["t"][0]) / max(len(far) - 1, 1)
-        yield f"the angle error passed {LOST_ANGLE_DEG:g}° for {ms:.2g} ms in all"
+        told = f"{ms:.0f}" if ms >= 10.0 else f"{ms:.2g}"
+        yield f"the angle error passed {LOST_ANGLE_DEG:g}° for {told} ms in all"
     if t["alarm"].any():
         failed = ", ".join(name for name, bit in TESTS.items() if int(t["reason"][-1]) & bit)
         yield f"its own alarm came at {t['t'][t['alarm']][0]:.3f} s ({failed})"

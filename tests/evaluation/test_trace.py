@@ -102,6 +102,17 @@ def test_a_narrow_escape_is_said() -> None:
     assert outcome(t) == "kept lock"
 
 
+@pytest.mark.parametrize(
+    ("ms", "said"), [(0.2, "0.2"), (9.6, "9.6"), (12.4, "12"), (99.8, "100"), (140.0, "140")]
+)
+def test_the_time_beyond_the_limit_is_told_in_plain_digits(ms: float, said: str) -> None:
+    motor = Motor.load("paper")
+    plan = plan_from("0:100", "0:0", None, 0.2, motor, 0)
+    t = trace(make_policy("eq25", motor), plan, motor, DriveDesign())
+    t["theta_e_err"][: round(1e-3 * ms / motor.T_s)] = np.deg2rad(61.0)
+    assert outcome(t) == f"kept lock, but the angle error passed 60° for {said} ms in all"
+
+
 def test_an_alarm_long_before_the_verdict_is_not_of_it() -> None:
     """It ended half a second before."""
     t = np.arange(1000) * 1e-3
