@@ -15,6 +15,7 @@ from sensorless.machine.magnetics import (
     currents,
     flux,
     inverse_inductance,
+    iron_conductance,
     mtpa,
     torque,
 )
@@ -140,3 +141,9 @@ def test_the_cross_term_is_that_of_the_core(motor: Motor) -> None:
     both = currents(s, psi) - currents(replace(s, a_dq=0.0), psi)
     assert s.a_dq > 0.0
     assert s.a_dq * np.stack(cross_term(psi, s.U, s.V), axis=1) == pytest.approx(both, rel=1e-9)
+
+
+def test_iron_loses_its_power_at_the_voltage_of_rated_speed(motor: Motor) -> None:
+    """Three phases, each with the RMS value of the magnet's voltage."""
+    phase = motor.omega_rated * motor.psi_f / math.sqrt(2.0)
+    assert 3.0 * phase**2 * iron_conductance(motor, 100.0) == pytest.approx(100.0)

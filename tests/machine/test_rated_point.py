@@ -94,6 +94,24 @@ def test_beyond_the_current_is_named_with_what_is_needed() -> None:
     assert "more than i_max" in (rated_point(weak).objection(weak) or "")
 
 
+@pytest.mark.parametrize("name", ["paper", "ipmsm_2200w"])
+def test_the_torque_at_rated_speed_is_within_rated_current(name: str) -> None:
+    """Peak current would give more than rated current does at any speed."""
+    motor = Motor.load(name)
+    p = rated_point(motor)
+    assert motor.i_max > 1.2 * motor.i_rated
+    assert p.torque_at_speed <= p.torque
+
+
+def test_too_little_current_is_not_told_as_too_little_voltage() -> None:
+    motor = Motor.load("ipmsm_2200w")
+    weak = replace(motor, i_rated=0.8 * motor.i_rated)
+    p = rated_point(weak)
+    assert p.torque_at_speed == p.torque < motor.tau_rated
+    said = p.objection(weak) or ""
+    assert "but i_rated is" in said and "is beyond" not in said
+
+
 def test_voltage_at_the_reported_speed_is_the_usable_one() -> None:
     """Back into the voltage equation, for the base speed."""
     i = polar(PAPER)
