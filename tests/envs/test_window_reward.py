@@ -14,7 +14,7 @@ from sensorless.envs.returns import acts, returns
 from sensorless.envs.reward import SCALE_TORQUE, TERMS
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
-from sensorless.envs.window_reward import Window, WindowWeights, window_terms
+from sensorless.envs.window_reward import SCALE_RIPPLE, Window, WindowWeights, window_terms
 from sensorless.evaluation.metrics.catalogue import torque_dev_rms
 from sensorless.evaluation.metrics.ripple import torque_ripple_rms
 from sensorless.evaluation.metrics.step import overshoot_excess_pct
@@ -82,6 +82,36 @@ def test_a_cost_is_half_at_its_scale_over_the_whole_window(motor: Motor) -> None
     window.add(sums)
     parts = window_terms(window, sums, ~nobody, WindowWeights(), motor)
     assert parts["torque_ripple"][0] < -0.01 and parts["lost_penalty"][0] == -200.0
+
+
+def earned(motor: Motor, **shares: float) -> dict[str, float]:
+    """Terms of a decision of 25 periods, the first, with these sums per period."""
+    window, sums = Window(1, 25 * motor.T_s), np.zeros(1, dtype=SIM["sums"])
+    for name, share in {"n": 1.0, **shares}.items():
+        sums[name] = 25 * share
+    window.add(sums)
+    parts = window_terms(window, sums, np.zeros(1, dtype=bool), WindowWeights(), motor)
+    return {name: float(x[0]) for name, x in parts.items()}
+
+
+def test_ripple_is_about_the_difference_to_the_twin(motor: Motor) -> None:
+    """Both carry rated torque: what the drive's is off the twin's costs a half at its scale."""
+    tau, off = motor.tau_rated, SCALE_RIPPLE * motor.tau_rated
+    parts = earned(motor, tau=tau, tau_twin=tau, dev_sq=off**2)
+    assert parts["torque_ripple"] == pytest.approx(-0.5 * 0.025 * 5.0, rel=1e-5)
+
+
+def test_injection_costs_by_its_share_of_the_time(motor: Motor) -> None:
+    full = -WindowWeights().injection * 5.0
+    assert earned(motor, injecting=1.0)["injection"] == pytest.approx(full)
+    assert earned(motor, injecting=0.2)["injection"] == pytest.approx(0.2 * full)
+
+
+def test_movement_of_the_weight_costs_by_its_share_of_the_fastest(motor: Motor) -> None:
+    full, fastest = -WindowWeights().activity * 5.0, DriveDesign.k_s_slew * motor.T_s
+    for share in (0.5, 1.0):
+        parts = earned(motor, k_s_moved=share * fastest)
+        assert parts["activity"] == pytest.approx(share * full, rel=1e-5)
 
 
 def test_the_window_forgets(motor: Motor) -> None:
