@@ -8,6 +8,8 @@ import pytest
 
 from sensorless.core.api import lib
 from sensorless.design.drive import DriveDesign
+from sensorless.envs.scenarios.scenario import SimFactory
+from sensorless.evaluation import idle as module
 from sensorless.evaluation.idle import SPEEDS, idle_swing
 from sensorless.evaluation.machine_check import IDLE, swings_idle
 from sensorless.evaluation.rollout import rollout
@@ -22,6 +24,23 @@ def test_dead_time_makes_it() -> None:
     swing = {x: idle_swing(m, DriveDesign(), make_policy("eq25", m)) for x, m in for_motor.items()}
     assert 0.0 < 3.0 * swing[0.1][0] < swing[1.0][0] < 0.1
     assert all(speed in SPEEDS for _, speed in swing.values())
+
+
+def test_it_is_on_the_switching_inverter_whatever_the_design(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where dead time acts; all else is as the design has it."""
+    built: list[SimFactory] = []
+
+    def factory(motor: Motor, design: DriveDesign) -> SimFactory:
+        built.append(SimFactory(motor, design))
+        return built[-1]
+
+    monkeypatch.setattr(module, "SimFactory", factory)
+    monkeypatch.setattr(module, "DURATION", 1.0)
+    motor, design = Motor.load("paper"), DriveDesign(estimator="smo", carrier=False)
+    idle_swing(motor, design, make_policy("eq25", motor))
+    assert [made.design for made in built] == [replace(design, carrier=True)]
 
 
 @pytest.mark.parametrize(
