@@ -21,7 +21,7 @@ def survived(s: Scores, names: Sequence[str]) -> dict[str, float]:
 def change_over_seeds(ours: Sequence[Scores], theirs: Scores, name: str) -> dict[str, float]:
     """Change of a mean [%], ours over theirs, with its 95 % interval over seeds and scenarios.
 
-    Means are over the scenarios that both survived.
+    Means are over the scenarios that both survived and in which both have the metric.
     """
     there = theirs.metrics[name]
     both = [(s.lost == 0) & (theirs.lost == 0) & np.isfinite(there) for s in ours]

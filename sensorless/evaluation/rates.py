@@ -26,7 +26,8 @@ def rate_interval(hits: Bools, groups: Groups | None = None) -> Interval:
 
     With ``groups`` for as many scenarios as tell as much if each stood alone: n over the variance
     between groups, over that of independent hits (Rao and Scott, doi 10.2307/2532311). Where there
-    is no hit, or nothing else, that cannot be told, and they count as independent.
+    is no hit, or nothing else, that cannot be told, and they count as independent. One group alone
+    tells as much as one scenario.
     """
     if not len(hits):
         return math.nan, math.nan
