@@ -262,8 +262,20 @@ def test_a_rating_that_misses_by_a_mix_up_asks(share: float, asked: bool) -> Non
     assert ("peak values?" in text) == asked
 
 
-@pytest.mark.parametrize(("times", "weight"), [(1.6, NOTE), (2.2, LIMIT)])
+@pytest.mark.parametrize(("times", "weight"), [(1.6, NOTE), (1.9, NOTE), (2.1, LIMIT)])
 def test_a_current_for_twice_the_torque_limits(times: float, weight: str) -> None:
     motor = replace(LINEAR, tau_rated=rated_point(LINEAR).torque / times)
     found = [f.weight for f in examine(motor, 15.0).findings if f.field == "tau_rated"]
     assert found == [weight]
+
+
+@pytest.mark.parametrize(("share", "weight"), [(0.97, NO), (1.03, LIMIT)])
+def test_a_link_too_low_for_rated_speed_at_any_torque_is_refused(share: float, weight: str) -> None:
+    """With rated current against the magnet, psi_f - L_d i is left, and R_s i across it.
+
+    Field weakening has 0.97 of u_dc / sqrt(3). A little more voltage makes a little torque there.
+    """
+    i, w = LINEAR.i_rated, LINEAR.omega_rated
+    left = np.hypot(w * (LINEAR.psi_f - LINEAR.L_d * i), LINEAR.R_s * i)
+    e = changed(LINEAR, u_dc=share * float(left) * np.sqrt(3.0) / 0.97, u_inj=50.0)
+    assert [f.weight for f in e.findings if f.field == "rating"] == [weight]
