@@ -168,7 +168,7 @@ def _quick_run(
     causes = result["scenarios"]["lost_cause"]
     kept = [cause is None for cause in causes]
     far = np.array(result["scenarios"]["angle_err_max_deg"]) > LOST_ANGLE_DEG
-    lost = np.array([cause not in (None, "twin") for cause in causes])
+    lost = np.array([cause is not None and "twin" not in cause for cause in causes])
     tripped = np.array([cause == "current" for cause in causes])
     beyond = np.array([cause is not None and "twin" in cause for cause in causes])
     swings = np.array(result["scenarios"]["twin_swing_pct"], dtype=np.float64) > BAND_PCT
