@@ -71,3 +71,22 @@ def test_limits_of_the_suggestion() -> None:
     measured = replace(late, u_transistor=2.0, u_diode=1.0)
     assert suggested_injection(measured, 15.0) == pytest.approx(68.0)  # 2 (32.4 + 1.5)
     assert threshold_voltage(replace(PAPER, u_dc=149.0)) == 0.0  # MOSFETs
+
+
+def test_a_coarse_converter_asks_for_more_injection() -> None:
+    """A step of 11 bits over +-12 A is 10 degrees of the answer across the axis."""
+    motor = replace(Motor.load("ipmsm_2200w"), adc_bits=11)
+    answer = 0.5 * motor.T_s * (1.0 / 0.036 - 1.0 / 0.051)  # [A/rad], of a volt
+    volt = 2.0 * 12.0 / 2**11 / (answer * math.radians(10.0))
+    assert suggested_injection(motor, 5.0) == pytest.approx(volt, rel=0.01)
+
+
+def test_a_weak_saliency_asks_for_more_than_the_dead_time_takes() -> None:
+    """1.3 / (1 - L_d/L_q) times, and at most a fifth of rated current: u T_s / (2 L_d)."""
+    motor = replace(Motor.load("ipmsm_2200w"), dead_time=5e-6, adc_bits=16)
+    taken = 540.0 * 5e-6 / 2e-4 + 0.875
+    volt = 1.3 / (1.0 - 0.036 / 0.051) * taken
+    assert suggested_injection(motor, 5.0) == pytest.approx(volt, rel=0.01)
+    soft = replace(motor, saturation=Saturation.linear(0.0036, 0.0051, motor.psi_f))
+    most = 0.2 * motor.i_rated * 2.0 * 0.0036 / motor.T_s
+    assert 0.97 * most < suggested_injection(soft, 5.0) <= most

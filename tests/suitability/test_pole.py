@@ -9,7 +9,7 @@ from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.map_fit import fit_map
 from sensorless.machine.mapped import mapped
 from sensorless.machine.motor import Motor, Saturation
-from sensorless.observers.start_design import knows_poles
+from sensorless.observers.start_design import knows_poles, polarity_pulse
 from sensorless.suitability.pole import pole_unsure
 
 TRACTION = replace(
@@ -65,3 +65,18 @@ def test_a_map_without_current_on_one_side_is_told(invented: tuple[Motor, Floats
 def test_a_pole_that_the_map_has_too_is_not_doubted(motor: Motor) -> None:
     i = grid((-6.5, 6.5), 6.5)
     assert list(pole_unsure(motor, i, flux(motor.saturation, i))) == []
+
+
+@pytest.mark.parametrize(("share", "sure"), [(0.03, False), (0.05, True)])
+def test_a_map_needs_four_percent_of_rated_current(
+    share: float, sure: bool, invented: tuple[Motor, Floats, Floats]
+) -> None:
+    """A current of x + k x^2 along d, x the flux over L_d: pulses of +-x differ by 2 k x^2."""
+    motor, i = invented[0], grid((-130.0, 130.0), 190.0)  # beyond both peaks
+    pulse, _ = polarity_pulse(motor)
+    x = pulse / motor.L_d
+    k = 0.5 * share * motor.i_rated / x**2
+    root = (np.sqrt(1.0 + 4.0 * k * i[:, 0]) - 1.0) / (2.0 * k)
+    rest = flux(motor.saturation, np.zeros((1, 2)))[0, 0]
+    psi = np.stack([rest + motor.L_d * root, motor.L_q * i[:, 1]], axis=-1)
+    assert (list(pole_unsure(motor, i, psi)) == []) == sure
