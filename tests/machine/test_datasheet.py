@@ -1,6 +1,7 @@
 """Datasheets to machine numbers: units, kinds, and contradictions that are named."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -113,3 +114,58 @@ def test_a_machine_without_magnets_is_refused_in_words(name: str, said: bool) ->
     with pytest.raises(UserError, match="finite number above 0") as error:
         check_number(name, 0.0)
     assert ("without magnets" in str(error.value)) == said
+
+
+@pytest.mark.parametrize(
+    ("factor", "agrees"), [(1.13, True), (1.17, False), (0.87, True), (0.83, False)]
+)
+def test_ke_and_kt_may_differ_by_15_percent(factor: float, agrees: bool) -> None:
+    """On a machine without reluctance, where Kt is the magnet's alone whatever it counts."""
+    surface = replace(SHEET, L_d=0.011, L_q=0.011)
+    kt = factor * 1.5 * 4 * values(surface)["psi_f"] / math.sqrt(0.5)
+    # newton metres per peak ampere are 1 / sqrt(2) of those per RMS ampere
+    for sheet in (
+        replace(surface, kt=kt),
+        replace(surface, kt=kt / math.sqrt(2.0), kt_kind="peak"),
+    ):
+        if agrees:
+            assert values(sheet) == values(surface), "Ke counts"
+            continue
+        with pytest.raises(UserError, match=f"{factor:.3g} times as much"):
+            values(sheet)
+
+
+@pytest.mark.parametrize(
+    ("factor", "agrees"), [(1.04, True), (1.07, False), (0.96, True), (0.93, False)]
+)
+def test_power_and_torque_may_differ_by_5_percent(factor: float, agrees: bool) -> None:
+    sheet = replace(SHEET, power=factor * 2.4 * 3000.0 * math.pi / 30.0)
+    if agrees:
+        assert values(sheet)["tau_rated"] == 2.4
+        return
+    with pytest.raises(UserError, match="power, torque: "):
+        values(sheet)
+
+
+@pytest.mark.parametrize("kind", ["rms", "peak"])
+@pytest.mark.parametrize(("factor", "rated"), [(1.04, True), (1.07, False)])
+def test_kt_within_5_percent_of_torque_over_current_has_reluctance(
+    kind: str, factor: float, rated: bool
+) -> None:
+    """The magnet's flux is then less than what would make that torque alone."""
+    amperes = SHEET.current_rms * (1.0 if kind == "rms" else math.sqrt(2.0))
+    kt = factor * 2.4 / amperes
+    alone = factor * 2.4 / (1.5 * 4 * math.sqrt(2.0) * SHEET.current_rms)
+    psi_f = values(replace(SHEET, ke=None, kt=kt, kt_kind=kind))["psi_f"]
+    assert psi_f < 0.999 * alone if rated else psi_f == pytest.approx(alone)
+
+
+@pytest.mark.parametrize("off", [2.0, 3.0, 6.0])
+def test_the_mix_up_that_explains_a_contradiction_is_asked_for(off: float) -> None:
+    """Root two for RMS and peak, root three for line and phase, either way; both make root six."""
+    words = {2.0: "(RMS and peak", 3.0: "(line and phase", 6.0: "(both RMS with peak and line"}
+    surface = replace(SHEET, L_d=0.011, L_q=0.011)
+    right = 1.5 * 4 * values(surface)["psi_f"] * math.sqrt(2.0)  # per RMS ampere
+    for factor in (math.sqrt(off), 1.0 / math.sqrt(off)):
+        with pytest.raises(UserError, match=re.escape(words[off])):
+            values(replace(surface, kt=factor * right))
