@@ -22,6 +22,7 @@ from sensorless.observers.lock_design import (
     answer_bounds,
     most_answer,
     settled,
+    stall_time,
 )
 from sensorless.observers.tracking import rated_acceleration
 
@@ -128,3 +129,26 @@ def test_a_steeper_reference_of_the_torque_current_may_lag_more() -> None:
     i_off = [float(control_record(motor, d)["lock"]["i_off"]) for d in (slow, fast)]
     lag = 1e4 / (2.0 * math.pi * 100.0) + 0.5 * 1e4 * 1e-3
     assert i_off[1] - i_off[0] == pytest.approx(lag, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["paper", "ipmsm_2200w"])
+def test_the_emf_may_miss_what_the_drive_does_not_know(name: str) -> None:
+    """A speed off by 0.15 of rated, 3/4 of dead time and switches, and half of what R_s takes."""
+    motor = Motor.load(name)
+    lock = control_record(motor, DriveDesign())["lock"]
+    switches = 0.25 * (0.7 + 1.2 + 0.6 + 1.0)  # IGBTs and diodes
+    lost = motor.u_dc * motor.dead_time / motor.T_s + switches
+    speed = 0.15 * motor.omega_rated * motor.psi_f
+    drop = motor.R_s * motor.i_rated
+    assert lock["e_floor"] == pytest.approx(speed + 0.75 * lost + 0.5 * drop, rel=1e-5)
+    assert lock["R_warm"] == pytest.approx(0.5 * motor.R_s, rel=1e-5)
+    late = 0.07 * motor.omega_rated * motor.psi_f + lost
+    assert lock["e_late"] == pytest.approx(late, rel=1e-5)
+
+
+@pytest.mark.parametrize(("start", "told"), [(0.1, 0.5), (10.0, 2.0), (1000.0, 60.0)])
+def test_a_heavy_shaft_may_take_its_time_to_start(start: float, told: float) -> None:
+    """Ten times the inertia to 2 % of the speed that rated torque reaches in ``start`` seconds."""
+    motor = Motor.load("paper")
+    speed = motor.omega_rated / motor.n_p
+    assert stall_time(replace(motor, J=start * motor.tau_rated / speed)) == pytest.approx(told)
