@@ -40,6 +40,11 @@ def test_peak_voltage_phase_values_and_average_inductance() -> None:
     assert [v["R_s"], v["L_d"], v["L_q"]] == pytest.approx([1.6, 6e-3, 12e-3])
 
 
+def test_an_average_inductance_between_two_terminals_is_that_of_two_phases() -> None:
+    v = values(replace(SHEET, L_d=None, L_q=None, L=9e-3, ratio=2.0))
+    assert [v["L_d"], v["L_q"]] == pytest.approx([3e-3, 6e-3])
+
+
 def test_kt_alone_and_its_tie_to_ke() -> None:
     """In SI, Kt per peak ampere is 1.5 times Ke as peak phase volts by mechanical rad/s."""
     v = values(replace(SHEET, ke=None, kt=0.6))

@@ -10,7 +10,7 @@ from sensorless.design.records import control_record
 from sensorless.envs.scenarios.machine_family import family
 from sensorless.errors import UserError
 from sensorless.machine.motor import MOTORS, Motor, Saturation
-from sensorless.machine.sane import require_sane
+from sensorless.machine.sane import insane, require_sane
 
 MOTOR = Motor.load("pmsyrm_5600w")
 
@@ -25,6 +25,18 @@ def test_a_number_no_machine_has_is_named(field: str, value: float, said: str) -
     with pytest.raises(UserError, match=f"{field} = {value:g}".replace("+", r"\+")) as error:
         control_record(broken, DriveDesign())
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize("share", [0.95, 1.05])
+def test_friction_above_rated_torque_and_a_drop_above_the_link_are_refused(share: float) -> None:
+    """A machine just below either is unusual, and none of this check's business."""
+    speed = MOTOR.omega_rated / MOTOR.n_p
+    for change in (
+        {"B": share * MOTOR.tau_rated / speed},
+        {"R_s": share * MOTOR.u_dc / MOTOR.i_rated},
+    ):
+        refused = [field for field, _ in insane(dataclasses.replace(MOTOR, **change))]
+        assert refused == (list(change) if share > 1.0 else [])
 
 
 @pytest.mark.parametrize(("field", "value"), [("L_d", 3.6e-11), ("psi_f", 5.45e8)])
