@@ -9,11 +9,12 @@ import pytest
 
 from sensorless.design.drive import DriveDesign
 from sensorless.evaluation import machine_check
-from sensorless.evaluation.machine_check import QuickRun, check, judged, swings_idle
+from sensorless.evaluation.machine_check import Check, QuickRun, check, judged, swings_idle
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.suitability.finding import LIMIT, NO, NOTE
 
+PAPER, DESIGN = Motor.load("paper"), DriveDesign()
 NONE = QuickRun("hold", 100, 0.0, 0.0, 0.0, 0.01)
 """Nothing to say of it."""
 
@@ -55,20 +56,21 @@ def test_a_swing_without_load_is_noted_from_2_percent_and_limits_from_5(
     assert [f.weight for f in swings_idle(swing, 0.5, "Eq. 25")] == found
 
 
-def run_of(
+def checked(
     monkeypatch: pytest.MonkeyPatch,
     causes: list[str | None],
     angle: list[float],
     swing: list[float],
+    motor: Motor = PAPER,
+    design: DriveDesign = DESIGN,
     **lock: int,
-) -> QuickRun:
-    """Quick run of an evaluation that found this."""
-    motor, n = Motor.load("paper"), len(causes)
-    infeasible = sum("twin" in (cause or "") for cause in causes) / n
+) -> Check:
+    """A check whose only evaluation found this, and an eighth of it not held."""
+    n = len(causes)
     found = {
         "lost_rate": 0.25,
         "not_held_rate": 0.125,
-        "infeasible_rate": infeasible,
+        "infeasible_rate": sum("twin" in (cause or "") for cause in causes) / n,
         "torque_dev_rms": 0.02,
         "scenarios": {
             "lost_cause": causes,
@@ -82,8 +84,7 @@ def run_of(
     monkeypatch.setattr(
         machine_check, "evaluate", lambda *of: SimpleNamespace(policies={"Eq. 25": found})
     )
-    (run,) = check(motor, DriveDesign(), make_policy("eq25", motor), "Eq. 25", n).runs
-    return run
+    return check(motor, design, make_policy("eq25", motor), "Eq. 25", n)
 
 
 def test_shares_are_those_of_the_scenarios_that_an_encoder_can_do(
@@ -93,7 +94,7 @@ def test_shares_are_those_of_the_scenarios_that_an_encoder_can_do(
     causes = [*[None] * 5, "current", "current", "angle", "twin", "current+twin"]
     angle = [70.0, 70.0, 10.0, 10.0, 10.0, 10.0, 90.0, 90.0, 90.0, 10.0]
     swing = [3.0] + [1.0] * 7 + [3.0, 3.0]
-    run = run_of(monkeypatch, causes, angle, swing, false_alarms=7, near_losses=3)
+    (run,) = checked(monkeypatch, causes, angle, swing, false_alarms=7, near_losses=3).runs
     assert run.infeasible == pytest.approx(0.2)
     assert run.slipped == pytest.approx(2 / 8)
     assert run.twin_swings == pytest.approx(1 / 8)
@@ -104,18 +105,34 @@ def test_shares_are_those_of_the_scenarios_that_an_encoder_can_do(
 
 def test_a_loss_that_is_told_late_is_not_told_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
     causes: list[str | None] = ["angle"] * 4
-    run = run_of(monkeypatch, causes, [90.0] * 4, [0.0] * 4, watched=4, detected=3)
+    (run,) = checked(monkeypatch, causes, [90.0] * 4, [0.0] * 4, watched=4, detected=3).runs
     assert run.told == pytest.approx(0.75)
-    assert run_of(monkeypatch, causes, [90.0] * 4, [0.0] * 4).told == 1.0, "none was watched"
+    (run,) = checked(monkeypatch, causes, [90.0] * 4, [0.0] * 4).runs
+    assert run.told == 1.0, "none was watched"
+
+
+def dipping(dip: float) -> DriveDesign:
+    """Design whose critically damped speed loop of w dips by tau / (e w J) after a rated load."""
+    w = PAPER.tau_rated / (math.e * PAPER.J * dip * PAPER.omega_rated / PAPER.n_p)
+    return DriveDesign(speed_hz=w / (2.0 * math.pi))
 
 
 @pytest.mark.parametrize(("dip", "noted"), [(0.29, False), (0.31, True)])
 def test_a_shaft_that_dips_by_30_percent_is_noted(dip: float, noted: bool) -> None:
-    """A critically damped loop of w dips by tau / (e w J) after a load step."""
-    motor = Motor.load("paper")
-    w = motor.tau_rated / (math.e * motor.J * dip * motor.omega_rated / motor.n_p)
-    design = DriveDesign(speed_hz=w / (2.0 * math.pi))
-    done = check(motor, design, make_policy("eq25", motor), "Eq. 25", 0)
+    done = check(PAPER, dipping(dip), make_policy("eq25", PAPER), "Eq. 25", 0)
     assert done.dip == pytest.approx(dip)
     found = [f.weight for f in done.examination.findings if f.field == "J"]
     assert found == ([NOTE] if noted else [])
+
+
+@pytest.mark.parametrize(
+    ("dip", "i_max", "helps"), [(0.2, 1.5, True), (0.09, 1.5, False), (0.2, 0.9, False)]
+)
+def test_inertia_is_asked_for_where_it_helps(
+    dip: float, i_max: float, helps: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a lighter shaft than designed for; where the current is short, more is longer at it."""
+    motor = replace(PAPER, i_max=i_max * PAPER.i_rated)
+    done = checked(monkeypatch, [None] * 8, [5.0] * 8, [0.0] * 8, motor, dipping(dip))
+    (said,) = (f.text for f in done.examination.findings if "off its speed" in f.text)
+    assert ("more inertia on the shaft helps" in said) == helps

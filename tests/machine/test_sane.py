@@ -31,10 +31,11 @@ def test_a_number_no_machine_has_is_named(field: str, value: float, said: str) -
 def test_friction_above_rated_torque_and_a_drop_above_the_link_are_refused(share: float) -> None:
     """A machine just below either is unusual, and none of this check's business."""
     speed = MOTOR.omega_rated / MOTOR.n_p
-    for change in (
+    changes: list[dict[str, Any]] = [
         {"B": share * MOTOR.tau_rated / speed},
         {"R_s": share * MOTOR.u_dc / MOTOR.i_rated},
-    ):
+    ]
+    for change in changes:
         refused = [field for field, _ in insane(dataclasses.replace(MOTOR, **change))]
         assert refused == (list(change) if share > 1.0 else [])
 
