@@ -10,7 +10,7 @@ from sensorless.baselines.fuzzy import LEVELS, RULES, TERMS, FuzzySystem, fuzzy_
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
-from sensorless.policy import Signals
+from sensorless.policy import Signals, TablePolicy
 
 pytest.importorskip("simpful")
 
@@ -44,6 +44,16 @@ def test_the_reasoning_holds() -> None:
     assert (k_s == k_s[:, :, ::-1]).all(), "both signs of disagreement count alike"
     assert (k_s[:, :, 0] >= k_s[:, :, 1]).all(), "and keep the injection"
     assert (k_s[0] == 1.0).all() and (k_s[-1] == 0.0).all()
+
+
+def test_the_command_line_has_r_min_and_degrees() -> None:
+    """The signal of the disagreement is 1 at 30 degrees, that of the speed at rated speed."""
+    policy = make_policy("fuzzy:150,600,4,15", Motor.load("paper"))
+    assert isinstance(policy, TablePolicy)
+    ends = {axis.signal: (axis.lo, axis.hi) for axis in policy.table.axes}
+    assert ends["speed"] == pytest.approx((0.1, 0.4))
+    assert ends["acceleration"] == pytest.approx((-4.0, 4.0))
+    assert ends["disagreement"] == pytest.approx((-0.5, 0.5))
 
 
 def test_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:

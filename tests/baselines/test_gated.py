@@ -101,6 +101,19 @@ def test_does_not_wait_for_agreement_near_standstill(gated: Gated, signals: Make
     assert drive(gated, signals, 2, speed=0.1, disagreement=3.0) == [WAKE, DOWN]
 
 
+def test_half_the_way_back_is_where_it_waits_no_longer(gated: Gated, signals: Make) -> None:
+    drive(gated, signals, 8, speed=0.7)
+    assert drive(gated, signals, 6, speed=0.11, disagreement=3.0) == [WAKE] * 6
+    assert drive(gated, signals, 1, speed=0.1, disagreement=3.0) == [DOWN]
+
+
+def test_agreement_counts_from_when_the_injection_is_awake(gated: Gated, signals: Make) -> None:
+    """Before, on the observer, the idle injection's angle follows it."""
+    drive(gated, signals, 8, speed=0.7)
+    assert drive(gated, signals, 1, speed=0.24) == [WAKE]
+    assert drive(gated, signals, 3, speed=0.19) == [WAKE, WAKE, DOWN]
+
+
 def test_each_drive_has_its_own_state_and_nan_means_injection(signals: Make, gated: Gated) -> None:
     gated.reset(3)
     for _ in range(8):

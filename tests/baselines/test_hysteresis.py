@@ -1,9 +1,12 @@
 """The hard switch remembers, each drive for itself."""
 
 import numpy as np
+import pytest
 
 from sensorless.baselines.hysteresis import SPEED, Hysteresis
 from sensorless.core.api import SIGNAL_N
+from sensorless.machine.motor import Motor
+from sensorless.policies.registry import make_policy
 
 
 def run(policy: Hysteresis, speeds: list[list[float]]) -> list[list[float]]:
@@ -52,3 +55,11 @@ def test_a_speed_that_is_no_number_means_injection() -> None:
     policy = Hysteresis("hysteresis", 0.2, 0.3)
     policy.reset(1)
     assert run(policy, [[0.4], [np.nan]]) == [[0], [1]]
+
+
+def test_by_default_it_switches_in_the_middle_of_the_papers_band() -> None:
+    """300 to 400 r/min, and 5 % of its middle to either side, as VESC does."""
+    policy = make_policy("hysteresis", Motor.load("paper"))
+    assert isinstance(policy, Hysteresis)
+    rpm = [1500.0 * float(x) for x in (policy.low, policy.high)]
+    assert rpm == pytest.approx([0.95 * 350.0, 1.05 * 350.0])

@@ -1,5 +1,6 @@
 """Seven numbers and what each of them moves."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -15,6 +16,15 @@ def test_one_half_at_its_centre_and_certain_far_from_it(signals: Callable[..., S
     k_s = logistic_table(BASE).evaluate(signals(speed=[0.0, 0.3, 0.7, 1.5]))
     assert k_s == pytest.approx([1.0, 0.5, 0.0, 0.0], abs=1e-3)
     assert k_s[0] == 1.0 and k_s[-1] == 0.0
+
+
+def test_between_its_nodes_it_is_off_by_the_rest_of_a_line(signals: Callable[..., Signals]) -> None:
+    """h^2 / 8 max |f''|, of nodes 0.05 of rated speed apart: max |f''| = 1.04 20^2 sqrt(3)/18."""
+    s = np.linspace(0.0, 0.9, 361)
+    exact = np.clip(1.04 / (1.0 + np.exp(-20.0 * (0.3 - s))) - 0.02, 0.0, 1.0)
+    most = 0.05**2 / 8.0 * 1.04 * 20.0**2 * math.sqrt(3.0) / 18.0
+    off = np.abs(logistic_table(BASE).evaluate(signals(speed=s)) - exact)
+    assert 0.9 * most < off.max() < 1.01 * most
 
 
 @pytest.mark.parametrize(

@@ -43,7 +43,7 @@ def test_estimators_that_agree_leave_the_weight(signals: Callable[..., Signals])
 def test_the_injection_sleeps_and_wakes(signals: Callable[..., Signals]) -> None:
     policy = Oracle("oracle", inertia=0.5, wake=0.1)
     policy.reset(2)
-    k_s = decide(policy, signals(speed=[1.0, 1.0]), drives([0.05, 0.2], [0.05, 0.2], False))
+    k_s = decide(policy, signals(speed=[1.0, 1.0]), drives([0.2, 0.05], [0.05, 0.2], False))
     assert k_s == pytest.approx([0.0, WAKE_K_S])
 
 
