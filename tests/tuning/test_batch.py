@@ -16,6 +16,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, GainGrid, KsTable
+from sensorless.tuning import batch
 from sensorless.tuning.batch import SideBySide, costs, near_losses
 
 pytestmark = pytest.mark.usefixtures("short_suites")
@@ -82,6 +83,16 @@ def test_near_losses_are_those_of_an_evaluation() -> None:
         assert share == pytest.approx(float(near.mean()), abs=1e-6)
     assert found[0] < 0.01 < found[1]
     assert 0.0 < seconds <= 2 * float(scenarios.duration.sum())
+
+
+def test_what_an_encoder_cannot_do_is_no_near_loss(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four scenarios: lost, half way to a loss, lost and not feasible, far from a loss."""
+    found = np.zeros((5, 1, 4))
+    found[0, 0], found[1, 0] = [1.0, 0.0, 1.0, 0.0], [1.0, 1.0, 0.0, 1.0]
+    found[4, 0] = np.radians([20.0, 50.0, 180.0, 5.0])
+    monkeypatch.setattr(batch, "_table", lambda *of: (found, 1.0))
+    near, _ = near_losses([make_policy("hfi", MOTOR)], SCENARIOS, FACTORY)
+    assert near == pytest.approx([(1.0 + 0.5 + 0.0) / 3.0])
 
 
 def test_policies_with_gains_keep_their_own() -> None:

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from sensorless.policy import Policy, TablePolicy
 from sensorless.tuning import rule_search
 from sensorless.tuning import tune as tuning
 from sensorless.tuning.judge import judged as judge
+from sensorless.tuning.rule_search import generation_scenarios
 from tests.helpers.scenarios import lasting
 
 PAPER = Motor.load("paper")
@@ -61,6 +63,44 @@ def test_finds_the_least_within_its_budget(monkeypatch: pytest.MonkeyPatch) -> N
     assert known["policy"] == RULE.spec(found.parameters, PAPER)
     assert known["motor_digest"] == PAPER.digest
     assert seen == sorted(seen) and 0.9 < seen[-1] <= 1.0
+
+
+def test_generations_draw_anew_and_centres_are_judged_on_one_set(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With half as many scenarios in which a load goes; all time simulated counts."""
+    drawn: list[tuple[int, int, str]] = []
+    candidates: list[int] = []
+    times: list[float] = []
+
+    def draw(
+        motor: Motor, seed: int, generation: int, n: int, machine: int = 0, *, of: str = "stress-1"
+    ) -> Scenarios:
+        drawn.append((generation, n, of))
+        return generation_scenarios(motor, seed, generation, n, machine, of=of)
+
+    def found(*words: Any) -> tuple[list[Cost], float]:
+        costs, time = bowl(*words)
+        candidates.append(len(costs))
+        times.append(time)
+        return costs, time
+
+    def near(*words: Any) -> tuple[list[float], float]:
+        losses, time = none_near(*words)
+        times.append(time)
+        return losses, time
+
+    for name, stub in (("generation_scenarios", draw), ("costs", found), ("near_losses", near)):
+        monkeypatch.setattr(rule_search, name, stub)
+    known = tuning.tune("linear", PAPER, DESIGN, 6000.0, 5).provenance
+    whole, half = drawn[::2], drawn[1::2]
+    assert {of for *_, of in whole} == {"stress-1"} and {of for *_, of in half} == {"unload"}
+    assert [(g, n // 2) for g, n, _ in whole] == [(g, n) for g, n, _ in half]
+    judged = {(g, n) for (g, n, _), k in zip(whole, candidates, strict=True) if k == 1}
+    assert judged == {(0, known["scenarios_judged_on"])}
+    tried = [g for (g, *_), k in zip(whole, candidates, strict=True) if k > 1]
+    assert tried == list(range(1, known["generations"] + 1)) and len(tried) > 3
+    assert known["used_s"] == pytest.approx(sum(times), abs=1e-3)
 
 
 @pytest.mark.usefixtures("without_near_losses")
