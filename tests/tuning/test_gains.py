@@ -17,9 +17,17 @@ from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy
 from sensorless.tuning.gains import search as searching
 from sensorless.tuning.gains.choice import FACTOR, OBSERVER, decode, gains_of, with_gains
-from sensorless.tuning.gains.measure import KEPT, Measured, cost, excess, measure, not_held_rate
+from sensorless.tuning.gains.measure import (
+    KEPT,
+    Measured,
+    cost,
+    excess,
+    measure,
+    not_held_rate,
+    pairs,
+)
 from sensorless.tuning.gains.record import record_of, words
-from sensorless.tuning.gains.search import Search, search
+from sensorless.tuning.gains.search import Search, judge, search
 from tests.helpers.scenarios import lasting
 
 PAPER = Motor.load("paper")
@@ -87,6 +95,23 @@ def test_what_the_start_keeps_has_its_price() -> None:
     assert excess(loose, saved) == 0.0
 
 
+def test_a_cheaper_centre_that_settles_later_is_not_kept() -> None:
+    start = measured([0] * 4, 0.2)
+    known = Search(TWO, best_value=cost(start, start).objective)
+    judge(known, {"speed_hz": 4.0}, measured([0] * 4, 0.1, settling=1.1), start)
+    assert known.best == {} and [centre.unkept for centre in known.centres] == [pytest.approx(0.1)]
+    judge(known, {"speed_hz": 3.0}, measured([0] * 4, 0.15), start)
+    judge(known, {"speed_hz": 2.0}, measured([0] * 4, 0.17), start)
+    assert known.best == {"speed_hz": 3.0} and known.best_value == pytest.approx(0.15)
+
+
+def test_a_metric_is_compared_where_both_drives_survived_and_have_it() -> None:
+    ours, start = measured([1, 0, 0, 0], 0.1, dip=2.0), measured([0, 1, 0, 0], 0.1, dip=1.0)
+    start.numbers["dip"][3] = math.nan
+    here, there = pairs("dip", ours, start)
+    assert here.tolist() == [2.0] and there.tolist() == [1.0]
+
+
 def bowl(motor: Motor, design: DriveDesign, policy: Policy, scenarios: Sized) -> Measured:
     """Costs least at a speed loop of 4 Hz and 250 A/s; SLOW settles late above 3 Hz."""
     speed, slew = design.speed_hz or AT.speed_hz, design.i_q_slew or AT.i_q_slew
@@ -122,6 +147,27 @@ def test_finds_the_least_and_keeps_what_the_start_keeps(monkeypatch: pytest.Monk
     assert record_of(PAPER, DESIGN, "eq25", found, 8, 5)["words"] == words(
         with_gains(DESIGN, found.best)
     )
+
+
+def test_candidates_and_their_yardstick_run_the_same_scenarios(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each generation draws anew."""
+    seen: dict[int, set[bool]] = {}
+
+    def seeds(name: str, motor: Motor, seed: int, size: int, role: str) -> list[int]:
+        return [seed] * size
+
+    def noted(motor: Motor, design: DriveDesign, policy: Policy, scenarios: list[int]) -> Measured:
+        seen.setdefault(scenarios[0], set()).add(design == DESIGN)
+        return bowl(motor, design, policy, scenarios)
+
+    monkeypatch.setattr(searching, "measure", noted)
+    monkeypatch.setattr(searching, "suite", seeds)
+    found = tuned(evaluations=30)
+    generations = found.tried // found.population
+    assert generations == 5 and len(seen) == 1 + generations, "one set more judges the centres"
+    assert all(who == {True, False} for who in seen.values())
 
 
 def test_ctrl_c_keeps_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
