@@ -16,6 +16,7 @@ from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import Policy
 from sensorless.tuning.gains import search as searching
+from sensorless.tuning.gains import verdict
 from sensorless.tuning.gains.choice import FACTOR, OBSERVER, decode, gains_of, with_gains
 from sensorless.tuning.gains.measure import (
     KEPT,
@@ -207,3 +208,24 @@ def test_too_little_is_refused() -> None:
         tuned(evaluations=3)
     with pytest.raises(UserError, match="size: 7"):
         tuned(size=7)
+
+
+@pytest.mark.parametrize(("spread", "told"), [(0.0, True), (0.5, False)])
+def test_what_rose_beyond_chance_is_told(
+    spread: float, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A settling time that is 5 % longer: in every scenario, or with 50 % more or less in each."""
+
+    def run(motor: Motor, design: DriveDesign, policy: Policy, scenarios: Sized) -> Measured:
+        found = measured([0] * len(scenarios), 0.2 if design == DESIGN else 0.1)
+        if design != DESIGN:
+            either = np.where(np.arange(len(scenarios)) % 2 == 0, spread, -spread)
+            found.numbers["settling"][:] = 1.05 + either
+        return found
+
+    monkeypatch.setattr(verdict, "measure", run)
+    monkeypatch.setattr(verdict, "suite", lambda name, motor, seed, size: range(size))
+    monkeypatch.setattr(verdict, "SIZE", 80)
+    facts = verdict.judged(PAPER, DESIGN, EQ25, Search(TWO, best={"speed_hz": 4.0}))
+    assert facts["kept"]["settling"]["change"] == pytest.approx(0.05)
+    assert ("settling +5.0 %" in facts["verdict"]) == told
