@@ -35,9 +35,10 @@ Progress = Callable[[float, int, Cost | None], None]
 class Watch(BaseCallback):
     """Ends the training in time, validates, and writes checkpoint and best schedule.
 
-    It validates the mean of the actor over the last ``config.average`` updates and keeps the best
-    such mean, or the last one if the run asks for that: the optimiser takes steps even where the
-    gradient is nothing but noise, and the mean removes most of that.
+    It validates a running mean of the actor, in which an update has the weight 1 over
+    ``config.average`` (a plain mean until there are as many), and keeps the best such mean, or the
+    last one if the run asks for that: the optimiser takes steps even where the gradient is nothing
+    but noise, and the mean removes most of that.
     """
 
     def __init__(
