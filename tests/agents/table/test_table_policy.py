@@ -109,3 +109,14 @@ def test_nodes_rest_while_the_critic_warms_up() -> None:
 def test_kernel_without_length_is_independent() -> None:
     nodes = torch.rand(12)
     torch.testing.assert_close(NodeKernel((3, 4), 0.0).smooth(nodes), nodes)
+
+
+@pytest.mark.parametrize("size", [1e-4, 7.0])
+def test_the_first_step_of_the_nodes_does_not_depend_on_the_gradients_size(size: float) -> None:
+    """Gradients in units of their usual size are 1, and so is Adam's eps: half a step."""
+    net = policy(smoothness=0.0)
+    before = net.actor.values.detach().clone()
+    net.actor.values.grad = torch.full_like(net.actor.values, size)
+    net.optimizer.step()
+    moved = (before - net.actor.values.detach())[1:-1]  # the ends are clipped
+    assert moved.numpy() == pytest.approx(0.5 * 2e-3, rel=1e-3)
