@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from sensorless.design import control
-from sensorless.design.control import reference_share, stiffening
+from sensorless.design.control import (
+    braking_current,
+    half_load_inductance,
+    reference_share,
+    stiffening,
+    weakening,
+)
 from sensorless.design.drive import DriveDesign
 from sensorless.design.records import control_record, designed
 from sensorless.envs.scenarios.machine_family import member
@@ -36,6 +42,25 @@ def test_the_share_rises_with_turn_and_stiffness() -> None:
     assert float(control_record(part, DriveDesign())["control"]["by_reference"]) == pytest.approx(
         reference_share(part)
     )
+
+
+@pytest.mark.parametrize("name", ["pmsyrm_5600w", "pmsrm_15kw", "formula_wheel"])
+def test_a_generator_short_of_voltage_keeps_the_current_that_takes_least(name: str) -> None:
+    """|u| at rated speed over the braking current, on a grid; but a tenth of the limit at least."""
+    motor = Motor.load(name)
+    i_d, w, L_q = -0.9 * motor.i_max, motor.omega_rated, half_load_inductance(motor)
+    i_q = np.linspace(0.0, motor.i_max, 20001)
+    u_d = motor.R_s * i_d + w * L_q * i_q
+    u_q = w * (motor.psi_f + motor.L_d * i_d) - motor.R_s * i_q
+    least = float(i_q[np.argmin(np.hypot(u_d, u_q))])
+    wanted = max(least, 0.1 * motor.i_max)
+    assert braking_current(motor, i_d) == pytest.approx(wanted, rel=1e-3)
+
+
+def test_field_weakening_is_faster_than_the_speed_loop_and_slower_than_the_current_s() -> None:
+    """Five times the one, at most a fifth of the other [rad/s]."""
+    assert weakening(1.0, 50.0) == pytest.approx(2.0 * np.pi * 5.0)
+    assert weakening(4.0, 50.0) == pytest.approx(2.0 * np.pi * 10.0)
 
 
 def test_by_the_measured_current_a_coarse_drive_swings(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -117,6 +117,19 @@ def test_an_inverter_without_dead_time_has_gains() -> None:
     assert none["drift"]["k"] == least["drift"]["k"] > 0.0
 
 
+@pytest.mark.parametrize("times", [1.0, 20.0])
+def test_too_much_dead_time_compensated_is_a_fifth_of_the_emf_at_the_hand_over(
+    times: float,
+) -> None:
+    """On an inverter that loses a quarter of what its file says; at most 0.75 is compensated."""
+    motor = replace(PAPER, dead_time=times * PAPER.dead_time)
+    u_dt = motor.u_dc * motor.dead_time / motor.T_s
+    emf = 0.2 * motor.omega_rated * motor.psi_f
+    share = derive(motor, DriveDesign()).dead_time_share
+    assert share == pytest.approx(0.75 if times == 1.0 else 0.25 + 0.2 * emf / u_dt)
+    assert (share - 0.25) * u_dt < 1.001 * 0.2 * emf
+
+
 def test_a_light_shaft_gets_faster_signals() -> None:
     """Braked by i_max and a rated load the speed signal lags a quarter of rated at most."""
     brakes = 1.0 + PAPER.i_max / PAPER.i_rated

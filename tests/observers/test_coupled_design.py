@@ -51,3 +51,13 @@ def test_the_rise_is_as_fast_as_the_speed_loop_needs(name: str) -> None:
     rise = -math.log1p(-float(p["alpha_rise"])) / motor.T_s / (2.0 * math.pi)
     assert rise == pytest.approx(min(by.coupled_flux_hz, by.speed_hz / LOOP_SHARE), rel=1e-4)
     assert pytest.approx(2.0 * RISE_OVER_LOAD) == 1.0 / LOOP_SHARE
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_two_thirds_of_the_torque_s_acceleration_are_fed_forward(name: str) -> None:
+    """The mean of inertias from one to three times the machine's own, 1 and 1/3."""
+    motor = Motor.load(name)
+    flux_times_current = motor.tau_rated / (1.5 * motor.n_p)  # of rated torque
+    rise = motor.n_p * motor.tau_rated / motor.J  # electrical, of the machine alone
+    k_tau = float(control_record(motor, DriveDesign())["coupled"]["k_tau"])
+    assert k_tau * flux_times_current == pytest.approx(2.0 / 3.0 * rise, rel=1e-5)
