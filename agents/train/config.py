@@ -157,7 +157,7 @@ class TrainConfig:
         "count the advantage of a pair at most this many times the usual, so that one lost "
         "scenario does not drown what all others say; 0 counts all of it",
     )
-    average: int = number(5, "1", 1, 10**6, "validate and keep the mean table of this many updates")
+    average: int = number(5, "1", 1, 10**6, "validate and keep a running mean of so many updates")
     warm_up: int = number(2, "1", 0, 10**6, "update the critic alone this many times first")
     decision_ms: float = number(
         1e3 * TRAINING,
