@@ -87,7 +87,7 @@ def _why_start(folder: Path, config: TrainConfig, start: KsTable) -> str:
         )
     moved = f"the run's last weights move k_s by up to {k_s:.1g}"
     if config.last:
-        return f"{moved}, but its last mean over {config.average} updates is still the start"
+        return f"{moved}, but its last mean, of some {config.average} updates, is still the start"
     return f"{moved}, but none of {len(curve)} validations was better than that of the start"
 
 

@@ -1,6 +1,8 @@
 """Many policies at once cost what each costs alone."""
 
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import astuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,12 +13,11 @@ from sensorless.envs.scenarios.suites import suite
 from sensorless.evaluation.aggregate import summary
 from sensorless.evaluation.evaluate import score
 from sensorless.evaluation.objective import nearness
-from sensorless.evaluation.rollout import rollout
+from sensorless.evaluation.rollout import Floats, rollout
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
 from sensorless.policy import TablePolicy
 from sensorless.table.ks_table import Axis, GainGrid, KsTable
-from sensorless.tuning import batch
 from sensorless.tuning.batch import SideBySide, costs, near_losses
 
 pytestmark = pytest.mark.usefixtures("short_suites")
@@ -85,14 +86,23 @@ def test_near_losses_are_those_of_an_evaluation() -> None:
     assert 0.0 < seconds <= 2 * float(scenarios.duration.sum())
 
 
-def test_what_an_encoder_cannot_do_is_no_near_loss(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Four scenarios: lost, half way to a loss, lost and not feasible, far from a loss."""
-    found = np.zeros((5, 1, 4))
-    found[0, 0], found[1, 0] = [1.0, 0.0, 1.0, 0.0], [1.0, 1.0, 0.0, 1.0]
-    found[4, 0] = np.radians([20.0, 50.0, 180.0, 5.0])
-    monkeypatch.setattr(batch, "_table", lambda *of: (found, 1.0))
-    near, _ = near_losses([make_policy("hfi", MOTOR)], SCENARIOS, FACTORY)
-    assert near == pytest.approx([(1.0 + 0.5 + 0.0) / 3.0])
+class Found:
+    """An engine that has run everything before it was asked."""
+
+    def __init__(self, found: Floats) -> None:
+        self.found = found
+
+    def map(self, run: Callable[..., Any], jobs: Iterable[Any]) -> Iterator[Any]:
+        return ((1.0, self.found) for _ in jobs)
+
+
+def test_what_an_encoder_cannot_do_is_no_near_loss() -> None:
+    """Three scenarios: lost, half way to a loss, lost and not feasible."""
+    lost, feasible = [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]
+    found = np.array([lost, feasible, [0.0] * 3, [0.0] * 3, np.radians([20.0, 50.0, 180.0])])
+    engine = Found(found.reshape(5, 1, 3))
+    near, _ = near_losses([make_policy("hfi", MOTOR)], SCENARIOS, FACTORY, engine)
+    assert near == pytest.approx([(1.0 + 0.5) / 2.0])
 
 
 def test_policies_with_gains_keep_their_own() -> None:
