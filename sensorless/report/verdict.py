@@ -178,11 +178,9 @@ def best_rule(results: Results, words: Sequence[str], apart: Collection[str] = (
     ``words`` name policies. A rule that hops too often beside the first other policy
     is none to take, nor is one of those with another control, ``apart``.
     """
-    tuned = set(shipped.tuned_names()) | {
-        as_text(Path(w).stem) for w in words if w.endswith(".json")
-    }
+    files = [as_text(Path(w).stem) for w in words if w.endswith(".json")]
     others = list(results.policies)[1:]
-    able = [name for name in others if name in tuned and name not in apart]
+    able = [x for x in others if x in (*shipped.tuned_names(), *files) and x not in apart]
     found = [name for name in able if not hops(results, name, others[0])]
     return min(found, key=lambda name: _objective(results, name)) if found else None
 
