@@ -166,9 +166,8 @@ def _quick_run(
     result = evaluate(motor, design, suite, SEED, size, {under: policy}).policies[under]
     feasible = max(1.0, size * (1.0 - result["infeasible_rate"]))
     causes = result["scenarios"]["lost_cause"]
-    kept = [cause is None for cause in causes]
+    kept = np.array([cause is None for cause in causes])
     far = np.array(result["scenarios"]["angle_err_max_deg"]) > LOST_ANGLE_DEG
-    lost = np.array([cause is not None and "twin" not in cause for cause in causes])
     tripped = np.array([cause == "current" for cause in causes])
     beyond = np.array([cause is not None and "twin" in cause for cause in causes])
     swings = np.array(result["scenarios"]["twin_swing_pct"], dtype=np.float64) > BAND_PCT
@@ -176,7 +175,7 @@ def _quick_run(
     return QuickRun(
         suite, size, result["lost_rate"], result["not_held_rate"], result["infeasible_rate"],
         result["torque_dev_rms"],
-        float(np.sum(tripped & ~far)) / max(1.0, float(np.sum(lost))), under,
+        float(np.sum(tripped & ~far)) / max(1.0, float(np.sum(~kept & ~beyond))), under,
         float(np.count_nonzero(kept & far)) / feasible,
         (lock["false_alarms"] - lock["near_losses"]) / feasible,
         lock["detected"] / lock["watched"] if lock["watched"] else 1.0,
