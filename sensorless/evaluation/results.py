@@ -123,6 +123,11 @@ class Results:
         ]
         return f"({', '.join(words)})" if words else ""
 
+    def label(self, name: str) -> str:
+        """Name of a policy and, on a line of its own, its note."""
+        note = self.note(name)
+        return name + (f"\n{note}" if note else "")
+
     def table(self, columns: Columns = COLUMNS) -> PlainTable:
         """Rates over feasible scenarios and means over the survivors, with 95 % intervals."""
         what = f"{self.size} scenarios, motor {self.motor}"
@@ -136,9 +141,7 @@ class Results:
         for _, heading, _, _ in columns:
             table.add_column(heading, justify="right")
         for name, policy in self.policies.items():
-            note = self.note(name)
-            label = name + (f"\n{note}" if note else "")
-            table.add_row(label, *(_cell(policy, *column) for column in columns))
+            table.add_row(self.label(name), *(_cell(policy, *column) for column in columns))
         return table
 
 

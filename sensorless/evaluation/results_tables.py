@@ -118,7 +118,7 @@ def paired_table(results: Results, columns: Columns = COLUMNS) -> PlainTable:
     caption = (
         "mean difference scenario by scenario (95 % interval), below it in percent of the first "
         "policy's mean; negative: less than the first. Rates over the feasible scenarios, others "
-        "over those that both survive."
+        "over those that both survive. Each policy counts against its own twin."
     )
     table = PlainTable(title=f"difference to {first}", caption=caption)
     table.add_column("policy", overflow="fold")
@@ -126,7 +126,7 @@ def paired_table(results: Results, columns: Columns = COLUMNS) -> PlainTable:
         table.add_column(heading, justify="right")
     for name, pair in results.paired.items():
         cells = (difference(pair, key, factor, digits) for key, _, factor, digits in columns)
-        table.add_row(name, *cells)
+        table.add_row(results.label(name), *cells)
     return table
 
 

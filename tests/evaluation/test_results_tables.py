@@ -92,6 +92,7 @@ def test_pairs_are_differences_to_the_first(results: Results) -> None:
     text = text_of(paired_table(results))
     assert "difference to eq25" in text
     assert cells(text, "smo")[1] == number(100.0 * results.paired["smo"]["lost_rate"], 1)
+    assert cells(text, results.note("smo"))[0] == "(smo)", "another drive than the first one's"
     there = results.paired["smo"]["there"]["lost_rate"]
     text = text.split("│ smo")[1].split("│ sensored")[0]
     assert share(results.paired["smo"]["lost_rate"], there) in text
