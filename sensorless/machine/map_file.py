@@ -182,5 +182,9 @@ def _laid_out(parts: list[Floats], path: Path) -> list[Floats]:
 
 
 def _follows(i: Floats, psi: Floats) -> float:
-    """Correlation of current and flux: shows which axis of a square grid is which."""
-    return float(np.corrcoef(np.ravel(i), np.ravel(psi))[0, 1])
+    """Correlation of current and flux: shows which axis of a square grid is which.
+
+    Blank corners have no say.
+    """
+    good = np.isfinite(i) & np.isfinite(psi)
+    return float(np.corrcoef(i[good], psi[good])[0, 1])
