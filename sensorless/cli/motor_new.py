@@ -186,7 +186,9 @@ def new_command(
         ke = _asked("ke", f"Ke [V per 1000 r/min, line to line, {ke_kind}]")
     if power is None and torque is None:
         torque = _asked("torque", "rated torque [N m]")
-    if l_d is None and l_q is None and inductance is None:
+    if ratio is not None and l_d is None and l_q is None and inductance is None:
+        inductance = _asked("l", f"mean inductance of both axes, {between} [H]")
+    elif l_d is None and l_q is None and inductance is None:
         l_d = _asked("l-d", f"d inductance, {between} [H]")
         l_q = _asked("l-q", f"q inductance, {between} [H]")
     sheet = Datasheet(

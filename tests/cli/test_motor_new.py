@@ -101,6 +101,39 @@ def test_what_is_missing_is_asked_for(tmp_path: Path, monkeypatch: pytest.Monkey
     assert Motor.load(tmp_path / "mine.toml").psi_f == pytest.approx(0.545, rel=2e-3)
 
 
+def test_the_mean_inductance_is_asked_for_where_the_ratio_is_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """87 mH between two terminals are 43.5 mH a phase, 2/5 and 3/5 of twice that."""
+    monkeypatch.chdir(tmp_path)
+    given = words(l_d=None, l_q=None, ratio="1.5", size="0")
+    done = CliRunner().invoke(app, ["motor", "new", *given], input="0.087\n")
+    assert done.exit_code == 0 and "mean inductance" in done.output, done.output
+    made = Motor.load(tmp_path / "mine.toml")
+    assert (made.L_d, made.L_q) == pytest.approx((0.0348, 0.0522))
+
+
+def test_what_is_said_of_the_inverter_is_in_the_file(tmp_path: Path) -> None:
+    """Beside a mean inductance and its ratio, nothing is asked."""
+    given = words(
+        l_d=None, l_q=None, l="0.087", ratio="1.5", adc_bits="10", adc_range="20",
+        dead_time="1.5e-6", u_inj="90", size="0",
+    )  # fmt: skip
+    done = run("motor", "new", *given, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    made = Motor.load(tmp_path / "mine.toml")
+    assert (made.adc_bits, made.adc_range, made.u_inj) == (10, 20.0, 90.0)
+    assert (made.dead_time, made.L_q) == pytest.approx((1.5e-6, 0.0522))
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+def test_a_machine_that_does_not_suit_may_be_replaced(as_json: bool, tmp_path: Path) -> None:
+    more = ["--json"] if as_json else []
+    done = run("motor", "new", *words(l_q="0.0745", size="0"), *more, cwd=tmp_path)
+    assert done.returncode == 1 and (tmp_path / "mine.toml").exists()
+    assert ("add --replace" in done.stderr) != as_json
+
+
 WRONG = {
     "poles": ("7", "poles: 7; give twice the pole pairs: 2, 4, 6, ..., 200"),
     "r": ("-1", "r: -1 ohm; give a finite number above 0"),
