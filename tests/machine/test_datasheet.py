@@ -70,6 +70,34 @@ def test_kt_may_have_the_torque_of_reluctance_in_it() -> None:
     assert magnet == pytest.approx(1.2 / math.sqrt(2.0) / 6.0), "not torque over current"
 
 
+def test_a_reluctance_that_makes_more_than_kt_leaves_it_to_the_magnet() -> None:
+    """D i / 2 = 0.05 H 5.09 A is the flux that reluctance alone stands for; Kt says 0.079 Vs."""
+    sheet = replace(SHEET, between="phase", L_d=0.01, L_q=0.11, ke=None, kt=2.4 / 3.6)
+    found = machine_numbers(sheet)["psi_f"]
+    assert found.value == pytest.approx(2.4 / 3.6 / math.sqrt(2.0) / 6.0)
+    assert "taken as the magnet's alone" in found.source
+
+
+def test_the_source_of_ke_says_what_kt_gives() -> None:
+    """0.7 N m per RMS ampere is 0.7 / sqrt(2) / (1.5 4) = 0.0825 Vs, without reluctance."""
+    sheet = replace(SHEET, L_q=SHEET.L_d, kt=0.7)
+    assert machine_numbers(sheet)["psi_f"].source.endswith("; Kt gives 0.0825 Vs")
+
+
+@pytest.mark.parametrize(
+    ("name", "within", "beyond"),
+    [("poles", (2.0, 200.0), (0.0, 202.0)), ("pwm", (1000.0, 1e6), (999.0, 1.001e6))],
+)
+def test_limits_of_a_number(
+    name: str, within: tuple[float, float], beyond: tuple[float, float]
+) -> None:
+    for value in within:
+        check_number(name, value)
+    for value in beyond:
+        with pytest.raises(UserError, match=re.escape(f"{name}: {value:g}")):
+            check_number(name, value)
+
+
 def test_power_instead_of_torque() -> None:
     assert values(replace(SHEET, torque=None, power=754.0))["tau_rated"] == pytest.approx(
         2.4, rel=1e-3
@@ -96,6 +124,10 @@ def test_inertia_has_its_unit(text: str, kg_m2: float) -> None:
         ({"ke": None}, ["ke, kt: none given"]),
         ({"L_q": None}, ["inductance: incomplete"]),
         ({"L": 0.01}, ["one of the two pairs"]),
+        ({"ratio": 1.5}, ["one of the two pairs"]),
+        ({"L_q": None, "L": 0.01, "ratio": 1.5}, ["inductance: incomplete"]),
+        ({"L_d": None, "L": 0.01, "ratio": 1.5}, ["inductance: incomplete"]),
+        ({"kt_kind": "mean"}, ["kt-kind: 'mean'"]),
         ({"poles": 7}, ["poles: 7"]),
         ({"ke_kind": "mean"}, ["ke-kind: 'mean'"]),
         ({"between": "delta"}, ["between: 'delta'"]),
