@@ -125,3 +125,36 @@ def test_too_little_current_does_not_hide_too_little_voltage() -> None:
     both = replace(PAPER, i_rated=0.6 * PAPER.i_rated, u_dc=0.5 * PAPER.u_dc)
     said = rated_point(both).objection(both) or ""
     assert "but i_rated is" in said and f"is beyond {both.u_dc:g} V" in said and "nowhere" in said
+
+
+def test_a_peak_for_an_rms_current_is_not_odd_but_a_line_voltage_is() -> None:
+    """They make sqrt(2) and sqrt(3) times the torque of the name plate."""
+    motor = Motor.load("ipmsm_2200w")
+    p = rated_point(motor)
+    assert replace(p, torque=math.sqrt(2.0) * motor.tau_rated).spare(motor) is None
+    said = replace(p, torque=math.sqrt(3.0) * motor.tau_rated).spare(motor) or ""
+    assert "1.7 times tau_rated" in said
+
+
+def test_a_mix_up_is_asked_for_where_rounding_does_not_explain_it() -> None:
+    motor = Motor.load("ipmsm_2200w")
+    p = rated_point(motor)
+    for share, asked in ((1.1, False), (math.sqrt(2.0), True), (math.sqrt(3.0), True)):
+        said = replace(p, torque=motor.tau_rated / share).objection(motor) or ""
+        assert "but i_rated is" in said and ("peak values?" in said) == asked
+
+
+def test_a_speed_has_bounds_without_flux_and_without_voltage() -> None:
+    """No flux needs no voltage at any speed; a current that R_s alone takes it all has no speed."""
+    u = 0.97 * PAPER.u_dc / math.sqrt(3.0)
+    i = np.array([[0.0, 0.0], [0.0, 1.01 * u / PAPER.R_s]])
+    w = top_speeds(PAPER, i, np.array([[0.0, 0.0], [PAPER.psi_f, 0.0]]))
+    assert (w[0], w[1]) == (math.inf, 0.0)
+    much = replace(PAPER, u_dc=5.0 * PAPER.u_dc)
+    assert rated_point(much).speed == much.n_rated_rpm
+
+
+def test_the_grid_has_the_currents_of_both_limits() -> None:
+    size = np.unique(np.hypot(*polar(PAPER).T).round(9))
+    assert size[-1] == pytest.approx(PAPER.i_max)
+    assert np.abs(size - PAPER.i_rated).min() < 1e-9
