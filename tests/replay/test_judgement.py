@@ -42,6 +42,30 @@ def test_an_error_that_all_share_is_the_encoders(found: Replay, way: float, said
     assert not any("all estimators" in x for x in judgement(off(turned, "hfi", 0.0, 2.0)))
 
 
+@pytest.mark.parametrize(
+    ("errors", "own"),
+    [
+        ((3.0, 3.0, 3.0, 3.0), 1.0),  # too small
+        ((8.0, 20.0, 20.0, 20.0), 1.0),  # not alike
+        ((20.0, 20.0, 20.0, 20.0), 0.1),  # observers alone share causes
+    ],
+)
+def test_other_errors_are_not_the_encoders(
+    found: Replay, errors: tuple[float, ...], own: float
+) -> None:
+    for name, error in zip(("hfi", "smo", "blend", "ekf"), errors, strict=True):
+        found = off(found, name, error, 1.0, own if name == "hfi" else 1.0)
+    assert not any("all estimators" in line for line in judgement(found))
+
+
+def test_only_what_is_a_tenth_worse_than_the_best_is_explained(found: Replay) -> None:
+    for name, scatter in (("hfi", 1.0), ("smo", 1.08), ("blend", 1.08), ("ekf", 1.15)):
+        found = off(found, name, 0.0, scatter)
+    lines = judgement(found)
+    assert len(lines) == 2 and lines[0].startswith("best here: HFI, 1.00")
+    assert lines[1].startswith("EKF: 1.15")
+
+
 def test_where_none_follows_no_cause_is_guessed(found: Replay) -> None:
     for name in found.estimates:
         found = off(found, name, 80.0, 0.0)
@@ -61,6 +85,14 @@ def test_dead_reckoning_counts_apart(found: Replay) -> None:
     assert row["share"] == pytest.approx(0.5) and row["without_rms_deg"] == pytest.approx(40.0)
     said = judgement(made)[-1]
     assert said.startswith("dead reckoning: in 50 % of the samples") and "40.0° RMS" in said
+
+
+@pytest.mark.parametrize(("own", "said"), [(0.97, "in 3 % of the samples"), (0.995, "")])
+def test_a_moment_without_a_signal_is_not_worth_a_word(
+    found: Replay, own: float, said: str
+) -> None:
+    lines = [x for x in judgement(off(found, "blend", 5.0, 0.0, own)) if "dead reckoning" in x]
+    assert len(lines) == (said != "") and all(said in line for line in lines)
 
 
 def test_without_an_encoder_nothing_is_said(found: Replay) -> None:

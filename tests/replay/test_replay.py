@@ -219,3 +219,52 @@ def test_a_schedule_with_gains_is_refused(recorded: tuple[Trace, Path]) -> None:
     table = KsTable((Axis("speed", 0.0, 1.0, 2),), np.ones(2, np.float32), gains=grids)
     with pytest.raises(UserError, match="'t' also sets gains"):
         replay(load(recorded[1], MOTOR, DESIGN), MOTOR, DESIGN, TablePolicy("t", table))
+
+
+@pytest.mark.parametrize(
+    ("k_s", "led"), [(0.96, "hfi"), (0.04, "smo"), (0.06, "both"), (0.94, "both")]
+)
+def test_the_blend_has_the_signal_of_what_it_weighs(
+    recorded: tuple[Trace, Path], k_s: float, led: str
+) -> None:
+    """Of two separate estimators, in the samples in which the weight has arrived."""
+    table = KsTable((Axis("speed", 0.0, 1.0, 2),), np.full(2, k_s, np.float32))
+    made = replay(load(recorded[1], MOTOR, DESIGN), MOTOR, DESIGN, TablePolicy("one", table))
+    there = np.abs(made.k_s - k_s) < 1e-6
+    hfi, smo, blend = (made.estimates[name].valid[there] for name in ("hfi", "smo", "blend"))
+    assert np.array_equal(blend, {"hfi": hfi, "smo": smo, "both": hfi | smo}[led])
+    assert not np.array_equal(hfi, smo) and smo.any() and hfi.any() and there.mean() > 0.9
+
+
+def test_a_rotor_that_turns_backward_shows_as_much(found: Replay) -> None:
+    """The machine's mirror image: phases b and c swapped, as are the signs of angle and u_beta."""
+    log = found.log
+    assert log.theta_e is not None
+    i_c = -log.i.sum(axis=1)
+    mirrored = replace(
+        log, u=log.u * (1.0, -1.0), i=np.stack([log.i[:, 0], i_c], axis=-1), theta_e=-log.theta_e
+    )
+    there, back = (
+        replay(each, MOTOR, DESIGN, make_policy("eq25", MOTOR)).summary()["ekf"]
+        for each in (log, mirrored)
+    )
+    assert back["share"] == pytest.approx(there["share"], abs=0.01)
+    assert back["mean_deg"] == pytest.approx(-there["mean_deg"], abs=0.2)
+
+
+def test_after_counts_from_the_first_row_on(found: Replay) -> None:
+    late = replace(found, log=replace(found.log, t=found.log.t + 4.0))
+    after, before = (each.summary(0.3)["blend"]["rms_deg"] for each in (late, found))
+    assert after == pytest.approx(before, rel=1e-3)
+    assert abs(after - found.summary()["blend"]["rms_deg"]) > 0.1
+
+
+@pytest.mark.parametrize(("times", "allowed"), [(9.9, True), (-9.9, True), (-10.1, False)])
+def test_the_first_speed_is_at_most_ten_times_rated(
+    recorded: tuple[Trace, Path], times: float, allowed: bool
+) -> None:
+    if allowed:
+        again(recorded[1], omega_0=times * MOTOR.omega_rated)
+        return
+    with pytest.raises(UserError, match="at most 15000 r/min"):
+        again(recorded[1], omega_0=times * MOTOR.omega_rated)
