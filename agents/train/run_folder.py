@@ -84,20 +84,21 @@ def create(
 
 
 @contextmanager
-def fresh(folder: Path) -> Iterator[None]:
+def fresh(folder: Path, resumes: bool = True) -> Iterator[None]:
     """Make a new run folder, or empty that of a run that ended before its first checkpoint.
 
-    Nobody else can do so with the same folder meanwhile.
+    Nobody else can do so with the same folder meanwhile. ``resumes``: whether the command can go on
+    with a run that is there.
 
     Raises
     ------
     UserError
         The folder holds anything else, is in use, or cannot be written to.
     """
-    _refuse_run(folder)
+    _refuse_run(folder, resumes)
     ensure_writable(folder)
     with alone(folder):
-        _refuse_run(folder)  # another one may just have been here
+        _refuse_run(folder, resumes)  # another one may just have been here
         for path in list(folder.iterdir()):
             remove(path)
         yield
@@ -111,14 +112,12 @@ def _refuse_name(folder: Path, option: str) -> None:
         raise UserError(f"{option}: {str(folder)!r} is not UTF-8; choose another name") from None
 
 
-def _refuse_run(folder: Path) -> None:
+def _refuse_run(folder: Path, resumes: bool) -> None:
     _refuse_name(folder, "name")
     try:
         if folder.exists() and not _barely_begun(folder):
-            raise UserError(
-                f"name: {str(folder)!r} already exists; choose a new name, or use "
-                f"--resume {shlex.quote(str(folder))}"
-            )
+            other = f", or use --resume {shlex.quote(str(folder))}" if resumes else ""
+            raise UserError(f"name: {str(folder)!r} already exists; choose a new name{other}")
     except OSError as error:
         raise UserError(f"name: {str(folder)!r}: {reason(error)}; choose another name") from None
 

@@ -119,7 +119,7 @@ def distill_command(
         )
 
     settings = {"rounds": rounds, "size": size, "seed": seed, "smoothness": smoothness}
-    with fresh(folder):
+    with fresh(folder, resumes=False):
         found = distill(
             teacher,
             shape,

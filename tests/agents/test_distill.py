@@ -137,12 +137,14 @@ def test_the_command_writes_a_run_that_exports(
     policy = make_policy("runs/table", MOTOR)
     assert isinstance(policy, TablePolicy)
     facts = json.loads((tmp_path / "runs/table/table.json").read_text())["provenance"]
+    assert policy.table.values.shape == (16,)
     assert facts["design"]["signal_hz"] == 40.0 and facts["k_s_rms"] >= 0.0
     assert facts["network_validation"].keys() == facts["validation"].keys()
     done = export(policy.table, MOTOR, DriveDesign(), tmp_path / "firmware")
     assert done.files
     again = CliRunner().invoke(app, ["distill", "runs/net", *words])
-    assert isinstance(again.exception, UserError) and "exists" in str(again.exception)
+    assert isinstance(again.exception, UserError)
+    assert str(again.exception).endswith("already exists; choose a new name")
     other = CliRunner().invoke(app, ["distill", "runs/table", "--name", "twice"])
     assert isinstance(other.exception, UserError)
 
