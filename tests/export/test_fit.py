@@ -56,6 +56,22 @@ def test_where_there_is_nothing_to_switch_none_is_given(
     assert readme(entry) == "There are none: k_s of this table does not fall with the speed."
 
 
+@pytest.mark.parametrize(("end", "fitted"), [(0.48, True), (0.52, False)])
+def test_a_fall_of_a_tenth_is_enough(end: float, fitted: bool, motor: Motor) -> None:
+    values = np.array([0.6, end], dtype=np.float32)
+    assert (fit(KsTable((Axis("speed", 0.0, 1.0, 2),), values), motor) is not None) == fitted
+
+
+@pytest.mark.parametrize(("fall", "fitted"), [(0.05, False), (0.06, True)])
+def test_a_node_counts_by_half_of_the_largest_magnitude_of_its_axis(
+    fall: float, fitted: bool, motor: Motor
+) -> None:
+    """Weights exp(-4) and exp(-1): at -2, k_s falls by 1, at 1 by ``fall``: 0.047 + 0.953 fall."""
+    axes = (Axis("speed", 0.0, 1.0, 2), Axis("torque_current", -2.0, 1.0, 2))
+    values = np.array([[1.0, 0.5], [0.0, 0.5 - fall]], dtype=np.float32)
+    assert (fit(KsTable(axes, values), motor) is not None) == fitted
+
+
 def test_the_hard_switch_keeps_a_gap(motor: Motor) -> None:
     rule = fit(linear_table(0.3, 0.3001), motor)
     assert rule is not None
