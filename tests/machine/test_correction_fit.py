@@ -10,7 +10,7 @@ from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import suite
 from sensorless.errors import UserError
 from sensorless.evaluation.rollout import rollout
-from sensorless.machine import map_fit
+from sensorless.machine import correction_fit, map_fit
 from sensorless.machine.correction_fit import corrected
 from sensorless.machine.folds import fold
 from sensorless.machine.magnetics import Floats, currents, flux, plant_currents, slopes
@@ -87,6 +87,26 @@ def test_a_map_that_the_model_cannot_fit(knee: MapFit) -> None:
     rng = np.random.default_rng(4)
     between = rng.uniform((0.2, -0.75), (0.7, 0.75), (1000, 2))
     assert percent(made, knee_currents(between), between).max() < 1.0
+
+
+def test_the_grid_that_follows_the_map_best_is_taken(
+    knee: MapFit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In either order, unless an earlier one is good enough."""
+    model, coarse, fine = mapped(MOTOR, knee), (6, 5), (20, 10)
+    monkeypatch.setattr(correction_fit, "SMOOTH", (2e-3,))
+    monkeypatch.setattr(correction_fit, "MARGINS", (0.5,))
+
+    def error(*grids: tuple[int, int], enough: float = 0.0) -> float:
+        monkeypatch.setattr(correction_fit, "GRIDS", grids)
+        monkeypatch.setattr(correction_fit, "ENOUGH", enough)
+        return float(percent(corrected(model, knee.i, knee.psi), knee.i, knee.psi).max())
+
+    alone = error(coarse), error(fine)
+    assert alone[1] < 0.8 * alone[0]
+    assert error(coarse, fine) == error(fine, coarse) == alone[1]
+    assert error(coarse, fine, enough=1.01 * alone[0]) == alone[0]
+    assert error(coarse, fine, enough=0.99 * alone[0]) == alone[1]
 
 
 def test_the_machine_has_an_inductance_everywhere() -> None:

@@ -36,6 +36,7 @@ def check(path: Path, **options: object) -> None:
         ("psi_q [mVs];i_q;psi_d [mWb];i_d [mA]", (3, 1, 2, 0), (1e3, 1, 1e3, 1e3), ";"),
         ("lambda_d\tlambda_q\tid\tiq", (2, 3, 0, 1), (1, 1, 1, 1), "\t"),
         ("Flux_d(Wb) Flux_q(Wb) I_d(A) I_q(A)", (2, 3, 0, 1), (1, 1, 1, 1), " "),
+        ("i_s_d [kA];i_s_q [kA];phi_d;Phi_s_q", (0, 1, 2, 3), (1e-3, 1e-3, 1, 1), ";"),
         ("speed,i_d,i_q,psi_d,psi_q", (4, 0, 1, 2, 3), (1, 1, 1, 1, 1), ","),
     ],
 )

@@ -127,31 +127,34 @@ def test_too_little_current_does_not_hide_too_little_voltage() -> None:
     assert "but i_rated is" in said and f"is beyond {both.u_dc:g} V" in said and "nowhere" in said
 
 
-def test_a_peak_for_an_rms_current_is_not_odd_but_a_line_voltage_is() -> None:
-    """They make sqrt(2) and sqrt(3) times the torque of the name plate."""
+@pytest.mark.parametrize(("ratio", "odd"), [(1.48, False), (1.52, True)])
+def test_a_torque_far_below_that_of_rated_current_is_odd(ratio: float, odd: bool) -> None:
     motor = Motor.load("ipmsm_2200w")
-    p = rated_point(motor)
-    assert replace(p, torque=math.sqrt(2.0) * motor.tau_rated).spare(motor) is None
-    said = replace(p, torque=math.sqrt(3.0) * motor.tau_rated).spare(motor) or ""
-    assert "1.7 times tau_rated" in said
+    weak = replace(motor, tau_rated=rated_point(motor).torque / ratio)
+    said = rated_point(weak).spare(weak)
+    assert (said is not None) == odd
+    assert said is None or f"{ratio:.2g} times tau_rated" in said
 
 
-def test_a_mix_up_is_asked_for_where_rounding_does_not_explain_it() -> None:
+@pytest.mark.parametrize(("ratio", "mixed"), [(1.19, False), (1.21, True)])
+def test_a_mix_up_is_asked_for_where_it_is_likelier_than_rounding(
+    ratio: float, mixed: bool
+) -> None:
     motor = Motor.load("ipmsm_2200w")
-    p = rated_point(motor)
-    for share, asked in ((1.1, False), (math.sqrt(2.0), True), (math.sqrt(3.0), True)):
-        said = replace(p, torque=motor.tau_rated / share).objection(motor) or ""
-        assert "but i_rated is" in said and ("peak values?" in said) == asked
+    strong = replace(motor, tau_rated=ratio * rated_point(motor).torque)
+    said = rated_point(strong).objection(strong) or ""
+    assert "but i_rated is" in said and ("peak values?" in said) == mixed
 
 
-def test_a_speed_has_bounds_without_flux_and_without_voltage() -> None:
-    """No flux needs no voltage at any speed; a current that R_s alone takes it all has no speed."""
-    u = 0.97 * PAPER.u_dc / math.sqrt(3.0)
-    i = np.array([[0.0, 0.0], [0.0, 1.01 * u / PAPER.R_s]])
-    w = top_speeds(PAPER, i, np.array([[0.0, 0.0], [PAPER.psi_f, 0.0]]))
-    assert (w[0], w[1]) == (math.inf, 0.0)
-    much = replace(PAPER, u_dc=5.0 * PAPER.u_dc)
-    assert rated_point(much).speed == much.n_rated_rpm
+def test_the_speed_of_rated_torque_is_told_up_to_rated() -> None:
+    motor = replace(PAPER, u_dc=2.0 * PAPER.u_dc)
+    assert rated_point(motor).speed == motor.n_rated_rpm
+
+
+def test_no_flux_has_no_top_speed_and_a_drop_above_the_link_has_none_at_all() -> None:
+    i = np.array([[1.0, 0.0], [0.0, 1.01 * 0.97 * 540.0 / math.sqrt(3.0) / PAPER.R_s]])
+    found = top_speeds(PAPER, i, np.array([[0.0, 0.0], [1.0, 0.1]]))
+    assert found.tolist() == [math.inf, 0.0]
 
 
 def test_the_grid_has_the_currents_of_both_limits() -> None:

@@ -49,6 +49,17 @@ def test_a_magnet_that_no_current_cancels_is_named(field: str, value: float) -> 
         control_record(dataclasses.replace(broken, saturation=s), DriveDesign())
 
 
+@pytest.mark.parametrize(("share", "refused"), [(0.9, []), (1.1, ["L_d"])])
+def test_a_magnet_of_ten_thousand_rated_currents_is_refused(
+    share: float, refused: list[str]
+) -> None:
+    motor = Motor.load("ipmsm_2200w")
+    psi_f = share * 1e4 * motor.L_d * motor.i_rated
+    s = Saturation.linear(motor.L_d, motor.L_q, psi_f)
+    strong = dataclasses.replace(motor, psi_f=psi_f, saturation=s)
+    assert [field for field, _ in insane(strong)] == refused
+
+
 @pytest.mark.parametrize(
     ("name", "value"), [("a_dd", 1e12), ("a_q0", 1e7), ("a_dq", 1e12), ("i_f", 1e9), ("a_b", 1e9)]
 )
