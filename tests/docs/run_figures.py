@@ -46,7 +46,7 @@ def test_losses_of_the_weakest_motor(monkeypatch: pytest.MonkeyPatch) -> None:
     )  # fmt: skip
     n = int(np.sum((s.lost != 0) & are_feasible(s.lost)))
     few = f"{n} ({n / 60:.1g} %)" if n else "none"
-    told = f"none on any of the seven motors; of 6000 it loses {few} on `brusa_hsm1`"
+    told = f"none on any of the seven motors. Of 6000 on `brusa_hsm1` it loses {few}"
     assert told in text(DOCS / "index.md")
 
 
