@@ -7,7 +7,14 @@ import pytest
 
 from sensorless.errors import UserError
 from sensorless.identify.machine import pulses
-from sensorless.identify.machine.axis import Aligned, Axis, Probe, fit_axis, probe_commands
+from sensorless.identify.machine.axis import (
+    Aligned,
+    Axis,
+    Probe,
+    align_commands,
+    fit_axis,
+    probe_commands,
+)
 from sensorless.identify.machine.curves import fit_curves
 from sensorless.identify.machine.electric import Inverter, Sensors, Stator
 from sensorless.identify.machine.hold import fit_resistance
@@ -76,6 +83,29 @@ def test_pulses_tell_axis_and_inductances(theta: float) -> None:
     rows[:, 4], rows[:, 5] = i.real, -0.5 * i.real + 0.5 * np.sqrt(3.0) * i.imag
     found = fit_axis(Part("axis", rows), Stator(Sensors(), Inverter(), 0.0, T_s))
     assert (found.theta, found.L_d, found.L_q) == pytest.approx((theta, L_d, L_q), rel=1e-9)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_an_alignment_ends_where_it_is_asked_to(side: float) -> None:
+    """From a right angle beside it, turned as far as the speeds' means take it; u = R i + 8 V."""
+    stator = Stator(Sensors(), Inverter(6.0, 0.01), 2.5, PLATE.T_s)
+    commands = align_commands(stator, PLATE, 2.0, 3.0, side=side, at=0.0)
+    turned = sum(0.5 * sum(c.omega) * c.time for c in commands[:3])
+    assert commands[0].theta == pytest.approx(side * np.pi / 2.0)
+    assert (commands[0].theta or 0.0) + turned == pytest.approx(0.0, abs=1e-9)
+    assert [c.start for c in commands] == pytest.approx([13.0, 13.0, 13.0, 13.0, 0.0])
+    assert commands[3].theta == pytest.approx(0.0, abs=1e-9)
+    assert commands[3].time == pytest.approx(1.2)
+
+
+def test_two_channels_count_as_if_their_gains_were_alike() -> None:
+    """Gains of 1.1 and 0.88, offsets of 0.1 and -0.2 A: 3 A at 0.7 rad, times their mean 0.984."""
+    true = 3.0 * np.exp(0.7j)
+    rows = np.zeros((1, len(NUMBERS)))
+    rows[0, NUMBERS.index("i_a")] = 1.1 * true.real + 0.1
+    rows[0, NUMBERS.index("i_b")] = 0.88 * (true * np.exp(-2j * np.pi / 3.0)).real - 0.2
+    found = Sensors((0.1, -0.2), 0.8).current(Part("hold", rows))
+    assert found[0] == pytest.approx(np.sqrt(1.1 * 0.88) * true)
 
 
 def test_lost_voltage_of_three_legs() -> None:

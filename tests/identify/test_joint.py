@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from sensorless.identify.machine.details import Details
+from sensorless.identify.machine.details import Details, expected
 from sensorless.identify.machine.edges import at_edges
 from sensorless.identify.machine.electric import Complex, Inverter, Sensors, Stator
 from sensorless.identify.machine.joint import Joint, fit_jointly
@@ -163,3 +163,22 @@ def test_edges_see_a_current_that_reverses_within_a_period() -> None:
     steady = replace(g, i=np.array([swing, swing]) + 0j, u=np.zeros(1, complex))
     lost = at_edges(steady, stator, MOTOR.saturation, MOTOR.i_max).lost[0]
     assert lost == pytest.approx(2.0 / 3.0 * 6.0 * 2.0)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_edges_lose_in_the_frame_of_the_stator(side: float) -> None:
+    """A current along 45 degrees is into legs a and b and out of c: 4/3 of 6 V along 60."""
+    stator = Stator(Sensors(), Inverter(6.0, 0.01), 0.0, T_S)
+    i, u = np.full(2, 0.5 * MOTOR.i_rated, complex), np.zeros(1, complex)
+    link = np.array([MOTOR.u_dc])
+    g = Group(0.0, side * np.pi / 4.0, i, u, link, 0.0, u, (0, 1), (1.0, 1.0), T_S)
+    lost = at_edges(g, stator, MOTOR.saturation, MOTOR.i_max).lost[0]
+    assert lost == pytest.approx(8.0 * np.exp(1j * side * np.pi / 12.0), rel=1e-3)
+
+
+def test_what_details_are_expected_of_a_machine() -> None:
+    """5 % of the magnet over n in harmonics 5 and 7, 5 % of (20 - 10) / 2, 3 % of i / u."""
+    plate = replace(PLATE, i_rated=5.63, u_dc=540.0)
+    found = expected(plate, 1.0, (0.05, 0.1))
+    m = 0.05 * np.sqrt(1.0 / 25.0 + 1.0 / 49.0)
+    assert found.all == pytest.approx([0.25, m, m, 0.03 * 5.63 / 311.77], rel=1e-4)
