@@ -123,7 +123,7 @@ def of_the_lost(
 
 def test_drives_that_know_that_they_are_lost() -> None:
     found = {(f["motor"], f["estimator"], f["lost_lock"]): f for f in record("lock")["found"]}
-    page, names = text("lock.md"), {"coupled": "coupled", "SMO": "smo", "flux": "flux"}
+    page, names = text("lock-counts.md"), {"coupled": "coupled", "SMO": "smo", "flux": "flux"}
     rows = re.findall(r"^\| `(\w+)`, (coupled|SMO|flux) \|(.*)\|$", page, re.MULTILINE)
     back = possible = 0
     load = np.zeros(2, dtype=int)
