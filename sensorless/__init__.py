@@ -3,6 +3,8 @@
 from gymnasium import register as _register
 from gymnasium import registry as _registry
 
+__version__ = "0.1.0"
+
 _register(
     id="sensorless/Blend-v0",
     entry_point="sensorless.envs.blend_env:BlendEnv",

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 
+from sensorless import __version__
 from sensorless.core.api import ffi, lib
 
 LIBRARIES = ("numpy", "scipy")
@@ -20,7 +21,7 @@ def typed() -> str:
 def versions(libraries: Iterable[str] = LIBRARIES) -> dict[str, str]:
     """Versions of this package, its compiled core (hash of its sources), Python and libraries."""
     return {
-        "sensorless": _version("sensorless"),
+        "sensorless": __version__,
         "core": ffi.string(lib.core_hash).decode(),
         "python": platform.python_version(),
         **{name: _version(name) for name in libraries},

@@ -40,10 +40,10 @@ def check_command(
     The check looks for implausible numbers, compares the rated point with current and voltage,
     follows saliency and cross-coupling over the current, compares injection's signal with noise,
     and suggests settings. Unless the answer is no already, it then simulates Eq. 25, the source
-    paper's rule, on scenarios of the suite stress, and on as many of the suite handoff, of the
-    suite hold, of the suite unload, of the suite braking, of the suite stop, of the suite impact,
-    of the suite reversal, and of the suite mismatch, in which the motor is not as its file says.
-    Exit status 1: the answer is no.
+    paper's rule: on scenarios of the suite stress, and on as many each of the suites handoff, hold,
+    unload, braking, stop, impact, reversal and mismatch, in the last of which the motor is not as
+    its file says; and without load, at six speeds, on an inverter that switches. Exit status 1: the
+    answer is no.
 
     For example:
 

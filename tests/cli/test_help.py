@@ -24,6 +24,8 @@ from sensorless.machine.motor import MOTORS, Motor
 ACTIONS = {"--help", "--install-completion", "--show-completion"}
 PLAIN = {"--smoothness"}
 """Numbers without a unit."""
+SUITE = r"[a-z]+(?:-\d)?"
+"""Name of a suite, as a regular expression."""
 VERBS = set(
     "Also Bound Call Change Charge Check Compare Count Decide Draw Evaluate Explore Feed Fit "
     "Follow Give Install Join Judge Keep Let List Map Name Pass Print Put Read Replay Report "
@@ -137,7 +139,10 @@ def test_the_help_names_the_suite_that_a_command_uses() -> None:
         ("motor check", *machine_check.SUITES),
     ):
         texts = [COMMANDS[path].help, *(option.help or "" for option in options(path))]
-        named = [n for text in texts for n in re.findall(r"suite\s+([a-z]+(?:-\d)?)", text)]
+        told = " ".join(" ".join(texts).split())
+        named = re.findall(rf"suite ({SUITE})", told)
+        for several in re.findall(rf"suites ((?:{SUITE}, )*{SUITE} and {SUITE})", told):
+            named += re.split(", | and ", several)
         assert set(named) == set(suites), path
         assert not any("stress scenarios" in text for text in texts), path
 
