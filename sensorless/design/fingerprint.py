@@ -22,7 +22,7 @@ LATER = {"control.by_reference", "control.i_q_brake"} | {
 LITTLE = 1.001 * BRAKING
 """Share of ``i_max`` up to which ``i_q_brake`` does not count: it was 0 there once, and so little
 changes only drives that brake with their d current at its end. Of the leaderboard's suites that is
-`low-inertia`, by a percent on the default drive (docs/judge-a-schedule.md)."""
+`low-inertia`, by a percent on the default drive (docs/studies.md)."""
 DAMAGE = {"control.i_int_max"}
 """Bounds that only a damaged state passes."""
 DIGITS = 4

@@ -172,7 +172,7 @@ def test_returns_of_three_rules() -> None:
 
 def test_share_of_the_headroom() -> None:
     found = record("clairvoyant")
-    page = text("judge-a-schedule.md")
+    page = text("studies.md")
     (row,) = re.findall(r"^\| deviation, ripple of Eq\. 25 and .*?\|(.*)\|$", page, re.MULTILINE)
     eq25 = {"coupled": "eq25", "smo": "sliding_mode", "flux": "flux_observer"}
     for cell, (name, rule) in zip(row.split("|"), eq25.items(), strict=True):
