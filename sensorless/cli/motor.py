@@ -17,7 +17,7 @@ app = typer.Typer(cls=Group, no_args_is_help=True, rich_markup_mode="markdown")
 def motor() -> None:
     """Write a motor file from a datasheet or a flux map, and check whether the motor suits.
 
-    docs/bring-a-motor.md shows how such a file is laid out.
+    docs/motor-file.md shows how such a file is laid out.
 
     For example:
 

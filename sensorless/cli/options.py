@@ -41,7 +41,7 @@ POLICIES = (
 MOTOR = (
     "Use this motor: the name of a shipped one (paper, ipmsm_2200w, pmsyrm_5600w, brusa_hsm1, "
     "pmsrm_15kw, formula_wheel, ebike_hub), or your own TOML file, laid out as "
-    "docs/bring-a-motor.md shows."
+    "docs/motor-file.md shows."
 )
 MotorOption = Annotated[str, typer.Option("--motor", metavar="MOTOR", help=MOTOR)]
 CarriedMotorOption = Annotated[

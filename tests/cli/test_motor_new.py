@@ -77,7 +77,7 @@ def test_real_machines_pass_or_are_refused_for_a_reason(name: str, tmp_path: Pat
 
 
 def test_the_page_tells_every_sheet_and_its_verdict() -> None:
-    text = (DATA.parents[1] / "docs" / "bring-a-motor.md").read_text(encoding="utf-8")
+    text = (DATA.parents[1] / "docs" / "motor-check.md").read_text(encoding="utf-8")
     rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines()]
     told = {row[1].split("`")[1]: row[4] for row in rows if len(row) == 8 and "`" in row[1]}
     assert set(told) >= set(sheets())

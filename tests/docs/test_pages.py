@@ -139,8 +139,8 @@ def test_the_loop_of_a_page_runs(page: Path) -> None:
 
 
 def test_the_motor_file_of_the_documentation_loads() -> None:
-    (text,) = blocks(ROOT / "docs" / "bring-a-motor.md", "toml")
-    assert Motor.from_tables(tomllib.loads(text), "bring-a-motor.md").name == "mine"
+    (text,) = blocks(ROOT / "docs" / "motor-file.md", "toml")
+    assert Motor.from_tables(tomllib.loads(text), "motor-file.md").name == "mine"
 
 
 def rows(text: str) -> list[list[str]]:

@@ -20,7 +20,7 @@ def test_every_sheet_is_judged_or_refused(tmp_path: Path, monkeypatch: pytest.Mo
 
 def test_the_page_has_what_the_record_counts() -> None:
     root = Path(__file__).resolve().parents[2]
-    page = (root / "docs" / "bring-a-motor.md").read_text(encoding="utf-8")
+    page = (root / "docs" / "motor-check.md").read_text(encoding="utf-8")
     found = json.loads((root / "results" / "studies" / "datasheets.json").read_text())
     for name, lost in found["lost"].items():
         rows = [[cell.strip() for cell in line.split("|")] for line in page.splitlines()]
