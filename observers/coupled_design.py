@@ -1,6 +1,6 @@
 """Coupled observer: from the machine, its inverter and its sensors to ``coupled_params_t``.
 
-docs/coupled-observer.md derives each formula. No constant was fitted on a machine; those below
+docs/coupled-gains.md derives each formula. No constant was fitted on a machine; those below
 describe how a drive is used and how exact its parts are.
 """
 

@@ -19,7 +19,7 @@ sin(delta) = g / omega (1 - cos(delta) + v) + v, which has no solution for large
 LEAST_SHARE = 0.03
 """The least, over rated electrical speed. Where resistance is that small, its bound leaves errors
 of sensors and L_q next to undamped at low speed, and held braking loses the rotor:
-docs/coupled-observer.md."""
+docs/coupled-gains.md."""
 
 
 def standstill_rate(motor: Motor) -> float:

@@ -2,7 +2,7 @@
 
 One too large feeds back positively through the torque current, and sensors and iron are uncertain
 by more than a tenth, so it is low on purpose. One too low deviates more where the rotor turns far
-in a PWM period, and swings where the EMF leans far and injection is slow: docs/coupled-observer.md.
+in a PWM period, and swings where the EMF leans far and injection is slow: docs/coupled-gains.md.
 """
 
 import numpy as np

@@ -30,7 +30,7 @@ LEFT_RESISTANCE = 1.0 / 3.0
 """What is not known of the resistance, over the file's: a cold winding's to a hot one's."""
 CHANGING = 0.5
 """Share of that by which a rated load turns the flux beside the dead time. With all of it the
-injection's noise swings machines at a steady load that lose nothing: docs/coupled-observer.md."""
+injection's noise swings machines at a steady load that lose nothing: docs/coupled-gains.md."""
 
 HAND_OVER = 0.2
 """Speed at which Eq. 25 leaves injection, over rated."""

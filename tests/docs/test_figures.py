@@ -159,7 +159,7 @@ def test_bandwidths_of_the_coupled_observer(name: str) -> None:
     hertz = [w / (2.0 * math.pi) for w in (at.flux, at.load, at.injection)]
     (table,) = re.findall(
         rf"W \[Hz\].*?^\| `{name}` \|(.*?)\|$",
-        (DOCS / "coupled-observer.md").read_text(encoding="utf-8"),
+        (DOCS / "coupled-gains.md").read_text(encoding="utf-8"),
         re.MULTILINE | re.DOTALL,
     )
     for told, value in zip(table.split("|"), [*hertz, layer(motor)], strict=True):
