@@ -133,7 +133,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("results/studies"))
     args = parser.parse_args()
     folder = ensure_writable(args.out)
-    motor, console = Motor.load(args.motor), Console()
+    motor, console = Motor.load(args.motor), Console(width=150)
     found: dict[str, Any] = {}
     for name, size in SUITES.items():
         found[name] = {p: compare(motor, name, size, args.seed, p) for p in POLICIES}

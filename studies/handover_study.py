@@ -144,7 +144,7 @@ def main() -> None:
         }
         for drive in DRIVES
     }
-    console = Console()
+    console = Console(width=150)
     for drive, of_drive in found.items():
         console.print(show(of_drive, drive))
     record = {

@@ -136,7 +136,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("results/studies/standstill.json"))
     options = parser.parse_args()
     ensure_writable(options.out.parent)
-    console, seeds = Console(), range(options.seed, options.seed + options.runs)
+    console, seeds = Console(width=150), range(options.seed, options.seed + options.runs)
     found: dict[str, dict[str, Any]] = {}
     for word in options.motor:
         motor = Motor.load(word)
