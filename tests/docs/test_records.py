@@ -40,7 +40,7 @@ def test_faults_of_sensors() -> None:
     campaign = record("fault_campaign")
     faults = [f for e in campaign.values() if "faults" in e for f in e["faults"].values()]
     total = {name: sum(f[name] for f in faults) for name in ("cases", "lost", "tripped")}
-    page = " ".join(text("integrate-the-table.md").split())
+    page = " ".join(text("protection.md").split())
     assert f"{total['cases']} cases over five estimators" in page
     assert sum(f["lost_unseen"] for f in faults) == 0
     assert f"All {total['lost']} lost drives had a fault bit within 50 ms" in page

@@ -56,7 +56,7 @@ def test_a_plan_beyond_the_end_is_noted() -> None:
 
 
 def test_a_speed_that_the_drive_does_not_follow_is_noted() -> None:
-    """With the bound of docs/integrate-the-table.md: speed_bound times rated, less a load's dip."""
+    """With the bound of docs/protection.md: speed_bound times rated, less a load's dip."""
     most = float(control_record(MOTOR, DriveDesign())["guard"]["omega"]) * RAD_S_TO_RPM / MOTOR.n_p
     assert 2.0 * MOTOR.n_rated_rpm < most < 2.5 * MOTOR.n_rated_rpm
     for share, noted in ((0.99, False), (1.01, True)):
