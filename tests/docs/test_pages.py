@@ -232,6 +232,7 @@ def test_the_list_of_the_firmware_has_every_file() -> None:
     assert not missing, "list them in firmware/README.md"
 
 
-def test_the_citation_has_the_version() -> None:
-    version = re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)
-    assert version == [sensorless.__version__]
+def test_citation_and_project_have_the_version_of_the_package() -> None:
+    version = [sensorless.__version__]
+    assert re.findall(r'^version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.M) == version
+    assert re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.M) == version
