@@ -19,8 +19,6 @@ from sensorless.policy import NO_SETTINGS, Settings, Signals
 GAP = 0.05
 """Half width of the gap over its centre: VESC's +-5 %."""
 
-SPEED = SIGNAL_NAMES.index("speed")
-
 
 class Hysteresis:
     """Switch with one bit of memory per drive.

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from sensorless.baselines.hysteresis import SPEED, Hysteresis
-from sensorless.core.api import SIGNAL_N
+from sensorless.baselines.hysteresis import Hysteresis
+from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
+
+SPEED = SIGNAL_NAMES.index("speed")
 
 
 def run(policy: Hysteresis, speeds: list[list[float]]) -> list[list[float]]:

@@ -25,8 +25,6 @@ COLUMNS = ("part", "stage", *NUMBERS)
 BEYOND = 3.0
 """Largest plausible reading, over the converter's range or the trip, and over the DC link; the
 least of the link is a third."""
-STAGES = ("offset", "ramp", "hold", "turn", "align", "probe", "axis", "pulse", "start", "spin")
-"""What a run is for, in the order of the procedure."""
 
 
 @dataclass(frozen=True)
