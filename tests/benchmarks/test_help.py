@@ -17,7 +17,7 @@ def test_help(
 ) -> None:
     monkeypatch.setattr(sys, "argv", [name, "--help"])
     with pytest.raises(SystemExit) as ended:
-        runpy.run_module(f"benchmarks.{name}", run_name="__main__")
+        runpy.run_path(str(ROOT / "benchmarks" / f"{name}.py"), run_name="__main__")
     said = capsys.readouterr()
     assert not ended.value.code and not said.err
     assert said.out.startswith("usage: ")

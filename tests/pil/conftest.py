@@ -10,12 +10,13 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks import bit_identity
 from sensorless.design.drive import DriveDesign
 from sensorless.export import selftest
 from sensorless.export.core_files import FIRMWARE
 from sensorless.machine.motor import Motor
-from sensorless.pil import identity, tools
 from sensorless.pil import pil as loop
+from sensorless.pil import tools
 from sensorless.pil.pil import Report, pil
 from sensorless.table.ks_table import KsTable
 from tests.helpers.objects import BUILD, Failed, compiled, flags, is_kept, keep, program_of
@@ -104,5 +105,5 @@ def kept_objects(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Build]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(loop, "build", build)
-        patch.setattr(identity, "build", compared)
+        patch.setattr(bit_identity, "build", compared)
         yield build

@@ -1,13 +1,13 @@
-"""The same bits from every compiler and level; long: ``benchmarks/bit_identity.py``."""
+"""The same bits from every compiler and level, in a short run."""
 
 import shutil
 
 import pytest
 
+from benchmarks.bit_identity import ALL, Configuration, Outcome, identity
 from sensorless.design.drive import DriveDesign
 from sensorless.export import selftest
 from sensorless.machine.motor import Motor
-from sensorless.pil.identity import ALL, Configuration, Outcome, identity
 from sensorless.pil.tools import missing_packages
 from sensorless.table.ks_table import KsTable
 
