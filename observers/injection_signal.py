@@ -67,7 +67,7 @@ def injection_signal(motor: Motor, pll_hz: float) -> InjectionSignal:
     pll_hz : float
         Natural frequency of the injection loop [Hz].
     """
-    i = np.stack(mtpa(motor), axis=-1)
+    i = mtpa(motor)
     small, large = principal(motor, i).T
     half = 0.5 * motor.u_inj * motor.T_s
     slope = half * (1.0 / small - 1.0 / large)

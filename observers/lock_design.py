@@ -110,7 +110,7 @@ def noise_voltage(motor: Motor) -> float:
 
 def _along(motor: Motor) -> float:
     """Least answer of the d axis over the voltage that acts, inductance ``LARGER`` [A/V]."""
-    small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
+    small = principal(motor, mtpa(motor)).T[0]
     return 0.5 * motor.T_s / (LARGER * float(np.max(small)))
 
 
@@ -126,7 +126,7 @@ def most_answer(motor: Motor) -> float:
     ``LARGER`` times too large in the file and the voltage that a compensation of dead time adds;
     and what an iron loss draws.
     """
-    small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
+    small = principal(motor, mtpa(motor)).T[0]
     acts = motor.u_inj + unsure_voltage(motor)
     p_iron = max(motor.p_iron, IRON * motor.tau_rated * motor.omega_rated / motor.n_p)
     beside = iron_conductance(motor, p_iron) * motor.u_inj
@@ -144,7 +144,7 @@ def answer_shares(motor: Motor) -> dict[str, float]:
     ``above`` is ``most_answer`` over the voltage that acts at most [A/V]; where that is out of
     ``GAINED``'s reach, it is more than any channel reads.
     """
-    small, large = principal(motor, np.stack(mtpa(motor), axis=-1)).T
+    small, large = principal(motor, mtpa(motor)).T
     half, noise = 0.5 * motor.T_s, noise_voltage(motor)
     unsure = unsure_voltage(motor) + noise
     beside = np.cos(ANGLE) ** 2 / small + np.sin(ANGLE) ** 2 / large
@@ -174,7 +174,7 @@ def d_share(motor: Motor) -> float:
     A speed that is ``SPEED_LAG`` of the rated one too small leaves that times psi_q = L_q i_q, with
     the apparent L_q at rated current.
     """
-    i = np.stack(mtpa(motor), axis=-1)
+    i = mtpa(motor)
     size, psi_q = np.hypot(i[:, 0], i[:, 1]), flux(motor.saturation, i)[:, 1]
     rated = [float(np.interp(motor.i_rated, size, x)) for x in (psi_q, i[:, 1])]
     return SPEED_LAG * motor.omega_rated * rated[0] / rated[1]
@@ -197,7 +197,7 @@ def settled(motor: Motor, current: float, weakening: float) -> float:
 
 def stall_current(motor: Motor) -> float:
     """Torque current beyond which a drive asks for all that ``i_max`` allows at rest [A]."""
-    return ALL * float(mtpa(motor)[1][-1])
+    return ALL * float(mtpa(motor)[-1, 1])
 
 
 def stall_time(motor: Motor) -> float:

@@ -65,7 +65,7 @@ def design_match(
     injection, correction : float
         As in ``injection_swing``.
     """
-    i = np.stack(mtpa(motor), axis=1)
+    i = mtpa(motor)
     psi = flux(motor.saturation, i)
     size = np.hypot(i[:, 0], i[:, 1])
 

@@ -51,9 +51,8 @@ def lean(motor: Motor) -> float:
 
     An inductance that is too low by a share s leans the EMF's angle by s times that.
     """
-    i_d, i_q = mtpa(motor)
-    size = np.hypot(i_d, i_q)
-    i = np.array([[np.interp(motor.i_rated, size, x) for x in (i_d, i_q)]])
+    line = mtpa(motor).T
+    i = np.array([[np.interp(motor.i_rated, np.hypot(*line), x) for x in line]])
     L_q = float(apparent_q_inductance(motor, i)[0])
     psi_a = float(flux(motor.saturation, i)[0, 0]) - L_q * i[0, 0]
     return float(L_q * i[0, 1] / psi_a)

@@ -76,8 +76,7 @@ def between_samples(motor: Motor, speed: float, load: float) -> dict[str, float]
     The machine is held at its speed on the point of maximum torque per ampere; the voltage is what
     keeps it there, so the samples stand still and what moves is the carrier's.
     """
-    i_d, i_q = mtpa(motor)
-    line = np.stack([i_d, i_q], axis=-1)
+    line = mtpa(motor)
     tau = torque(motor, line)
     i = np.array([np.interp(load * motor.tau_rated, tau, line[:, j]) for j in range(2)])
     psi = flux(motor.saturation, i[None])[0]

@@ -40,8 +40,7 @@ SHADES = ("#8d99ae", "#2e86ab", "#d1495b", "#f2a541")
 def injection(points: int) -> "Figure":
     """Error signal over the angle error, and where it locks under load."""
     figure, ((left, right),) = new_figure(WIDE, columns=2)
-    i_d, i_q = mtpa(MOTOR)
-    line = np.stack([i_d, i_q], axis=-1)
+    line = mtpa(MOTOR)
     tau = torque(MOTOR, line)
     e = np.linspace(-np.pi / 2, np.pi / 2, 181)
     for wanted, colour in zip((0.0, 6.0, 14.0), SHADES, strict=False):
@@ -81,7 +80,7 @@ def sliding_mode(points: int) -> "Figure":
     left.plot(rpm, np.rad2deg(found.err_smo), "o", ms=4, color=SHADES[0], label="removed")
     left.set(xlabel="speed [r/min]", ylabel="rotor − estimate [° el.]")
     loads = np.linspace(1.0, 13.0, points)
-    line = np.stack(mtpa(MOTOR), axis=-1)[1:]
+    line = mtpa(MOTOR)[1:]
     for bias, colour in ((0.7, SHADES[2]), (0.9, SHADES[1]), (1.0, SHADES[0])):
         found = _held(_smo(bias), np.full(points, 600.0), loads)
         psi = flux(MOTOR.saturation, found.i)

@@ -95,7 +95,7 @@ def _drawn_iron(motor: Motor) -> float:
 
     It grows with the square of the flux linkage, by 11 times to rated current with much reluctance.
     """
-    i = np.stack(mtpa(motor), axis=-1)
+    i = mtpa(motor)
     size, psi = np.hypot(*i.T), np.hypot(*flux(motor.saturation, i).T)
     grows = (float(np.interp(motor.i_rated, size, psi)) / motor.psi_f) ** 2
     return min(1.0, IRON_LOADED / (IRON[1] * grows))

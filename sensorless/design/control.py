@@ -31,7 +31,7 @@ def operating_line(motor: Motor, use_mtpa: bool) -> Floats:
     i_q[0] = 1e-4 * motor.i_max
     if not use_mtpa:
         return np.stack([np.zeros(CURVE_N), i_q], axis=-1)
-    best_d, best_q = mtpa(motor)
+    best_d, best_q = mtpa(motor).T
     return np.stack([np.interp(i_q, best_q, best_d), i_q], axis=-1)
 
 
@@ -74,7 +74,7 @@ def half_load_inductance(motor: Motor) -> float:
 
 def stiffening(motor: Motor) -> float:
     """Largest ratio of an inductance of the control to the iron's up to ``i_max``, at least 1."""
-    line = np.stack(mtpa(motor), axis=-1)
+    line = mtpa(motor)
     gamma = inverse_inductance(motor.saturation, flux(motor.saturation, line))
     d = float(np.max(motor.L_d * gamma[:, 0, 0]))
     q = float(np.max(half_load_inductance(motor) * gamma[:, 1, 1]))

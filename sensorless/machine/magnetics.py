@@ -138,13 +138,13 @@ def torque_of(n_p: int, psi: Floats, i: Floats) -> Floats:
     return np.asarray(1.5 * n_p * (psi[:, 0] * i[:, 1] - psi[:, 1] * i[:, 0]))
 
 
-def mtpa(motor: Motor, n: int = 49) -> tuple[Floats, Floats]:
-    """Maximum torque per ampere: (i_d, i_q) [A], each shape (n,), from zero to ``motor.i_max``."""
+def mtpa(motor: Motor, n: int = 49) -> Floats:
+    """Currents (n, 2) [A] of maximum torque per ampere, from zero to ``motor.i_max``."""
     return _mtpa(motor.saturation, motor.n_p, motor.i_max, n)
 
 
 @lru_cache(maxsize=512)
-def _mtpa(s: Saturation, n_p: int, i_max: float, n: int) -> tuple[Floats, Floats]:
+def _mtpa(s: Saturation, n_p: int, i_max: float, n: int) -> Floats:
     """``mtpa`` by all that it depends on: machines that differ in the rest share it."""
     amplitude = np.linspace(0.0, i_max, n)
     angle = np.linspace(0.0, 0.5 * np.pi, 181)[:-1]
@@ -159,7 +159,9 @@ def _mtpa(s: Saturation, n_p: int, i_max: float, n: int) -> tuple[Floats, Floats
     bend = left - 2.0 * mid + right
     shift = np.where(np.abs(bend) > 1e-12, 0.5 * (left - right) / np.where(bend == 0, 1, bend), 0)
     at = np.clip((best + np.clip(shift, -1.0, 1.0)) * (angle[1] - angle[0]), 0.0, None)
-    return -amplitude * np.sin(at), amplitude * np.cos(at)
+    line = np.stack([-amplitude * np.sin(at), amplitude * np.cos(at)], axis=-1)
+    line.flags.writeable = False
+    return line
 
 
 def at_zero_current(s: Saturation, i_rated: float) -> tuple[float, float, float]:

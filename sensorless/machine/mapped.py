@@ -106,10 +106,10 @@ def far_from(made: Motor, motor: Motor) -> list[str]:
 
 def outside(made: Motor, i: Floats) -> list[str]:
     """Where the drive runs at rated current but a map with currents i (n, 2) [A] has no points."""
-    i_d, i_q = mtpa(made)
-    last = int(np.searchsorted(np.hypot(i_d, i_q), made.i_rated))
+    line = mtpa(made)
+    last = int(np.searchsorted(np.hypot(*line.T), made.i_rated))
     rest, low, top = 0.05 * made.i_rated, float(i[:, 0].min()), float(np.abs(i[:, 1]).max())
-    d, q = float(i_d[last]), float(i_q[last])
+    d, q = line[last].tolist()
     said = []
     if d < low - rest:
         said.append(f"i_d from {low:.3g} A on, but the drive runs at i_d = {d:.3g} A")

@@ -104,7 +104,7 @@ def _least_current(motor: Motor) -> tuple[float, float]:
     Where ``i_max`` falls short, the current is infinite, and the speed that of the most torque, or
     zero if that is short by more than ``ROUNDING``.
     """
-    i = np.stack(mtpa(motor), axis=-1)
+    i = mtpa(motor)
     tau = torque(motor, i)
     wanted = min(motor.tau_rated, float(tau.max()))
     if wanted < (1.0 - ROUNDING) * motor.tau_rated:

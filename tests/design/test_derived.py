@@ -30,7 +30,7 @@ PAGE = Path(__file__).parents[2] / "docs/gains.md"
 @pytest.mark.parametrize("motor", MACHINES, ids=lambda m: m.name)
 def test_the_current_loop_keeps_45_degrees_with_the_smallest_inductance(motor: Motor) -> None:
     """Integrator of bandwidth 2 alpha r and a delay of 1.5 periods: margin pi/2 - 3 alpha r T_s."""
-    line = np.stack(mtpa(motor), axis=-1)
+    line = mtpa(motor)
     designed = apparent_q_inductance(motor, np.array([[0.0, 0.5 * motor.i_rated]]))[0]
     steep = inverse_inductance(motor.saturation, flux(motor.saturation, line))[:, 1, 1].max()
     turn = 3.0 * 2.0 * math.pi * derive(motor, DriveDesign()).current_hz * motor.T_s

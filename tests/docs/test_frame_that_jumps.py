@@ -33,7 +33,7 @@ def test_it_grows_beyond_one_over_root_two() -> None:
 def gamma(motor: Motor) -> float:
     """The largest up to ``i_max``, along the axes on which injection locks."""
     coupled = control_record(motor, DriveDesign())["coupled"]
-    i = np.stack(mtpa(motor), axis=-1)
+    i = mtpa(motor)
     cross = cross_angle(motor, i)
     along = np.abs(i[:, 0] * np.cos(cross) - i[:, 1] * np.sin(cross))
     answer = 0.5 * motor.T_s * motor.u_inj / principal(motor, i)[:, 0]

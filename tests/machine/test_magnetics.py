@@ -29,9 +29,9 @@ def linear(motor: Motor) -> Motor:
 
 def current_for(motor: Motor, tau: float) -> tuple[float, float]:
     """The point of the curve of maximum torque per ampere with torque ``tau``."""
-    i_d, i_q = mtpa(motor, 400)
-    got = torque(motor, np.stack([i_d, i_q], axis=-1))
-    return float(np.interp(tau, got, i_d)), float(np.interp(tau, got, i_q))
+    line = mtpa(motor, 400)
+    got = torque(motor, line)
+    return float(np.interp(tau, got, line[:, 0])), float(np.interp(tau, got, line[:, 1]))
 
 
 @pytest.mark.parametrize(("tau", "i_d", "i_q"), [(6.0, -0.618, 1.844), (14.0, -2.16, 3.62)])
@@ -58,7 +58,7 @@ def test_mtpa_against_brute_force(amplitude: float, kind: str, motor: Motor, lin
 
     best = minimize_scalar(loss, bounds=(0.0, 1.5), method="bounded", options={"xatol": 1e-10})
     machine = replace(machine, i_max=amplitude)
-    i_d, i_q = (float(curve[-1]) for curve in mtpa(machine, 5))
+    i_d, i_q = mtpa(machine, 5)[-1]
     assert math.hypot(i_d, i_q) == pytest.approx(amplitude)
     assert math.atan2(-i_d, i_q) == pytest.approx(best.x, abs=2e-3)
     assert -loss(math.atan2(-i_d, i_q)) == pytest.approx(-best.fun, rel=1e-5)
@@ -67,13 +67,12 @@ def test_mtpa_against_brute_force(amplitude: float, kind: str, motor: Motor, lin
 def test_mtpa_of_a_round_machine(motor: Motor) -> None:
     """Without saliency all current is torque current."""
     round_rotor = replace(motor, saturation=Saturation.linear(0.05, 0.05, motor.psi_f))
-    i_d, _ = mtpa(round_rotor)
-    assert np.max(np.abs(i_d)) < 0.01 * motor.i_max
+    assert np.max(np.abs(mtpa(round_rotor)[:, 0])) < 0.01 * motor.i_max
 
 
 def test_mtpa_starts_at_zero_and_grows(motor: Motor) -> None:
     """The curve begins without current; both components grow in size."""
-    i_d, i_q = mtpa(motor)
+    i_d, i_q = mtpa(motor).T
     assert (i_d[0], i_q[0]) == pytest.approx((0.0, 0.0))
     assert np.all(np.diff(i_q) > 0.0)
     assert np.all(np.diff(i_d) <= 0.0)

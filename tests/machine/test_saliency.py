@@ -43,7 +43,7 @@ def test_a_map_without_saliency_is_refused(L_q: float, said: str) -> None:
 
 def test_linear_machine_has_its_inductances_at_every_current() -> None:
     motor = linear(0.036, 0.051)
-    i = np.stack(mtpa(motor), axis=-1)
+    i = mtpa(motor)
     assert principal(motor, i) == pytest.approx(np.tile([0.036, 0.051], (len(i), 1)), rel=1e-6)
 
 

@@ -95,7 +95,7 @@ def test_limits_lie_between_noise_and_what_can_be_measured(name: str) -> None:
     assert 0.1 * motor.i_rated < lock["i_off"] < 0.3 * motor.i_rated
     in_lock = hf_current(motor)
     assert in_lock * motor.L_d / motor.L_q < lock["answer"] < 0.9 * in_lock
-    small = principal(motor, np.stack(mtpa(motor), axis=-1)).T[0]
+    small = principal(motor, mtpa(motor)).T[0]
     assert lock["most"] > 1.1 * motor.u_inj * 0.5 * motor.T_s / np.min(small)
     out_of_reach = name in ("brusa_hsm1", "pmsyrm_5600w")  # much iron loss for their inductance
     assert (lock["most"] > motor.adc_range) == out_of_reach

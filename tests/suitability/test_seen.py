@@ -69,8 +69,8 @@ def test_an_emf_that_leans_by_more_than_1_3_limits(leans: float, limited: bool) 
 
     def lean_of(psi_f: float) -> float:
         motor = weak(psi_f)
-        i_d, i_q = mtpa(motor)
-        at = [float(np.interp(motor.i_rated, np.hypot(i_d, i_q), x)) for x in (i_d, i_q)]
+        line = mtpa(motor).T
+        at = [float(np.interp(motor.i_rated, np.hypot(*line), x)) for x in line]
         return motor.L_q * at[1] / (psi_f + (motor.L_d - motor.L_q) * at[0])
 
     motor = weak(brentq(lambda psi_f: lean_of(psi_f) - leans, 0.05, 0.5))

@@ -173,7 +173,7 @@ def test_a_shaft_that_stands_leaves_more_than_an_emf_that_agrees(motor: Motor) -
 
     Here over the EMF of the auxiliary flux, which counts up to twice that of the d axis.
     """
-    i = np.stack(mtpa(motor), axis=-1)[1:]
+    i = mtpa(motor)[1:]
     psi, psi_0 = (flux(motor.saturation, x) for x in (i, i * [0.0, 1.0]))
     psi_a = psi[:, 0] - psi[:, 1] / i[:, 1] * i[:, 0]
     left = np.abs(psi).max(axis=1) / np.minimum(psi_a, 2.0 * psi_0[:, 0])

@@ -166,7 +166,7 @@ def test_only_inverters_of_high_voltage_have_thresholds() -> None:
 def test_the_iron_of_stress_loses_little_under_load(name: str) -> None:
     """With the flux linkage squared, at most 6 % of rated power at rated current."""
     motor = Motor.load(name)
-    i = np.stack(mtpa(motor), axis=-1)
+    i = mtpa(motor)
     rated = [np.interp(motor.i_rated, np.hypot(*i.T), x) for x in flux(motor.saturation, i).T]
     grows = (np.hypot(*rated) / motor.psi_f) ** 2
     most = float(np.max(suite("stress", motor, 3, 512).p_iron))
