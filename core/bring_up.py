@@ -13,12 +13,18 @@ WIRINGS = tuple(enumeration("WIRING_"))
 BUILT_NAMES = tuple(enumeration("BUILT_"))
 
 
-def periods_of(params: Array) -> int:
-    """PWM periods that the check takes, and some more."""
+def pulse_times(params: Array) -> tuple[int, int, int]:
+    """PWM periods before the pulses along d, of one cycle of them, and of all cycles."""
     p = params.reshape(-1)[0]
     cycle = 2 * (int(p["n_push"]) + int(p["n_hold"])) + int(p["n_gap"])
-    probe = int(p["n_probe"]) * int(p["n_gap"])
-    return int(p["n_rest"]) + probe + int(p["n_cycles"]) * cycle + 1
+    before = int(p["n_rest"]) + int(p["n_probe"]) * int(p["n_gap"])
+    return before, cycle, int(p["n_cycles"]) * cycle
+
+
+def periods_of(params: Array) -> int:
+    """PWM periods that the check takes, and some more."""
+    before, _, pulses = pulse_times(params)
+    return before + pulses + 1
 
 
 def _begin() -> tuple[Array, object]:

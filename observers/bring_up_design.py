@@ -8,7 +8,7 @@ import numpy as np
 
 from sensorless.machine.magnetics import currents, flux
 from sensorless.machine.motor import Motor
-from sensorless.observers.injection_signal import NOISE_AT, SENSOR_NOISE, adc_step
+from sensorless.observers.injection_signal import NOISE_AT, SENSOR_NOISE, sample_noise
 from sensorless.observers.tracking import MOST_DEAD_TIME
 
 VOLTAGE = 0.4
@@ -134,7 +134,7 @@ def _push(motor: Motor, u_lost: float, enough: tuple[int, int, int]) -> Push:
         reach *= 1.05
     short = hold < HOLD[2]
     hold = min(max(hold, HOLD[2]), enough[0])
-    noise = math.hypot(LARGEST_NOISE * motor.i_rated, adc_step(motor) / math.sqrt(12.0))
+    noise = sample_noise(motor, LARGEST_NOISE)
     # a fall is a difference of two samples; the level without current follows from two falls
     spread = noise * math.sqrt(10.0) / ((hold - 1) * gain * LEGS * max(u_lost, 1e-9))
     cycles = 4 * math.ceil((spread / SHARE_NOISE) ** 2 / 4.0)

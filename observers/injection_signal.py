@@ -90,9 +90,9 @@ def adc_step(motor: Motor) -> float:
     return motor.adc_range * 2.0 ** (1 - motor.adc_bits)
 
 
-def sample_noise(motor: Motor) -> float:
-    """Noise expected of a current sample, its rounding included, RMS [A]."""
-    return math.hypot(NOISE * motor.i_rated, adc_step(motor) / math.sqrt(12.0))
+def sample_noise(motor: Motor, sensor: float = NOISE) -> float:
+    """Noise of a current sample, its rounding included, RMS [A]; ``sensor``: over rated current."""
+    return math.hypot(sensor * motor.i_rated, adc_step(motor) / math.sqrt(12.0))
 
 
 def sample_error(motor: Motor) -> float:

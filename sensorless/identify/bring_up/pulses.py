@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensorless.core.api import Array
+from sensorless.core.bring_up import pulse_times
 from sensorless.machine.phases import clarke, with_third
 
 LATE = 4
@@ -24,21 +25,19 @@ def shows_others(params: Array, i_a: Array, i_b: Array) -> bool:
     Only the pulses along d count, whose times are the motor's own. Where they are too few or too
     weak to tell, the answer is no.
     """
-    p = params.reshape(-1)[0]
-    cycle = 2 * (int(p["n_push"]) + int(p["n_hold"])) + int(p["n_gap"])
-    first = int(p["n_rest"]) + int(p["n_probe"]) * int(p["n_gap"])
+    first, cycle, pulses = pulse_times(params)
     step = np.linalg.norm(np.diff(clarke(with_third(i_a, i_b)), axis=0), axis=1)
-    of_push = step[first : first + int(p["n_cycles"]) * cycle]
+    of_push = step[first : first + pulses]
     if len(of_push) < 2 * cycle:
         return False
     large = np.partition(of_push, -LARGE)[-LARGE]
     if not large > max(CLEAR * np.median(of_push), HIGH * np.partition(step, -3)[-3]):
         return False
-    seen, gap = of_push > 0.5 * large, _gaps(p, cycle, len(of_push))
+    seen, gap = of_push > 0.5 * large, _gaps(params, cycle, len(of_push))
     return bool(seen[gap].mean() > ASIDE * seen[~gap].mean())
 
 
-def _gaps(p: Array, cycle: int, n: int) -> NDArray[np.bool_]:
+def _gaps(params: Array, cycle: int, n: int) -> NDArray[np.bool_]:
     """(n,) steps behind a cycle of pulses: nothing is commanded, and the current is gone."""
     at = np.arange(1, n + 1) % cycle
-    return np.asarray((at == 0) | (at > cycle - int(p["n_gap"]) + LATE))
+    return np.asarray((at == 0) | (at > cycle - params["n_gap"].item() + LATE))
