@@ -9,6 +9,8 @@ every negative speed gives k_s = 1) and the cases of equality. The paper gives t
 motor alone; on others it begins at the same share of rated speed, and ends at the same or later.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from sensorless.baselines.rule import Parameter, Rule, Values, speed
@@ -62,8 +64,13 @@ def linear_table(low: float, high: float) -> KsTable:
     return KsTable((Axis("speed", low, high, 2),), np.array([1.0, 0.0], dtype=np.float32))
 
 
-def _build(name: str, v: Values, motor: Motor) -> TablePolicy:
-    return TablePolicy(name, linear_table(v["lo"], v["hi"]))
+def on_a_band(name: str, doc: str, table: Callable[[float, float], KsTable]) -> Rule:
+    """Rule with the two ends of its band as parameters."""
+
+    def build(word: str, v: Values, motor: Motor) -> TablePolicy:
+        return TablePolicy(word, table(v["lo"], v["hi"]))
+
+    return Rule(name, doc, build, band("above it the observer alone"), rising=(("lo", "hi"),))
 
 
 EQ25 = Rule(
@@ -71,10 +78,8 @@ EQ25 = Rule(
     "linear ramp of the paper, 20 to 26.7 % of rated speed (300 to 400 r/min there), or more",
     lambda name, v, motor: TablePolicy(name, linear_table(*eq25_band(motor))),
 )
-RULE = Rule(
+RULE = on_a_band(
     "linear",
     "linear ramp, 1 at a speed of LO to 0 at HI [r/min]; the band of eq25 by default",
-    _build,
-    band("above it the observer alone"),
-    rising=(("lo", "hi"),),
+    linear_table,
 )

@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sensorless.baselines.linear import EQ25_BAND, band, eq25_end
+from sensorless.baselines.linear import EQ25_BAND, eq25_end, on_a_band
 from sensorless.baselines.rule import Rule, Values, speed
 from sensorless.machine.motor import Motor
 from sensorless.policy import TablePolicy
@@ -58,23 +58,14 @@ def quadratic_table(corner: float) -> KsTable:
     return speed_curve(lambda u: 1.0 - (1.0 - u) ** 2, 0.0, corner)
 
 
-def _on_a_band(name: str, doc: str, table: Callable[[float, float], KsTable]) -> Rule:
-    """Rule with the two ends of its band as parameters."""
-
-    def build(word: str, v: Values, motor: Motor) -> TablePolicy:
-        return TablePolicy(word, table(v["lo"], v["hi"]))
-
-    return Rule(name, doc, build, band("above it the observer alone"), rising=(("lo", "hi"),))
-
-
 def _quadratic(word: str, v: Values, motor: Motor) -> TablePolicy:
     return TablePolicy(word, quadratic_table(v["corner"]))
 
 
-SMOOTHSTEP = _on_a_band(
+SMOOTHSTEP = on_a_band(
     "smoothstep", "u^2 (3 - 2 u), u from 1 at a speed of LO to 0 at HI [r/min]", smoothstep_table
 )
-SINE = _on_a_band("sine", "sin(pi u / 2), u from 1 at a speed of LO to 0 at HI [r/min]", sine_table)
+SINE = on_a_band("sine", "sin(pi u / 2), u from 1 at a speed of LO to 0 at HI [r/min]", sine_table)
 QUADRATIC = Rule(
     "quadratic",
     "1 - (speed / CORNER)^2, 0 from CORNER [r/min] on",
