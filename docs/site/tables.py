@@ -9,12 +9,6 @@ from sensorless.policies.best import best
 from sensorless.suitability.examine import examine
 
 
-def _page(name: str, **made: str) -> str:
-    """Text beside this file with what is made put in its place."""
-    text = Path(__file__).with_name(name).read_text(encoding="utf-8")
-    return text.format(**made)
-
-
 def motors() -> str:
     """Page of the site: the machines that come with the package."""
     heading = ("motor", "what it is", "N m", "r/min", "V", "poles", "L_q/L_d", "suits")
@@ -38,4 +32,5 @@ def motors() -> str:
             since = "" if found.fresh else " Motor or drive have changed since."
             schedules.append(f"- `{motor.name}`: `{found.policy}`. {found.verdict}.{unfit}{since}")
     table, best_of = "\n".join(lines), "\n".join(schedules)
-    return _page("motors.md", table=table, best_of=best_of)
+    text = Path(__file__).with_name("motors.md").read_text(encoding="utf-8")
+    return text.format(table=table, best_of=best_of)

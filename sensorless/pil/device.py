@@ -15,7 +15,7 @@ from types import TracebackType
 
 import numpy as np
 
-from sensorless.core.api import SIGNAL_N, Array, lib, struct_dtype
+from sensorless.core.api import SIGNAL_N, SIGNAL_NAMES, Array, lib, struct_dtype
 from sensorless.errors import UserError
 from sensorless.table.axis import Axis
 
@@ -169,9 +169,7 @@ def start_items(theta: Array, omega: Array, k_s: Array, seek: Array) -> Array:
     return items
 
 
-def lookup_items(
-    rng: np.random.Generator, table_axes: Sequence[Axis], names: tuple[str, ...]
-) -> Array:
+def lookup_items(rng: np.random.Generator, table_axes: Sequence[Axis]) -> Array:
     """Signals (n, SIGNAL_N) inside, outside and at the ends of a table's axes, some not finite."""
     y = np.zeros((1024, SIGNAL_N), dtype=np.float32)
     odd = np.array([np.nan, np.inf, -np.inf, 3e38, -3e38, 1e-41, -0.0], dtype=np.float32)
@@ -182,5 +180,5 @@ def lookup_items(
         x[rng.random(len(y)) < 0.1] = axis.hi
         strange = rng.random(len(y)) < 0.05
         x[strange] = rng.choice(odd, strange.sum())
-        y[:, names.index(axis.signal)] = x
+        y[:, SIGNAL_NAMES.index(axis.signal)] = x
     return y

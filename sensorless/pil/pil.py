@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from sensorless.core.api import SIGNAL_NAMES, Array, ffi, lib
+from sensorless.core.api import Array, ffi, lib
 from sensorless.decision import decision_periods
 from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.scenario import SimFactory
@@ -170,7 +170,7 @@ def _scenarios(names: tuple[str, ...], run: Lockstep) -> list[Report]:
 
 def _lookups(device: Device, table: KsTable, info: Array) -> Report:
     """Compare lookups in both formats with the host."""
-    items = lookup_items(np.random.default_rng(1), table.axes, SIGNAL_NAMES)
+    items = lookup_items(np.random.default_rng(1), table.axes)
     found = np.concatenate(
         [device.ask(Operation.LOOKUP, items[j : j + DRIVES]) for j in range(0, len(items), DRIVES)]
     )

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.motor import Motor
-from sensorless.observers.smo_design import deadbeat_gain
 from sensorless.plain_json import plain
 
 if TYPE_CHECKING:
@@ -94,11 +93,6 @@ class Case:
     rows: tuple[Row, ...]
     why: str
     figure: "Figure | None" = field(default=None, compare=False)
-
-
-def gain(motor: Motor, g: float) -> float:
-    """``smo_gain`` of a design for the slope g = k a / 2 [V/A] at the origin."""
-    return g / deadbeat_gain(motor)
 
 
 def sigmoid_lag(motor: Motor, g: float, rpm: float) -> float:

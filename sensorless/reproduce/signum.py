@@ -9,9 +9,10 @@ from sensorless.design.drive import DriveDesign
 from sensorless.evaluation.trace import Trace, lost_cause
 from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
+from sensorless.observers.smo_design import deadbeat_gain
 from sensorless.plots.paper import ESTIMATE_MINUS_TRUTH, gain_sweep
 from sensorless.plots.paper_values import PaperValue
-from sensorless.reproduce.case import CORRECTED, PUBLISHED, Case, gain, row_of, sigmoid_lag
+from sensorless.reproduce.case import CORRECTED, PUBLISHED, Case, row_of, sigmoid_lag
 from sensorless.reproduce.steady import LAST, hold, lead, less, mean, swing, worst
 
 SPEED_RPM = 300.0
@@ -75,7 +76,7 @@ def figure_12(motor: Motor) -> Case:
     """Sliding-mode observer with signum and sigmoid, beside a drive that runs on injection."""
     drives = {
         "published": dataclasses.replace(
-            PUBLISHED, smo_pll_hz=20.0, L_q_table=True, smo_gain=gain(motor, 125.0)
+            PUBLISHED, smo_pll_hz=20.0, L_q_table=True, smo_gain=125.0 / deadbeat_gain(motor)
         ),
         "corrected": CORRECTED,
     }
