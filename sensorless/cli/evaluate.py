@@ -17,6 +17,7 @@ from sensorless.cli.options import (
     SetOption,
     bench_of,
     console,
+    given_again,
     policy_progress,
     say_json,
     say_wrote,
@@ -200,22 +201,15 @@ def evaluate_command(
         results,
         machines=suite == MACHINES,
         details=details,
-        given=given_again(motor, settings, override),
+        given=shlex.join(given_again(motor, settings, override)),
     )
     say_wrote(plot, out)
-
-
-def given_again(motor: str | None, settings: list[str] | None, override: bool) -> str:
-    """Options of a command that chose motor and drive, for another command."""
-    words = [] if motor is None else ["--motor", motor]
-    words += [word for pair in settings or [] for word in ("--set", pair)]
-    return shlex.join([*words, *(["--override"] if override else [])])
 
 
 def print_tables(results: "Results", *, machines: bool, details: bool, given: str) -> None:
     """Print what was found, over random machines or in detail if asked for.
 
-    ``given``: as ``given_again`` says it.
+    ``given``: what ``given_again`` says.
     """
     from sensorless.evaluation.evaluate import WORST
     from sensorless.evaluation.results import COLUMNS, HANDOVER_COLUMNS

@@ -155,6 +155,13 @@ def bench_of(
     return made
 
 
+def given_again(motor: str | None, settings: Sequence[str] | None, override: bool) -> list[str]:
+    """Options of a command that chose motor and drive, for another command."""
+    words = [] if motor is None else ["--motor", motor]
+    words += [word for pair in settings or [] for word in ("--set", pair)]
+    return [*words, *(["--override"] if override else [])]
+
+
 def require_machine(motor: "Motor", design: "DriveDesign") -> None:
     """Refuse a machine before any work on it.
 

@@ -14,6 +14,7 @@ from sensorless.cli.options import (
     SeedOption,
     SetOption,
     bench_of,
+    given_again,
     policy_progress,
     say_json,
     say_verdict,
@@ -97,17 +98,14 @@ def report_command(
             f"out: {run!r} is not a training run's folder; say where to write with --out FOLDER"
         )
     folder = Path(run) / "report" if out is None else out
-    options = [] if motor is None else ["--motor", motor]
-    options += [word for setting in settings or [] for word in ("--set", setting)]
     if policy is None:  # what is shipped brings settings of its own, whatever --set asks for
         made = replace(made, override=True)
-    options += ["--override"] if made.override else []
     with policy_progress() as progress:
         page, verdict = Report(
             run,
             made,
             others=policy,
-            options=options,
+            options=given_again(motor, settings, made.override),
             progress=progress,
         ).write(folder, suite or SUITES, seed, size, grid, typed())
     say_verdict(verdict.sentence)
