@@ -108,7 +108,7 @@ def evaluate(
     factory = SimFactory(motor, design)
     scores = {}
     for name, policy in policies.items():
-        report = None if progress is None else _report(progress, name)
+        report = None if progress is None else partial(progress, name)
         scores[name] = score(policy, scenarios, factory, report, engine)
     words = [scenario_word(suite, seed, i, size) for i in range(size)]
     results = results_of(
@@ -213,10 +213,6 @@ def _own(policy: Policy, design: DriveDesign) -> dict[str, Any]:
     """Settings that a policy brings and that differ from the design of the others."""
     known = asdict(design)
     return {k: v for k, v in asdict(design_for(policy, design)).items() if v != known[k]}
-
-
-def _report(progress: PolicyProgress, name: str) -> Progress:
-    return lambda done: progress(name, done)
 
 
 def _entry(

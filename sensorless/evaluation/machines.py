@@ -15,13 +15,13 @@ from sensorless.design.drive import DriveDesign
 from sensorless.envs.scenarios.machines_suite import NAME, SCENARIOS, judged, rows_on
 from sensorless.envs.scenarios.scenario import SimFactory
 from sensorless.envs.scenarios.suites import SuiteRows, scenario_word
-from sensorless.evaluation.aggregate import Rows, interval_of
+from sensorless.evaluation.aggregate import mean_interval
 from sensorless.evaluation.engines.engine import Engine
 from sensorless.evaluation.engines.threads import LOCAL
 from sensorless.evaluation.evaluate import PolicyProgress, Scores, joined, results_of, score_chunk
 from sensorless.evaluation.rates import mean
 from sensorless.evaluation.results import Results
-from sensorless.evaluation.rollout import Floats, are_feasible
+from sensorless.evaluation.rollout import are_feasible
 from sensorless.files import check_writable
 from sensorless.machine.motor import Motor
 from sensorless.policy import Policy
@@ -119,7 +119,7 @@ def _beside(parts: Sequence[Scores], first: Sequence[Scores], seed: int) -> dict
     for name in COMPARED:
         ratios = np.array([_ratio(s, f, name) for s, f in zip(parts, first, strict=True)])
         known = np.log(ratios[np.isfinite(ratios) & (ratios > 0.0)])
-        low, high = interval_of(_means(known), len(known), seed)
+        low, high = mean_interval(known, seed)
         out[name] = float(np.exp(mean(known)))
         out[f"{name}_ci"] = (float(np.exp(low)), float(np.exp(high)))
         out[f"{name}_as_good"] = mean(known <= np.log(AS_GOOD))
@@ -131,7 +131,3 @@ def _ratio(here: Scores, there: Scores, name: str) -> float:
     both = (here.lost | there.lost) == 0
     base = mean(there.metrics[name][both])
     return mean(here.metrics[name][both]) / base if base > 0.0 else np.nan
-
-
-def _means(x: Floats) -> Callable[[Rows], Floats]:
-    return lambda rows: np.asarray(x[rows].mean(axis=-1))

@@ -10,7 +10,7 @@ import pytest
 
 from sensorless.design.derived import derive
 from sensorless.design.drive import DriveDesign
-from sensorless.design.words import design_from
+from sensorless.design.words import design_from, words_of
 from sensorless.errors import UserError
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
@@ -27,7 +27,7 @@ from sensorless.tuning.gains.measure import (
     not_held_rate,
     pairs,
 )
-from sensorless.tuning.gains.record import record_of, words
+from sensorless.tuning.gains.record import record_of
 from sensorless.tuning.gains.search import Search, judge, search
 from tests.helpers.scenarios import lasting
 
@@ -70,8 +70,8 @@ def test_what_the_user_sets_stays() -> None:
 def test_the_words_make_the_tuned_drive() -> None:
     design = DriveDesign(estimator="flux", mtpa=False)
     tuned = with_gains(design, {"flux_gain": 0.1234, "speed_hz": 3.0})
-    assert design_from(words(tuned)) == tuned
-    assert words(DESIGN) == []
+    assert design_from(words_of(tuned)) == tuned
+    assert words_of(DESIGN) == []
 
 
 def test_a_gain_that_makes_the_twin_fail_loses() -> None:
@@ -145,7 +145,7 @@ def test_finds_the_least_and_keeps_what_the_start_keeps(monkeypatch: pytest.Monk
     assert seen == sorted(seen) and len(seen) == found.tried
     kept = tuned(SLOW)
     assert kept.best["speed_hz"] <= 3.0
-    assert record_of(PAPER, DESIGN, "eq25", found, 8, 5)["words"] == words(
+    assert record_of(PAPER, DESIGN, "eq25", found, 8, 5)["words"] == words_of(
         with_gains(DESIGN, found.best)
     )
 

@@ -4,29 +4,17 @@ import dataclasses
 from importlib.metadata import version
 from typing import Any
 
-from sensorless.design.carried import chosen, record
+from sensorless.design.carried import record
 from sensorless.design.drive import DriveDesign
-from sensorless.design.words import text_of
+from sensorless.design.words import words_of
 from sensorless.evaluation.objective import OBJECTIVE
 from sensorless.machine.motor import Motor
-from sensorless.settings import settings_of
 from sensorless.tuning.gains.choice import with_gains
 from sensorless.tuning.gains.measure import KEPT
 from sensorless.tuning.gains.search import ROLE, SUITES, Search
 from sensorless.versions import versions
 
 FORMAT = "sensorless-gains/1"
-
-
-def words(design: DriveDesign) -> list[str]:
-    """What ``--set`` takes for a design: all that is not a default."""
-    known = settings_of(DriveDesign)
-    values = dataclasses.asdict(design)
-    return [
-        f"{name}={text_of(values[name])}"
-        for name in chosen(design)
-        if values[name] != known[name].default
-    ]
 
 
 def record_of(
@@ -39,7 +27,7 @@ def record_of(
         "motor": motor.name,
         "estimator": design.estimator,
         "policy": policy,
-        "words": words(tuned),
+        "words": words_of(tuned),
         "start": {gain.name: gain.start for gain in found.gains},
         "tuned": found.best,
         "objective": {
