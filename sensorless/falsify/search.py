@@ -49,12 +49,6 @@ class Search:
     interrupted: bool = False
     """by Ctrl-C, which keeps the searches that had ended"""
 
-    @property
-    def gain(self) -> float:
-        """Lost scenarios for one run, over those of sampling; at least, if sampling found none."""
-        by_sampling = max(self.sampled_lost, 1) / max(self.sampled, 1)
-        return self.lost / max(self.scenarios, 1) / by_sampling
-
 
 def severity(policy: Policy, scenarios: Scenarios, factory: SimFactory) -> tuple[Floats, Floats]:
     """How bad a scenario ends, and when it was lost.

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sensorless.errors import UserError
-from sensorless.identify.machine.axis import Aligned, align
+from sensorless.identify.machine.axis import align
 from sensorless.identify.machine.curves import fit_curves
 from sensorless.identify.machine.edges import at_edges
 from sensorless.identify.machine.electric import Stator
@@ -26,7 +26,6 @@ class Identified:
 
     plate: Nameplate
     resistance: Resistance
-    aligned: Aligned
     samples: Samples
     spin: Spin
     map_fit: MapFit
@@ -73,4 +72,4 @@ def _identified(source: Source, plate: Nameplate) -> Identified:
         fit = fit_model(joint.samples, spin.psi_f, plate.i_rated)
     J = first.J / joint.share
     spin = replace(spin, mechanics=replace(first, J=J, J_std=J * joint.doubt))
-    return Identified(plate, resistance, aligned, joint.samples, spin, fit)
+    return Identified(plate, resistance, joint.samples, spin, fit)
