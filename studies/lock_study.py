@@ -12,7 +12,6 @@ not. With --out the result is written to a file.
 """
 
 import argparse
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -35,6 +34,7 @@ from sensorless.evaluation.rollout import are_feasible, at_a_time, rollouts
 from sensorless.files import check_writable, write_record
 from sensorless.machine.magnetics import torque
 from sensorless.machine.motor import Motor
+from sensorless.plain_json import plain
 from sensorless.policies.registry import make_policy
 from sensorless.policy import GainPolicy, Policy, Signals, decide, design_for, gains_of
 from sensorless.versions import versions
@@ -273,8 +273,7 @@ def main() -> None:
     if args.out is not None:
         record = {"seed": args.seed, "size": args.size, "suites": list(args.suite)}
         record |= {"versions": versions(), "found": found}
-        text = json.dumps(record, default=float).replace("NaN", "null")
-        write_record(args.out, json.loads(text))
+        write_record(args.out, plain(record))
 
 
 if __name__ == "__main__":
