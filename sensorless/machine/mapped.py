@@ -23,7 +23,7 @@ def mapped(motor: Motor, fit: MapFit) -> Motor:
     UserError
         The map's d axis is not the magnet's, or the map belongs to another machine.
     """
-    s = Saturation(**{name: _six(x) for name, x in dataclasses.asdict(fit.saturation).items()})
+    s = rounded(fit.saturation)
     L_d, L_q, psi_f = at_zero_current(s, motor.i_rated)
     if psi_f <= 0.0 or L_d >= L_q:
         raise UserError(
@@ -79,6 +79,11 @@ def saturation_table(s: Saturation) -> dict[str, float]:
     """Coefficients that differ from their defaults, or have none."""
     defaults = {f.name: f.default for f in dataclasses.fields(s)}
     return {k: v for k, v in dataclasses.asdict(s).items() if v != defaults[k]}
+
+
+def rounded(s: Saturation) -> Saturation:
+    """The same with six digits a number, as a motor file has it."""
+    return Saturation(**{name: _six(x) for name, x in dataclasses.asdict(s).items()})
 
 
 def _six(x: Any) -> Any:

@@ -1,6 +1,5 @@
 """What was found: a motor file with the source of every number, and rows for the screen."""
 
-import dataclasses
 import math
 from typing import Any
 
@@ -10,7 +9,7 @@ from sensorless.errors import UserError
 from sensorless.identify.machine.procedure import Identified
 from sensorless.machine.datasheet import Number
 from sensorless.machine.magnetics import at_zero_current
-from sensorless.machine.mapped import saturation_table
+from sensorless.machine.mapped import rounded, saturation_table
 from sensorless.machine.motor import Motor, Saturation
 from sensorless.machine.motor_file import tables
 from sensorless.suitability.examine import examine
@@ -32,7 +31,7 @@ def motor_tables(found: Identified) -> dict[str, Any]:
     UserError
         The machine has no saliency to speak of.
     """
-    model = _rounded(found.map_fit.saturation)
+    model = rounded(found.map_fit.saturation)
     L_d, L_q, psi_f = at_zero_current(model, found.plate.i_rated)
     if L_q < LEAST_SALIENCY * L_d:
         raise UserError(
@@ -107,10 +106,3 @@ def _terms(s: Saturation) -> str:
         f"d^{s.S}": s.a_dd, f"q^{s.T}": s.a_qq, f"cross {s.U},{s.V}": s.a_dq, "bridges": s.a_b
     }  # fmt: skip
     return ", ".join(name for name, value in names.items() if value > 0.0) or "linear"
-
-
-def _rounded(s: Saturation) -> Saturation:
-    values: dict[str, Any] = dataclasses.asdict(s)
-    for name, value in values.items():
-        values[name] = value if isinstance(value, int) else float(f"{value:.6g}")
-    return Saturation(**values)
