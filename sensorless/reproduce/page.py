@@ -3,14 +3,13 @@
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
 
-from sensorless.core.api import ffi, lib
 from sensorless.design.carried import worded
 from sensorless.design.derived import derive
 from sensorless.machine.motor import Motor
 from sensorless.reproduce.case import CORRECTED, NOT_SWITCHABLE, PUBLISHED, Case, Cell, Row
 from sensorless.settings import AUTO
+from sensorless.versions import versions
 
 DOI = "10.12177/emca.2025.011"
 
@@ -70,10 +69,7 @@ def _word(value: object) -> str:
 
 def data(cases: Sequence[Case], motor: Motor) -> str:
     """JSON of all rows, with the designs and versions behind them."""
-    try:
-        own = version("sensorless")
-    except PackageNotFoundError:
-        own = "not installed"
+    known = versions()
     return (
         json.dumps(
             {
@@ -81,7 +77,7 @@ def data(cases: Sequence[Case], motor: Motor) -> str:
                 "command": "sensorless reproduce",
                 "motor": motor.name,
                 "motor_digest": motor.digest,
-                "versions": {"sensorless": own, "core": ffi.string(lib.core_hash).decode()},
+                "versions": {name: known[name] for name in ("sensorless", "core")},
                 "designs": {
                     "published": worded(asdict(PUBLISHED)),
                     "corrected": worded(asdict(CORRECTED)),

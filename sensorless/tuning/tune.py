@@ -5,7 +5,6 @@ the search itself.
 """
 
 from dataclasses import asdict
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -34,7 +33,7 @@ from sensorless.tuning.rule_search import (
     over_unit_cube,
     search,
 )
-from sensorless.versions import versions
+from sensorless.versions import LIBRARIES, versions
 
 GENERATIONS = 30
 """Number of generations that the number of scenarios is chosen for."""
@@ -106,7 +105,7 @@ def tune(
         "objective": NEAR_OBJECTIVE,
         "budget_s": budget,
         **_course(found, es.popsize),
-        "versions": {**versions(), "cma": version("cma")},
+        "versions": versions((*LIBRARIES, "cma")),
     }
     return Tuned(word, found.best, provenance)
 

@@ -1,7 +1,6 @@
 """What a tuning of gains leaves behind: the settings to use, and how they were found."""
 
 import dataclasses
-from importlib.metadata import version
 from typing import Any
 
 from sensorless.design.carried import record
@@ -12,7 +11,7 @@ from sensorless.machine.motor import Motor
 from sensorless.tuning.gains.choice import with_gains
 from sensorless.tuning.gains.measure import KEPT
 from sensorless.tuning.gains.search import ROLE, SUITES, Search
-from sensorless.versions import versions
+from sensorless.versions import LIBRARIES, versions
 
 FORMAT = "sensorless-gains/1"
 
@@ -45,5 +44,5 @@ def record_of(
         "interrupted": found.interrupted,
         "centres": [dataclasses.asdict(centre) for centre in found.centres],
         "provenance": record(tuned, motor),
-        "versions": {**versions(), "cma": version("cma")},
+        "versions": versions((*LIBRARIES, "cma")),
     }
