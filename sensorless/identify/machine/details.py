@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sensorless.identify.machine.electric import Complex
+from sensorless.identify.machine.electric import Complex, parts
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.machine.magnetics import Floats, inverse_inductance
 from sensorless.machine.motor import Saturation
@@ -65,7 +65,7 @@ def flux_columns(
 
     ``psi``: that of the model [Vs]; ``six``: exp(j 6 theta); ``e``: EMF of the last period [V].
     """
-    gamma = inverse_inductance(model, np.stack([psi.real, psi.imag], axis=-1))
+    gamma = inverse_inductance(model, parts(psi))
     added = np.stack([(psi - psi_f).conj() * six, e], axis=-1)
     both = np.linalg.solve(gamma, np.stack([added.real, added.imag], axis=1))
     second, iron = (both[:, 0] + 1j * both[:, 1]).T

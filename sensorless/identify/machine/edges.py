@@ -11,7 +11,7 @@ import numpy as np
 
 from sensorless.core.api import Array
 from sensorless.core.machine import SLOPE, edge_losses
-from sensorless.identify.machine.electric import Complex, Stator
+from sensorless.identify.machine.electric import Stator, parts, plane
 from sensorless.identify.machine.pulses import Group
 from sensorless.machine.magnetics import flux, inverse_inductance
 from sensorless.machine.motor import Saturation
@@ -21,31 +21,26 @@ def at_edges(g: Group, stator: Stator, model: Saturation, most: float) -> Group:
     """The group with lost voltages from its edges; ``most``: current that the model covers [A]."""
     between = 0.5 * (g.i[1:] + g.i[:-1])
     between = between * np.minimum(1.0, most / np.maximum(np.abs(between), 1e-12))
-    psi = flux(model, np.stack([between.real, between.imag], axis=-1))
+    psi = flux(model, parts(between))
     back = np.exp(1j * g.theta)  # to the stator frame, which has the phases
     lost = edge_losses(
         _slope(inverse_inductance(model, psi), g, back),
-        _parts(g.u * back),
-        _parts(g.i[:-1] * back),
+        parts(g.u * back),
+        parts(g.i[:-1] * back),
         g.u_dc,
         stator.inverter.u_lost,
         g.T_s,
     ).astype(float)
-    return replace(g, lost=np.asarray((lost[:, 0] + 1j * lost[:, 1]) / back))
+    return replace(g, lost=plane(lost) / back)
 
 
 def _slope(gamma: Array, g: Group, back: complex) -> Array:
     """Slope of the current in every period: ``gamma`` (n, 2, 2) [1/H] turned, and the rest."""
     turn = np.array([[back.real, -back.imag], [back.imag, back.real]])
     turned = turn @ gamma @ turn.T
-    driven = np.einsum("nij,nj->ni", gamma, _parts(g.u))
-    rest = ((g.i[1:] - g.i[:-1]) / g.T_s - (driven[:, 0] + 1j * driven[:, 1])) * back
+    driven = np.einsum("nij,nj->ni", gamma, parts(g.u))
+    rest = ((g.i[1:] - g.i[:-1]) / g.T_s - plane(driven)) * back
     out = np.zeros(len(g.u), dtype=SLOPE)
     out["aa"], out["ab"], out["bb"] = turned[:, 0, 0], turned[:, 0, 1], turned[:, 1, 1]
     out["drift_a"], out["drift_b"] = rest.real, rest.imag
     return out
-
-
-def _parts(x: Complex) -> Array:
-    """Columns alpha and beta of complex numbers, (n, 2)."""
-    return np.stack([x.real, x.imag], axis=-1)

@@ -12,9 +12,14 @@ from sensorless.machine.phases import clarke, leg_losses, phases_of, with_third
 Complex = NDArray[np.complex128]
 
 
-def _plane(vector: Floats) -> Complex:
-    """Return a vector (n, 2) as (n,) alpha + j beta."""
+def plane(vector: Floats) -> Complex:
+    """Return a vector (n, 2) as (n,) alpha + j beta, or d + j q."""
     return np.asarray(vector[:, 0] + 1j * vector[:, 1])
+
+
+def parts(x: Complex) -> Floats:
+    """Return (n,) complex numbers as a vector (n, 2): the inverse of ``plane``."""
+    return np.stack([x.real, x.imag], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -31,7 +36,7 @@ class Sensors:
         half = np.sqrt(self.ratio)
         a = (part["i_a"] - self.offset[0]) * half
         b = (part["i_b"] - self.offset[1]) / half
-        return _plane(clarke(with_third(a, b)))
+        return plane(clarke(with_third(a, b)))
 
 
 @dataclass(frozen=True)
@@ -45,8 +50,8 @@ class Inverter:
 
     def lost(self, i: Complex) -> Complex:
         """(n,) voltage lost at the currents i [A], alpha + j beta [V]."""
-        legs = phases_of(np.stack([i.real, i.imag], axis=-1))
-        return _plane(clarke(leg_losses(legs, self.u_lost, 1.0 / self.i_zero)))
+        legs = phases_of(parts(i))
+        return plane(clarke(leg_losses(legs, self.u_lost, 1.0 / self.i_zero)))
 
 
 @dataclass(frozen=True)

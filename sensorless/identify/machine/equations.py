@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sensorless.identify.machine.curves import POWERS_D, POWERS_Q, powers
 from sensorless.identify.machine.details import Details, flux_columns, torque_columns
-from sensorless.identify.machine.electric import Complex
+from sensorless.identify.machine.electric import Complex, parts, plane
 from sensorless.identify.machine.pulses import Group
 from sensorless.machine.magnetics import Floats, flux
 from sensorless.machine.motor import Saturation
@@ -32,8 +32,7 @@ class Known:
 
     def psi(self, i: Complex) -> Complex:
         """Flux linkage of the model less its magnet's, plus the magnet's that was measured."""
-        at = flux(self.model, np.stack([np.r_[i, 0.0].real, np.r_[i, 0.0].imag], axis=-1))
-        psi = at[:, 0] + 1j * at[:, 1]
+        psi = plane(flux(self.model, parts(np.r_[i, 0.0])))
         return np.asarray(psi[:-1] - psi[-1] + self.psi_f)
 
 

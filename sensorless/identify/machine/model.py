@@ -13,6 +13,8 @@ import numpy as np
 from scipy.optimize import nnls
 
 from sensorless.errors import UserError
+from sensorless.identify.machine.electric import parts
+from sensorless.identify.machine.equations import COVERED
 from sensorless.identify.machine.pulses import Samples
 from sensorless.machine.magnetics import Floats, cross_term, currents
 from sensorless.machine.map_fit import MapFit, fit_map
@@ -40,9 +42,8 @@ def fit_model(s: Samples, psi_f: float, i_rated: float) -> MapFit:
     """
     if psi_f <= 0.0:
         raise UserError(f"magnet: {psi_f:.3g} Vs found; check the phase order")
-    i = np.stack([s.i.real, s.i.imag], axis=-1)
-    psi = np.stack([psi_f + s.psi.real, s.psi.imag], axis=-1)
-    inside = np.hypot(*i.T) <= 1.3 * i_rated
+    i, psi = parts(s.i), parts(psi_f + s.psi)
+    inside = np.hypot(*i.T) <= COVERED * i_rated
     i, psi = i[inside], psi[inside]
     simple = _judged(_simple(i / i_rated, psi / psi_f, psi_f, i_rated), i, psi, i_rated)
     worst = max(simple.rms_percent(i_rated))
