@@ -37,7 +37,7 @@ WHAT = {
     "or with injection; exact sensors; a period is 125 us",
     "machine alone": "one saturated IPMSM and its mechanics, Runge-Kutta; a step is 200 us",
     "drive": "256 IPMSM drives in blocks: saturated machine, inverter with dead time, ADC and "
-    "sensor errors, injection and sliding-mode observer, blend, control; a period is 200 us",
+    "sensor errors, injection, coupled observer, control; a period is 200 us",
     "drive and its sensored twin": "the same, and beside each a drive that knows its angle",
 }
 
