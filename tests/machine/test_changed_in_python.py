@@ -16,14 +16,21 @@ from sensorless.policies.registry import make_policy
 MOTOR = Motor.load("paper")
 
 
-@pytest.mark.parametrize("name", [f.name for f in fields(Motor) if type(f.default) is not str])
-def test_numbers_of_numpy_are_numbers(name: str) -> None:
-    old = getattr(MOTOR, name)
-    if not isinstance(old, int | float) or isinstance(old, bool):
-        return
+NUMBERS = {f.name: getattr(MOTOR, f.name) for f in fields(Motor)} | {"speed_hz": 2.5}
+NUMBERS = {name: old for name, old in NUMBERS.items() if type(old) in (int, float)}
+
+
+def test_all_but_words_and_flux_are_numbers() -> None:
+    others = {"name", "description", "pole_at_rest", "saturation", "flux_correction"}
+    assert {f.name for f in fields(Motor)} - set(NUMBERS) == others
+
+
+@pytest.mark.parametrize(("name", "old"), NUMBERS.items(), ids=NUMBERS)
+def test_numbers_of_numpy_are_numbers(name: str, old: float) -> None:
     new: Any = np.int64(old) if isinstance(old, int) else np.float32(old)
     changed = replace(MOTOR, **{name: new})
     assert type(getattr(changed, name)) is type(old)
+    assert getattr(changed, name) == pytest.approx(old, rel=1e-7)
     env = gymnasium.make("sensorless/Blend-v0", motor=changed)
     assert np.isfinite(env.reset(seed=1)[0]).all()
 
