@@ -130,6 +130,9 @@ def test_peak_to_peak_counts_only_between_the_estimators() -> None:
     assert torque_p2p_handover(drive(tau, k_s=k_s))[0] == pytest.approx(0.1)
     assert torque_p2p_handover(drive(tau))[0] == pytest.approx(0.2)
     assert np.isnan(torque_p2p_handover(drive(tau, k_s=1.0))[0])
+    for end, inside in ((0.00095, 0.00105), (0.99905, 0.99895)):
+        assert np.isnan(torque_p2p_handover(drive(tau, k_s=end))[0])
+        assert torque_p2p_handover(drive(tau, k_s=inside))[0] == pytest.approx(0.2)
 
 
 def test_peak_to_peak_looks_no_further_than_20_ms() -> None:

@@ -28,6 +28,7 @@ Floats = NDArray[np.float64]
 
 TIME = (np.arange(2000) + 0.5) * 1e-3
 """Middle of each decision [s]."""
+NONE = np.zeros(2000)
 
 
 def profile(*segments: tuple[float, float, float]) -> Scenarios:
@@ -75,6 +76,18 @@ def test_overshoot_is_beyond_the_target_in_the_direction_of_the_step(
     r = made_up(scenario, rise(start, stop, bump, 0.5))
     assert overshoot_pct(r)[0] == pytest.approx(expected, abs=0.3)
     assert overshoot_excess_pct(r)[0] == 0.0
+
+
+@pytest.mark.parametrize(("share", "expected"), [(0.049, np.nan), (0.051, 20.0)])
+def test_a_step_is_at_least_a_twentieth_of_rated(share: float, expected: float) -> None:
+    """Of rated speed for the overshoot, here 20 % of the height; of rated torque for the dip."""
+    height = share * RATED
+    r = made_up(
+        profile((0.0, 0.0, 0.0), (0.5, height, 0.0)), np.where(TIME > 0.5, 1.2 * height, 0.0)
+    )
+    assert overshoot_pct(r)[0] == pytest.approx(expected, abs=1e-3, nan_ok=True)
+    load = profile((0.0, 0.0, 0.0), (0.5, 0.0, share * MOTOR.tau_rated))
+    assert np.isnan(dip_pct_s(made_up(load, NONE))[0]) == np.isnan(expected)
 
 
 def test_overshoot_against_the_twin_is_taken_step_by_step() -> None:
