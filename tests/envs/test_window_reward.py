@@ -101,6 +101,17 @@ def test_ripple_is_about_the_difference_to_the_twin(motor: Motor) -> None:
     assert parts["torque_ripple"] == pytest.approx(-0.5 * 0.025 * 5.0, rel=1e-5)
 
 
+@pytest.mark.parametrize(("off", "share"), [(0.05, 0.5), (-0.1, 0.8), (0.0, 0.0)])
+def test_speed_off_the_twins_costs_a_half_at_5_percent(
+    motor: Motor, off: float, share: float
+) -> None:
+    """x^2 / (x^2 + 0.05^2) of x, the difference over rated speed."""
+    twin = 0.3 * motor.omega_m_rated
+    parts = earned(motor, omega_m=twin + off * motor.omega_m_rated, omega_m_twin=twin)
+    full = -WindowWeights().speed_deviation * 5.0
+    assert parts["speed_deviation"] == pytest.approx(share * full, rel=1e-4, abs=1e-7)
+
+
 def test_injection_costs_by_its_share_of_the_time(motor: Motor) -> None:
     full = -WindowWeights().injection * 5.0
     assert earned(motor, injecting=1.0)["injection"] == pytest.approx(full)
@@ -112,6 +123,19 @@ def test_movement_of_the_weight_costs_by_its_share_of_the_fastest(motor: Motor) 
     for share in (0.5, 1.0):
         parts = earned(motor, k_s_moved=share * fastest)
         assert parts["activity"] == pytest.approx(share * full, rel=1e-5)
+
+
+@pytest.mark.parametrize(("decision", "held"), [(1e-3, 20), (5e-3, 4), (0.02, 1), (0.05, 1)])
+def test_the_window_holds_20_ms_and_at_least_a_decision(decision: float, held: int) -> None:
+    window, sums = Window(1, decision), np.zeros(1, dtype=SIM["sums"])
+    sums["dev_sq"] = 7.0
+    window.add(sums)
+    sums["dev_sq"] = 0.0
+    found = []
+    for _ in range(held):
+        found.append(float(window.totals()["dev_sq"][0]))
+        window.add(sums)
+    assert found == [7.0] * held and window.totals()["dev_sq"][0] == 0.0
 
 
 def test_the_window_forgets(motor: Motor) -> None:

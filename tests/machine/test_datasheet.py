@@ -123,6 +123,8 @@ def test_inertia_has_its_unit(text: str, kg_m2: float) -> None:
         ({"torque": None}, ["power, torque: none given"]),
         ({"ke": None}, ["ke, kt: none given"]),
         ({"L_q": None}, ["inductance: incomplete"]),
+        ({"L_d": None, "L_q": None, "L": 0.01}, ["inductance: incomplete"]),
+        ({"L_d": None, "L_q": None, "ratio": 1.5}, ["inductance: incomplete"]),
         ({"L": 0.01}, ["one of the two pairs"]),
         ({"ratio": 1.5}, ["one of the two pairs"]),
         ({"L_q": None, "L": 0.01, "ratio": 1.5}, ["inductance: incomplete"]),
