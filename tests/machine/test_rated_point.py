@@ -80,8 +80,9 @@ def test_beyond_the_voltage_is_named_with_what_is_reached() -> None:
     assert "14 N m at 1500 r/min is beyond 300 V" in said
     assert f"up to {p.speed:.0f} r/min" in said
     assert 300.0 < p.speed < 1000.0
-    slower = replace(motor, n_rated_rpm=p.speed)
+    slower, faster = (replace(motor, n_rated_rpm=x * p.speed) for x in (1.0, 1.02))
     assert rated_point(slower).objection(slower) is None
+    assert rated_point(faster).objection(faster) is not None
 
 
 def test_beyond_the_current_is_named_with_what_is_needed() -> None:
