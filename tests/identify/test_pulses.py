@@ -68,19 +68,20 @@ def test_what_is_run_in_each_direction(monkeypatch: pytest.MonkeyPatch) -> None:
     Lobes of 0.71, 1, 0.71 and almost 0 of 10.5 A, each the other way than the last.
     """
     bench, off = Bench(), np.pi + 0.02
-    mean, half = 0.5 * (1 / L_D + 1 / L_Q), 0.5 * (1 / L_D - 1 / L_Q)
+    g_d, g_q = 10.0 / L_D, 10.0 / L_Q
+    mean, half = 0.5 * (g_d + g_q), 0.5 * (g_d - g_q)
     turns = iter([at for at in PLACES for _ in range(8)])
     monkeypatch.setattr(pulses, "fit_axis", lambda *_: Axis(next(turns) + off, mean, half))
     aligned = Aligned(Probe(10.0, 1), 2.0, 1.5, Axis(0.0, mean, half))
-    now = stator(1.0, 3.0)
+    now = stator(0.5, 3.0)
     groups = measure_pulses(bench, now, PLATE, aligned)
     assert [g.place for g in groups] == pytest.approx([np.pi / 12.0] * 8 + [-np.pi / 12.0] * 8)
     assert bench.told[0] == ("align", align_commands(now, PLATE, 2.0, 1.5, at=PLACES[0]))
     told = [commands for stage, commands in bench.told if stage == "pulse"]
     assert len(told) == 16 and len(bench.told) == 48, "no turn is repeated"
-    for phi, slope, c in ((0, 1 / L_D, told[0][:4]), (90, 1 / L_Q, told[1][:4]),
-                          (45, 0.5 / L_D + 0.5 / L_Q, told[2][:4])):  # fmt: skip
-        u = voltage(slope, now, PLATE)
+    for phi, slope, u, c in ((0, g_d, 30.0, told[0][:4]), (90, g_q, 50.0, told[1][:4]),
+                             (45, mean, 37.5, told[2][:4])):  # fmt: skip
+        assert voltage(slope, now, PLATE) == pytest.approx(u)
         assert [x.start for x in c] == pytest.approx([u, -u, u, -u])
         assert [x.until for x in c] == pytest.approx([10.5 * 0.5**0.5, 10.5, 10.5 * 0.5**0.5, 0.01],
                                                      rel=0.06)  # fmt: skip
@@ -88,7 +89,7 @@ def test_what_is_run_in_each_direction(monkeypatch: pytest.MonkeyPatch) -> None:
     # 2 A along phase a lose 4/3 of 3 V, and all is seen from the axis
     back = np.exp(-1j * (PLACES[0] + off))
     assert groups[0].lost == pytest.approx(4.0 * back) and groups[0].i == pytest.approx(2.0 * back)
-    assert groups[0].path[1] == pytest.approx((50.0 - 4.0 - 2.0) * 1e-4 * back)
+    assert groups[0].path[1] == pytest.approx((50.0 - 4.0 - 1.0) * 1e-4 * back)
     assert groups[0].bounds == (0, 16, 32)
 
 
