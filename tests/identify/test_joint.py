@@ -110,6 +110,17 @@ def test_inertia_and_map_come_from_the_pulses_where_the_spin_is_in_doubt(wrong: 
     assert worst(found) < 0.003
 
 
+def test_the_doubt_is_over_the_inertia_that_was_found() -> None:
+    """Whatever was guessed: it is what the pulses say, where the guess itself is worth nothing."""
+    psi_f = float(linked(np.zeros(1, complex))[0].real)
+    some = pulses(noise=0.002)
+    low, high = (
+        fit_jointly(some, MOTOR.saturation, psi_f, TURN / wrong, 9.0, PLATE).doubt
+        for wrong in (0.7, 1.3)
+    )
+    assert low == pytest.approx(high, rel=0.1)
+
+
 def at_places(details: Details, off: tuple[float, float]) -> list[Group]:
     out = []
     for place, wrong in zip(PLACES, off, strict=True):

@@ -8,7 +8,7 @@ import pytest
 
 from sensorless.errors import UserError
 from sensorless.identify.machine import procedure
-from sensorless.identify.machine.log import COLUMNS, Part, plausible, read_log, write_log
+from sensorless.identify.machine.log import COLUMNS, NUMBERS, Part, plausible, read_log, write_log
 from sensorless.identify.machine.nameplate import Nameplate
 from sensorless.identify.machine.source import Recorded
 from sensorless.machine.motor import Motor
@@ -75,14 +75,15 @@ def test_blank_lines_at_the_end_are_none(tmp_path: Path) -> None:
     assert len(read_log(tmp_path / "log.csv")) == 3
 
 
-def test_an_outlier_is_named_where_the_log_leads_elsewhere() -> None:
+@pytest.mark.parametrize("channel", ["i_a", "i_b"])
+def test_an_outlier_is_named_where_the_log_leads_elsewhere(channel: str) -> None:
     rows = np.random.default_rng(0).normal(size=(200, 8))
     right, wrong = Part("offset", rows), Part("probe", rows.copy())
-    wrong.rows[50, 4] = 30.0
+    wrong.rows[50, NUMBERS.index(channel)] = 30.0
     source = Recorded([right, wrong, right])
     source.run("offset", [])
     source.run("probe", [])
-    with pytest.raises(UserError, match="i_a = 30 in row 50 of part 1, stage probe"):
+    with pytest.raises(UserError, match=f"{channel} = 30 in row 50 of part 1, stage probe"):
         source.run("axis", [])
 
 
@@ -102,6 +103,11 @@ def test_a_log_of_another_procedure_is_refused() -> None:
         (0, -99.0, "segment = -99 in row 3 of the stage"),
         (0, 0.5, "segment = 0.5 in row 3 of the stage"),
         (0, 7.0, "segment = 7 in row 3 of the stage"),
+        (4, -52.0, "i_a = -52 in row 3 of the stage"),  # three times the trip of 17 A
+        (5, 52.0, "i_b = 52 in row 3 of the stage"),
+        (5, -52.0, "i_b = -52 in row 3 of the stage"),
+        (3, 179.0, "u_dc = 179 in row 3 of the stage"),  # a third of 540 V
+        (3, 1621.0, "u_dc = 1621 in row 3 of the stage"),
     ],
 )
 def test_readings_that_the_drive_cannot_have_made_are_refused(
@@ -113,6 +119,19 @@ def test_readings_that_the_drive_cannot_have_made_are_refused(
     assert plausible(given, motor, Path("log.csv")) is given
     given[1].rows[3, column] = value
     with pytest.raises(UserError, match=re.escape(f"stage ramp: {said}")):
+        plausible(given, motor, Path("log.csv"))
+
+
+def test_readings_that_a_drive_can_just_have_made_are_taken() -> None:
+    given, motor = parts(), Motor.load("paper")
+    for part in given:
+        part.rows[:, 3] = motor.u_dc
+    given[1].rows[:, 3] = (181.0, 181.0, 1619.0, 1619.0, 540.0)
+    given[1].rows[1:3, 4:6] = 50.0, -50.0
+    given[1].rows[:, 0] = (0.0, 0.0, 2.0, 4.0, 4.0)
+    assert plausible(given, motor, Path("log.csv")) is given
+    given[1].rows[3:, 0] = 5.0  # five rows have at most five commands, from 0 on
+    with pytest.raises(UserError, match="segment = 5 in row 3"):
         plausible(given, motor, Path("log.csv"))
 
 

@@ -102,6 +102,37 @@ def test_a_log_that_the_current_limit_ended_says_so(
         require_answers(parts, MOTOR, "log")
 
 
+def held(u_alpha: float, i_a: Floats, i_b: Floats) -> Part:
+    """As many rows as currents, at rising voltages along phase a."""
+    rows = np.zeros((len(i_a), len(NUMBERS)))
+    rows[:, U_ALPHA] = u_alpha * np.arange(1.0, len(i_a) + 1.0)
+    rows[:, I_A], rows[:, I_B] = i_a, i_b
+    return Part("hold", rows)
+
+
+def test_the_offset_of_a_channel_is_no_sign() -> None:
+    """i_b falls by half of what i_a rises by, from 3 A on."""
+    rise = np.array([1.0, 2.0, 3.0])
+    require_answers([held(10.0, rise, 3.0 - 0.5 * rise)], MOTOR, "log")
+    with pytest.raises(UserError, match="i_b has the wrong sign"):
+        require_answers([held(10.0, rise, 0.5 * rise - 3.0)], MOTOR, "log")
+
+
+def test_currents_that_do_not_answer_at_all_have_no_sign() -> None:
+    require_answers([held(10.0, np.zeros(3), np.zeros(3))], MOTOR, "log")
+
+
+@pytest.mark.parametrize(("share", "beyond"), [(0.84, False), (0.86, True)])
+def test_the_limit_is_one_of_the_vector(share: float, beyond: bool) -> None:
+    """i_b alone is a vector 2 / sqrt(3) times as long, and 0.98 of the least limit ends a test."""
+    parts = [held(0.0, np.zeros(1), np.array([share * min(MOTOR.i_trip, MOTOR.adc_range)]))]
+    if not beyond:
+        require_answers(parts, MOTOR, "log")
+        return
+    with pytest.raises(UserError, match=r"above .* in row 0"):
+        require_answers(parts, MOTOR, "log")
+
+
 def test_the_command_refuses_such_a_log(
     measured: tuple[Simulated, Identified], tmp_path: Path
 ) -> None:
