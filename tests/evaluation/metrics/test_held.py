@@ -48,7 +48,7 @@ def wave(percent: float, hz: float) -> Floats:
 
 @pytest.mark.parametrize("hz", [5.0, 12.7, 40.0])
 def test_a_limit_cycle_shows_its_peak_to_peak(hz: float) -> None:
-    for percent, loose in ((1.8, 0.0), (3.0, 1.0)):
+    for percent, loose in ((1.8, 0.0), (2.2, 1.0)):
         r = made_up(load_at(0.5), wave(percent, hz))
         assert swing_pct(r)[0] == pytest.approx(percent, rel=0.03)
         assert not_held(r)[0] == loose
@@ -93,6 +93,16 @@ def test_a_twin_that_swings_slowly_is_told_from_four_turns_in_600_ms() -> None:
     """Three half cycles of 3 Hz take 0.5 s, so the blocks of 0.1 s with their ends span six."""
     twin = wave(5.0, 3.0)
     assert twin_swing_pct(made_up(load_at(0.5), twin, twin))[0] == pytest.approx(5.0, rel=0.1)
+
+
+def test_one_way_there_and_back_is_no_swing_of_the_twin_and_once_more_is() -> None:
+    """Within 0.6 s: 5 % up and down; up, down and up; down, up and down."""
+    since = np.clip(TIME - 1.0, 0.0, 9.0)
+    up = 0.025 * (1.0 - np.cos(2.0 * np.pi * 2.5 * np.minimum(since, 0.6)))
+    once = 0.025 * (1.0 - np.cos(2.0 * np.pi * np.minimum(since, 0.6) / 0.6))
+    for twin, wanted in ((once, 0.0), (up, 5.0), (-up, 5.0)):
+        found = twin_swing_pct(made_up(load_at(0.5), twin, twin))[0]
+        assert found == pytest.approx(wanted, abs=0.15)
 
 
 def test_a_swing_that_dies_counts_as_what_is_left_of_it() -> None:
@@ -143,6 +153,13 @@ def test_the_clock_starts_where_the_last_change_ends() -> None:
     for t, wanted in ((0.3, 0.3), (0.55, -0.15), (0.65, -0.95), (1.8, 0.2), (2.5, 0.499)):
         assert since[round(1e3 * t)] == pytest.approx(wanted, abs=1e-3), t
     assert reference(r)[1100, 0] == pytest.approx(10.0, abs=0.02)
+
+
+def test_a_load_of_the_beginning_rises_from_none() -> None:
+    s = load_at(2.0, rise=0.2)
+    s.tau[:] = MOTOR.tau_rated
+    since = since_change(made_up(s, NONE))[:, 0]
+    assert since[[100, 300]] == pytest.approx([-0.1, 0.1], abs=1e-3)
 
 
 def test_a_ramp_that_is_called_back_ends_there() -> None:

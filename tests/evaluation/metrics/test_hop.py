@@ -50,6 +50,13 @@ def test_what_follows_a_change_is_no_hop() -> None:
     assert k_s_hop(made_up(late))[0] == pytest.approx(0.7)
 
 
+@pytest.mark.parametrize(("off", "rest"), [(0.0019, True), (0.0021, False)])
+def test_rest_is_within_a_five_hundredth_of_rated_speed(off: float, rest: bool) -> None:
+    step = np.where(TIME > 1.5, 0.2, 0.9)
+    for way in (-off, off):
+        assert np.isfinite(k_s_hop(made_up(step, twin=way))[0]) == rest
+
+
 def test_no_rest_while_the_twin_moves_or_after_the_end() -> None:
     wave = np.sin(40.0 * TIME)
     assert np.isnan(k_s_hop(made_up(wave, twin=0.01))[0])

@@ -173,6 +173,16 @@ def test_peak_to_peak_in_the_window_leaves_the_injection_out() -> None:
     assert torque_p2p_window(drive(tau[10:]))[0] == pytest.approx(0.1, rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("k_s", "between"), [(0.0009, False), (0.0011, True), (0.9989, True), (0.9991, False)]
+)
+def test_a_drive_between_its_estimators(k_s: float, between: bool) -> None:
+    """Each 7 N m with a step of 1.4; that it ends at 7 N m is none."""
+    tau = np.where(np.arange(1000) < 200, 5.6, 7.0)
+    found = torque_p2p_handover(drive(tau, k_s=k_s, live=600))[0]
+    assert found == pytest.approx(0.1, rel=1e-6) if between else np.isnan(found)
+
+
 def test_the_window_is_from_17_to_32_percent_of_rated_speed() -> None:
     tau = np.zeros(100)
     for speed, inside in ((0.168, False), (0.172, True), (0.318, True), (0.322, False)):

@@ -70,6 +70,15 @@ def test_backwards_is_against_the_target_and_beyond_the_twin(
     assert backward_excess_pct(r)[0] == pytest.approx(excess, abs=1e-4)
 
 
+def test_the_wanted_direction_is_that_of_the_last_target_in_time() -> None:
+    """Backward in the second half; forward again only after the end."""
+    r = made_up(33, omega_m=speeds(0.0, 0.05, -0.2, -0.2), omega_m_twin=speeds(0.0, 0.0))
+    end = 40 * P * MOTOR.T_s
+    r.scenarios.t[0, 1], r.scenarios.t[0, 2] = 0.5 * end, 1.5 * end
+    r.scenarios.omega[0, 1], r.scenarios.omega[0, 2:] = -0.2 * RATED, 0.2 * RATED
+    assert backward_excess_pct(r)[0] == pytest.approx(5.0, abs=1e-4)
+
+
 def test_backwards_has_no_meaning_without_a_direction() -> None:
     assert np.isnan(backward_excess_pct(made_up(33, target=0.0))[0])
     spinning = made_up(33)

@@ -17,6 +17,7 @@ from sensorless.evaluation.metrics.step import (
     overshoot_excess_pct,
     overshoot_pct,
     settling_s,
+    settling_twin_s,
 )
 from sensorless.evaluation.rollout import Rollout, rollout
 from sensorless.machine.motor import Motor
@@ -103,7 +104,8 @@ def test_overshoot_against_the_twin_is_taken_step_by_step() -> None:
     ("first", "second", "twin", "expected", "above"),
     [
         (10.0, -1.5, 10.0, 3.0, 1.0),
-        (10.0, -0.8, 10.0, 1.6, 0.0),
+        (10.0, -0.9, 10.0, 1.8, 0.0),
+        (10.0, -1.15, 10.0, 2.3, 1.0),
         (4.0, -0.5, 0.2, 4.0, 1.0),
         (4.0, -0.5, 0.8, 1.0, 0.0),
     ],
@@ -167,8 +169,11 @@ def test_steps_below_5_percent_are_passed_over() -> None:
     assert np.isnan(overshoot_pct(r)[0])
     assert np.isnan(settling_s(r)[0])
     assert np.isnan(dip_pct_s(r)[0])
-    r = made_up(profile((0.0, 0.06 * RATED, 0.0)), np.full(2000, 0.09 * RATED))
+    r = made_up(profile((0.0, 0.052 * RATED, 0.0)), np.full(2000, 0.078 * RATED))
     assert overshoot_pct(r)[0] == pytest.approx(50.0)
+    for share, seen in ((0.048, False), (0.052, True)):
+        load = profile((0.0, 0.0, 0.0), (0.5, 0.0, share * MOTOR.tau_rated))
+        assert np.isfinite(dip_pct_s(made_up(load, np.zeros(2000)))[0]) == seen
 
 
 def test_settling_of_a_first_order_lag_is_ln_50_time_constants() -> None:
@@ -181,7 +186,10 @@ def test_settling_counts_from_the_last_time_outside_of_the_band() -> None:
     scenario = profile((0.0, 100.0, 0.0))
     speed = np.full(2000, 100.0)
     speed[700:750] = 102.5
-    assert settling_s(made_up(scenario, speed))[0] == pytest.approx(0.75)
+    twin = np.where(TIME < 0.2, 0.0, 100.0)
+    r = made_up(scenario, speed, twin)
+    assert settling_s(r)[0] == pytest.approx(0.75)
+    assert settling_twin_s(r)[0] == pytest.approx(0.2)
 
 
 def test_a_step_that_does_not_settle_has_no_settling_time() -> None:
@@ -200,6 +208,8 @@ def test_dip_is_the_area_below_the_reference_after_a_load_step() -> None:
     r = made_up(scenario, speed, np.full(2000, 0.5 * RATED))
     assert dip_pct_s(r)[0] == pytest.approx(100.0 * 0.1 * 0.2, rel=1e-4)
     assert dip_excess_pct_s(r)[0] == pytest.approx(2.0, rel=1e-4)
+    twin = np.where((TIME > 0.6) & (TIME < 0.75), 0.4, 0.5) * RATED
+    assert dip_excess_pct_s(made_up(scenario, speed, twin))[0] == pytest.approx(0.5, rel=1e-3)
 
 
 def test_the_lag_behind_a_later_speed_step_is_no_dip() -> None:
