@@ -4,7 +4,9 @@ import re
 from dataclasses import replace
 from math import nan
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from sensorless.design.drive import DriveDesign
@@ -19,6 +21,7 @@ from sensorless.export.export import Exported
 from sensorless.export.judge import Judged
 from sensorless.machine.motor import Motor
 from sensorless.policies.registry import make_policy
+from sensorless.policy import Policy
 from sensorless.report.motor_check import check
 from sensorless.suitability.examine import Examination
 from sensorless.suitability.finding import LIMIT, NO, Finding
@@ -144,3 +147,41 @@ def test_a_suite_that_no_drive_can_run_is_told() -> None:
 
 def test_what_nobody_judged_says_so(exported: Exported) -> None:
     assert "**Verdict:** not judged" in (exported.folder / "README.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("machine", "under_eq25", "suited"),
+    [(NO, LIMIT, True), (NO, NO, False), (LIMIT, NO, False), (LIMIT, LIMIT, False)],
+)
+def test_what_is_judged(
+    machine: str, under_eq25: str, suited: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three lost of seven that are feasible of nine; its machine beside that under Eq. 25."""
+    lost, feasible = np.arange(9) < 3, np.arange(9) < 7
+    policy = make_policy("constant:0", PAPER)
+
+    def checked(motor: Motor, design: DriveDesign, run: Policy, under: str, size: int) -> Check:
+        assert (under == "Eq. 25") == (run is not policy)
+        return suits(under_eq25 if under == "Eq. 25" else machine)
+
+    monkeypatch.setattr(
+        module, "outcomes", lambda *_: SimpleNamespace(lost=lost, feasible=feasible)
+    )
+    monkeypatch.setattr(module, "compare", lambda *_: LEVEL)
+    monkeypatch.setattr(module, "check", checked)
+    judged = module.judge_export(policy, PAPER, DriveDesign())
+    assert (judged.lost, judged.nominal, judged.drawn, judged.suits) == (3, 7, 9, suited)
+    assert judged.facts()["nominal"] == {"seed": 1, "scenarios": 7, "lost": 3}
+
+
+def test_who_is_to_be_mended() -> None:
+    """The motor file where the machine is to blame, the schedule where Eq. 25 does with it."""
+    blamed = Judged(0, 200, 200, LEVEL, suits(NO))
+    with pytest.raises(UserError, match=r"correct the motor file .*--force"):
+        module.require_fit(blamed, "x")
+    with pytest.raises(UserError, match="export eq25, or train or tune"):
+        module.require_fit(replace(blamed, suits=True), "x")
+    with pytest.raises(UserError, match=": train or tune one"):
+        module.require_fit(Judged(11, 200, 200, LEVEL), "x")
+    assert not Judged(0, 100, 200, LEVEL).objection, "half of the scenarios are enough"
+    module.require_fit(Judged(10, 200, 200, LEVEL), "x")
