@@ -113,13 +113,13 @@ class Host:
         out["ticks"], out["ticks_drive"] = 100 + self.k, self.k
         self.weights.append(out["x"]["k_s"].copy())
         if self.k in self.wrong:
-            out.view(np.uint32).reshape(n, -1)[self.wrong[self.k], 7] ^= 1
+            out.view(np.uint32).reshape(n, -1)[self.wrong[self.k], [7, 9]] ^= 1
         self.k += 1
         return out
 
 
 def test_words_are_compared_while_a_drive_lives() -> None:
-    """For 12 and 8 periods; a word of the second drive is wrong in two, and after its end."""
+    """For 12 and 8 periods; two words of the second drive are wrong in two, and after its end."""
     some = cut(lambda: pil_scenarios(PAPER, 5, 10)[1], 0.01)()
     sims = SimFactory(PAPER, DriveDesign()).build(some)[:2].copy()
     sims["k_end"] = [12, 8]
@@ -127,7 +127,7 @@ def test_words_are_compared_while_a_drive_lives() -> None:
     table = KsTable((Axis("speed", 0.0, 0.5, 2),), np.full(2, 0.25, dtype=np.float32))
     found = lockstep(host, sims, table, 5)  # type: ignore[arg-type]
     assert found.periods.tolist() == [12, 8]
-    assert found.mismatches.tolist() == [0, 2] and found.first == (1, 2, 7)
+    assert found.mismatches.tolist() == [0, 4] and found.first == (1, 2, 7)
     assert found.ticks.shape == (20, 2) and found.ticks[-1].tolist() == [111, 11]
     first = np.array(host.weights)[:, 0]
     assert found.k_s[0] == pytest.approx([first.min(), first.max()]) and np.ptp(first) > 0.0
@@ -140,6 +140,15 @@ def test_no_drives_and_too_many_are_refused(n: int) -> None:
     with pytest.raises(ValueError, match=f"{n} drives; give 1 to 64"):
         lockstep(None, np.resize(some, n), table, 5)  # type: ignore[arg-type]
     assert WORDS > 20
+
+
+def test_as_many_drives_as_a_request_holds() -> None:
+    sims = np.resize(SimFactory(PAPER, DriveDesign()).build(pil_scenarios(PAPER, 5, 9)[1]), DRIVES)
+    sims = sims[np.zeros(DRIVES, dtype=int)]
+    sims["k_end"] = 1
+    table = KsTable((Axis("speed", 0.0, 0.5, 2),), np.full(2, 0.25, dtype=np.float32))
+    found = lockstep(Host(sims, {}), sims, table, 5)  # type: ignore[arg-type]
+    assert found.periods.tolist() == [1] * DRIVES and found.first is None
 
 
 def test_the_stack_is_the_deepest_way_through_the_calls(tmp_path: Path) -> None:
