@@ -10,7 +10,7 @@ from sensorless.errors import UserError
 from sensorless.identify.machine import procedure
 from sensorless.identify.machine.log import COLUMNS, NUMBERS, Part, plausible, read_log, write_log
 from sensorless.identify.machine.nameplate import Nameplate
-from sensorless.identify.machine.source import Recorded
+from sensorless.identify.machine.source import Recorded, outlier
 from sensorless.machine.motor import Motor
 
 
@@ -85,6 +85,18 @@ def test_an_outlier_is_named_where_the_log_leads_elsewhere(channel: str) -> None
     source.run("probe", [])
     with pytest.raises(UserError, match=f"{channel} = 30 in row 50 of part 1, stage probe"):
         source.run("axis", [])
+
+
+@pytest.mark.parametrize(("height", "named"), [(4.8, False), (5.2, True)])
+def test_an_outlier_stands_five_times_beyond_the_next(height: float, named: bool) -> None:
+    """Alone on a line, 1 beside its neighbours' mean, and 0.5 that of each neighbour."""
+    rows = np.zeros((40, len(NUMBERS)))
+    rows[10, NUMBERS.index("i_b")], rows[30, NUMBERS.index("i_b")] = 1.0, height
+    told = outlier([Part("hold", rows)])
+    assert told == (
+        f", or mend an outlier: i_b = {height} in row 30 of part 0, stage hold" if named else ""
+    )
+    assert not outlier([Part("hold", rows[25:34])]), "too few rows"
 
 
 def test_a_log_of_another_procedure_is_refused() -> None:

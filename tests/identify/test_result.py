@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from sensorless.errors import UserError
@@ -41,7 +42,10 @@ def test_the_map_has_six_digits(measured: Measured) -> None:
 
 def test_the_rows_on_the_screen(measured: Measured) -> None:
     """0.01 of 2 ohm is 0.5 %; the terms are those of the paper's motor."""
-    found = with_map(measured[1], Motor.load("paper").saturation)
+    error = np.array([0.02, 0.05]) * measured[1].plate.i_rated
+    fit = measured[1].map_fit
+    fit = replace(fit, error=np.broadcast_to(error, fit.error.shape))
+    found = with_map(replace(measured[1], map_fit=fit), Motor.load("paper").saturation)
     found = replace(
         found,
         resistance=replace(found.resistance, R_s=2.0, R_std=0.01),
@@ -50,6 +54,7 @@ def test_the_rows_on_the_screen(measured: Measured) -> None:
     rows = {name: (value, share, how) for name, value, share, how in screen(found)}
     assert rows["R_s"][:2] == ("2 ohm", "0.5 %")
     assert rows["saturation"][0] == "d^4, q^1, cross 0,0"
+    assert (rows["L_d"][1], rows["L_q"][1]) == ("2.00 % of rated", "5.00 % of rated")
     assert "2.1 % left over" in rows["L_d"][2]
     linear = with_map(found, Saturation.linear(0.04, 0.08, 0.5))
     assert {row[0]: row[1] for row in screen(linear)}["saturation"] == "linear"
