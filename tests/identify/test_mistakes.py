@@ -3,14 +3,17 @@
 import numpy as np
 import pytest
 
+from sensorless.core.api import TRACE_NAMES, Array
 from sensorless.envs.scenarios.scenario import Scenarios, SimFactory
 from sensorless.envs.scenarios.stress import stress_scenarios
 from sensorless.identify.bring_up import survey as survey_module
 from sensorless.identify.bring_up.check import Found, check, drives_at_rest
 from sensorless.identify.bring_up.mistakes import MISTAKES
-from sensorless.identify.bring_up.survey import survey, turning_drive
+from sensorless.identify.bring_up.survey import count_pole_pairs, survey, turning_drive
 from sensorless.identify.bring_up.words import verdict
+from sensorless.machine.magnetics import Floats
 from sensorless.machine.motor import Motor
+from sensorless.units import wrapped
 
 PAPER = Motor.load("paper")
 ABC = np.array([1.0, 0.5, -1.5])
@@ -107,6 +110,30 @@ def test_pole_pairs_are_counted_at_three_tenths_of_rated_speed(
     speed = 0.3 * 1500.0 * np.pi / 30.0
     assert s.omega_0 == pytest.approx(speed) and np.ravel(s.omega) == pytest.approx(speed)
     assert not s.tau.any() and s.duration == 20.0
+
+
+def test_the_turns_of_the_estimate_are_counted_over_one_of_the_shaft(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The rotor turns three times and the estimate twice while the shaft does once.
+
+    At 50 rad/s, 100 periods of 0.2 ms are a radian of the shaft, so it takes seven times as many.
+    """
+    asked: list[float] = []
+
+    def traced(drive: object, n: int, k_s: float) -> Array:
+        time: Floats = np.asarray((n * len(asked) + 1.0 + np.arange(n)) * PAPER.T_s)
+        asked.append(k_s)
+        rows = np.zeros((n, len(TRACE_NAMES)))
+        rows[:, TRACE_NAMES.index("omega_m")] = 50.0
+        rows[:, TRACE_NAMES.index("theta_e")] = wrapped(3.0 * 50.0 * time)
+        rows[:, TRACE_NAMES.index("theta_e_err")] = wrapped((3.0 - 2.0) * 50.0 * time)
+        return rows
+
+    drive = turning_drive(PAPER, 7)
+    drive["drive"]["x"]["est"]["theta"] = 0.0
+    monkeypatch.setattr(survey_module, "sim_trace", traced)
+    assert count_pole_pairs(drive) == 2 and len(asked) == 7
 
 
 def test_what_is_counted_of_many_drives(monkeypatch: pytest.MonkeyPatch) -> None:
