@@ -58,6 +58,7 @@ class Bench:
         rows[:, NUMBERS.index("i_a")] = 2.0
         rows[:, NUMBERS.index("i_b")] = -1.0
         rows[:, NUMBERS.index("u_alpha")] = 50.0
+        rows[:, NUMBERS.index("u_dc")] = 500.0 + np.arange(len(rows))
         self.parts.append(Part(stage, rows))
         return self.parts[-1]
 
@@ -86,11 +87,19 @@ def test_what_is_run_in_each_direction(monkeypatch: pytest.MonkeyPatch) -> None:
         assert [x.until for x in c] == pytest.approx([10.5 * 0.5**0.5, 10.5, 10.5 * 0.5**0.5, 0.01],
                                                      rel=0.06)  # fmt: skip
         assert [x.theta for x in c] == pytest.approx([PLACES[0] + off + np.deg2rad(phi)] * 4)
+        swing = 10.5 * (1.0 + 0.5**0.5)
+        assert min(x.time for x in c) > 2.0 * swing / (slope * u), "also at half the slope"
+    assert [len(commands) for commands in told[:3]] == [9, 9, 5]
+    assert all(commands[-1].start == 0.0 and not commands[-1].until for commands in told)
     # 2 A along phase a lose 4/3 of 3 V, and all is seen from the axis
     back = np.exp(-1j * (PLACES[0] + off))
     assert groups[0].lost == pytest.approx(4.0 * back) and groups[0].i == pytest.approx(2.0 * back)
     assert groups[0].path[1] == pytest.approx((50.0 - 4.0 - 1.0) * 1e-4 * back)
     assert groups[0].bounds == (0, 16, 32)
+    assert groups[0].u_dc == pytest.approx(500.0 + np.arange(32.0)), (
+        "after each sample but the last"
+    )
+    assert groups[0].small == pytest.approx((1.0 / g_d, 1.0 / g_q))
 
 
 def test_a_slower_turn_takes_its_factor() -> None:
@@ -125,13 +134,13 @@ def turned(phi: float, turn: float, lost: float = 0.0) -> Group:
     return Group(0.0, 0.0, i, u, np.full(n, 500.0), 0.0, zero, (0, n), (L_D, L_Q), PLATE.T_s)
 
 
-@pytest.mark.parametrize("phi", [0.0, 0.8, np.pi / 2.0])
+@pytest.mark.parametrize("phi", [0.0, 0.8, -0.8, np.pi / 2.0])
 def test_the_flux_of_a_rotor_that_turns(phi: float) -> None:
     """Up to 0.2 rad; the map is that of the inductances, in the rotor's own frame."""
     found = samples([turned(phi, TURN)], PSI_F, TURN)
     right = L_D * found.i.real + 1j * L_Q * found.i.imag
     assert found.psi == pytest.approx(right, abs=2e-3 * PSI_F)
-    assert (found.turned > 0.05) == (phi > 0.0)
+    assert (found.turned > 0.05) == (phi != 0.0)
 
 
 def test_a_group_that_does_not_come_back_is_left_out() -> None:

@@ -127,7 +127,7 @@ def test_what_a_second_spin_commands(aligns: float, share: float, careful: float
     J, stiff = 2.0, 0.4 * 14.0 * share
     swing = np.sqrt(2.0 * stiff / J)
     told = second_spin(PLATE, J, aligns, careful)
-    _, _, up, hold, down, *_, last = told
+    rise, rest, up, hold, down, *_, last = told
     high, low = 0.45 * 314.16, 0.2 * 314.16
     for c, change in ((up, high), (down, high - low), (last, high)):
         steepest = 0.5 * np.pi * change / c.time
@@ -136,6 +136,8 @@ def test_what_a_second_spin_commands(aligns: float, share: float, careful: float
     assert speeds == pytest.approx([0.0, high, high, low, high, 0.0], rel=1e-4)
     current = 0.5 * 5.63 * share
     assert hold.start == pytest.approx(current)
+    assert (rise.start, rise.end, rest.start) == pytest.approx((0.0, current, current))
+    assert rise.theta == 0.0 and rest.time == pytest.approx(0.3)
     assert hold.time == pytest.approx(3.0 * 2.0 * np.pi / swing)
     # torque over the EMF's share along the current: 1 V for tau / (3/2 n_p i) omega
     assert hold.damp == pytest.approx(swing * 3.0 * current / (high * stiff), rel=1e-3)
@@ -183,7 +185,7 @@ def test_what_fails_is_tried_more_slowly(
     good = Spin((point(1.0, 0.8),), FOUND, 2.0)
     left = iter(answers)
     monkeypatch.setattr(module, "evaluate", lambda *_: good if next(left) == "f" else None)
-    aligned = Aligned(Probe(9.0, 1), 2.0, 1.0, Axis(0.0, 1 / 0.04 + 5.0, 0.0))
+    aligned = Aligned(Probe(9.0, 1), 2.0, 1.0, Axis(0.0, 62.5, 37.5))
     bench = Bench()
     if said:
         with pytest.raises(UserError, match=said):
@@ -194,5 +196,5 @@ def test_what_fails_is_tried_more_slowly(
     spins = [second_spin(PLATE, 0.02, 2.0, careful) for careful in (1.0, 3.0)]
     assert tried == [first_spin(PLATE, 2.0, 1.0), first_spin(PLATE, 2.0, 3.0), *spins]
     gains = bench.told[1][2]
-    assert gains is not None and gains.L == pytest.approx(1.0 / 30.0)
+    assert gains is not None and gains.L == pytest.approx(0.02), "of 10 and 40 mH"
     assert gains.bandwidth == pytest.approx(300.0) and gains.R == 2.0
