@@ -91,10 +91,13 @@ def test_an_outlier_is_named_where_the_log_leads_elsewhere(channel: str) -> None
 def test_an_outlier_stands_five_times_beyond_the_next(height: float, named: bool) -> None:
     """Alone on a line, 1 beside its neighbours' mean, and 0.5 that of each neighbour."""
     rows = np.zeros((40, len(NUMBERS)))
-    rows[10, NUMBERS.index("i_b")], rows[30, NUMBERS.index("i_b")] = 1.0, height
+    rows[:, NUMBERS.index("i_b")] = 5.0
+    rows[[10, 30], NUMBERS.index("i_b")] += 1.0, height
     told = outlier([Part("hold", rows)])
     assert told == (
-        f", or mend an outlier: i_b = {height} in row 30 of part 0, stage hold" if named else ""
+        f", or mend an outlier: i_b = {5.0 + height:g} in row 30 of part 0, stage hold"
+        if named
+        else ""
     )
     assert not outlier([Part("hold", rows[25:34])]), "too few rows"
 

@@ -23,7 +23,7 @@ from sensorless.machine.motor import Motor
 
 PLATE = Nameplate.of(Motor.load("paper"))
 """2 pole pairs, 14 N m at 5.63 A, 314 rad/s, 0.2 ms."""
-T_S = PLATE.T_s
+T_S, PAPER_J = PLATE.T_s, 0.02
 L_D, L_Q, PSI_F = 0.03, 0.05, 0.8
 STATOR = Stator(Sensors(), Inverter(0.0), 2.0, T_S)
 FOUND = Mechanics(0.02, 0.001, 0.0, 0.0, 0.0)
@@ -142,6 +142,17 @@ def test_what_a_second_spin_commands(aligns: float, share: float, careful: float
     # torque over the EMF's share along the current: 1 V for tau / (3/2 n_p i) omega
     assert hold.damp == pytest.approx(swing * 3.0 * current / (high * stiff), rel=1e-3)
     assert hold.follow == pytest.approx(0.2 * swing * T_S)
+
+
+def test_a_second_spin_s_current_is_steady_and_has_three_sizes() -> None:
+    """That of the ramps, 2.815 A, and 0.8 and 0.6 of the 5 A that align, at both speeds."""
+    told = second_spin(PLATE, PAPER_J, 5.0, 1.0)
+    ends = [c.start if c.end is None else c.end for c in told]
+    assert [c.start for c in told[1:]] == pytest.approx(ends[:-1])
+    for share in (0.2, 0.45):
+        held = [c for c in told if c.omega == pytest.approx((share * 314.16,) * 2, rel=1e-4)]
+        sizes = {round(c.start, 3) for c in held if c.end is None}
+        assert sizes == {2.815, 4.0, 3.0}
 
 
 def test_a_light_rotor_has_time_to_swing() -> None:
