@@ -46,6 +46,8 @@ def test_a_weight_that_creeps_up_hops_by_all_of_its_way() -> None:
 def test_what_follows_a_change_is_no_hop() -> None:
     step = np.where(TIME > 1.2, 0.2, 0.9)
     assert k_s_hop(made_up(step))[0] == 0.0
+    before = np.where(TIME > 0.6, 0.2, 0.9)
+    assert k_s_hop(made_up(before))[0] == pytest.approx(0.7), "the rest after 1 s is without any"
     late = np.where(TIME > 1.5, 0.2, 0.9)
     assert k_s_hop(made_up(late))[0] == pytest.approx(0.7)
 

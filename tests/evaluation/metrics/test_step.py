@@ -192,6 +192,14 @@ def test_settling_counts_from_the_last_time_outside_of_the_band() -> None:
     assert settling_twin_s(r)[0] == pytest.approx(0.2)
 
 
+def test_the_band_of_settling_is_over_the_height_of_the_step() -> None:
+    """2 % of 50 rad/s is 1 rad/s, whatever the target."""
+    scenario = profile((0.0, 100.0, 0.0), (0.5, 150.0, 0.0))
+    scenario.omega_0[:] = 100.0
+    speed = np.select([TIME < 0.5, TIME < 0.9, TIME < 1.2], [100.0, 151.1, 150.9], 150.0)
+    assert settling_s(made_up(scenario, speed))[0] == pytest.approx(0.4)
+
+
 def test_a_step_that_does_not_settle_has_no_settling_time() -> None:
     scenario = profile((0.0, 100.0, 0.0), (1.0, 50.0, 0.0))
     speed = np.where(TIME < 1.0, 90.0, 50.0)
