@@ -53,14 +53,14 @@ CORE_INLINE int drive_lock_counts(const drive_state_t *x) {
     return count_sound(y->bad | y->calm | y->turned | y->restarts | y->alarms | y->reason);
 }
 
-/* Whether phase and counters are such as the start sequence writes, and what its sliding-mode observer
- * goes on from is finite: the observer's bounds hide what is not. */
+/* Whether phase, counters and weight are such as the start sequence writes, and what its sliding-mode
+ * observer goes on from is finite: the observer's bounds hide what is not. */
 CORE_INLINE int drive_seek_sound(const drive_state_t *x) {
     const start_state_t *s = &x->start;
     float from = x->u_1.a + x->u_1.b + x->u_2.a + x->u_2.b;
     from += x->smo.i_hat.a + x->smo.i_hat.b + x->smo.z.a + x->smo.z.b;
     return start_is_phase(s->phase) && drive_start_counts(x) && drive_lock_counts(x) &&
-           abs_f(from) <= CHECK_LIMIT;
+           x->k_s >= 0.0f && x->k_s <= 1.0f && abs_f(from) <= CHECK_LIMIT;
 }
 
 /* Whether both estimators' angles, the weight and the torque current's sign are such as a drive

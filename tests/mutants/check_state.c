@@ -60,7 +60,7 @@ static void state_loops(void) {
     }
 }
 
-/* A drive that seeks: phase, counters, and each word that its observer starts from. */
+/* A drive that seeks: phase, counters, weight, and each word that its observer starts from. */
 static void state_seeks(void) {
     const drive_params_t *p = &PARAMS[4];
     for (int32_t phase = -2; phase < START_STOPPED + 20; phase++) {
@@ -73,6 +73,12 @@ static void state_seeks(void) {
         check("seeks: tries", !drive_seek_sound(&x));
     }
     drive_state_t x = seeking(p, START_CATCH, 0);
+    const float weights[] = {0.0f, -0.0f, 1.0f, -1e-9f, 1.0000002f, (float)NAN};
+    for (int j = 0; j < 6; j++) {
+        x.k_s = weights[j];
+        check("seeks: weight", drive_seek_sound(&x) == (j < 3));
+    }
+    x.k_s = 1.0f;
     float *const words[] = {&x.u_1.a,       &x.u_1.b,       &x.u_2.a,   &x.u_2.b,
                             &x.smo.i_hat.a, &x.smo.i_hat.b, &x.smo.z.a, &x.smo.z.b};
     for (unsigned j = 0; j < 2 * (sizeof words / sizeof words[0]); j++) {

@@ -73,7 +73,7 @@ def test_starts_and_lookups() -> None:
     assert [float(item[x]) for x in ("theta", "omega", "k_s", "seek")] == pytest.approx(
         [0.1, 2.0, 0.3, 1.0]
     )
-    x = lookup_items(np.random.default_rng(0), (Axis("speed", 0.1, 0.5, 3),), SIGNAL_NAMES)
+    x = lookup_items(np.random.default_rng(0), (Axis("speed", 0.1, 0.5, 3),))
     speed = x[:, SIGNAL_NAMES.index("speed")]
     usual = speed[np.isfinite(speed) & (np.abs(speed) < 1e30) & (np.abs(speed) > 1e-30)]
     assert -0.02 <= usual.min() < 0.0 and 0.6 < usual.max() <= 0.62

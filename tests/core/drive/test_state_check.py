@@ -282,3 +282,16 @@ def test_a_seeking_drive_flags_at_once_what_its_observer_would_hide(
         assert drive.x["start"]["phase"][0] == lib.START_CATCH
         drive.words[FLOATS[name]] = value
         assert drive.step() == 0.0 and drive.flagged()
+
+
+@pytest.mark.parametrize("moment", [3, 12, 60])
+@pytest.mark.parametrize("weight", [1e10, 1.001, -1e-3, math.nan])
+def test_a_seeking_drive_flags_a_damaged_weight_at_once(
+    motor: Motor, moment: int, weight: float
+) -> None:
+    """It takes control with it."""
+    drive = Drive(motor, "coupled", True, moment)
+    assert drive.x["start"]["phase"][0] != lib.START_DONE
+    drive.words[FLOATS["k_s"]] = weight
+    assert drive.step() == 0.0 and drive.flagged()
+    assert drive.words[FLOATS["k_s"]] == 1.0
