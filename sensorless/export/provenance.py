@@ -2,18 +2,18 @@
 
 import dataclasses
 import hashlib
-import importlib.metadata
 import json
 from collections.abc import Mapping
 from typing import Any
 
-from sensorless.core.api import ffi, lib
 from sensorless.design.carried import chosen, commands_of, record, worded
 from sensorless.design.drive import DriveDesign
 from sensorless.machine.motor import Motor
 from sensorless.table.ks_table import KsTable
+from sensorless.versions import versions
 
-DISTRIBUTIONS = ("sensorless", "numpy", "torch", "stable-baselines3", "gymnasium")
+LIBRARIES = ("numpy", "torch", "stable-baselines3", "gymnasium")
+"""Libraries that make a table."""
 
 
 def motor_hash(motor: Motor) -> int:
@@ -51,8 +51,7 @@ def table_json(
             "settings_digest": settings_digest(design),
             **record(design, motor),
             "export": {
-                "versions": {name: _version(name) for name in DISTRIBUTIONS},
-                "core_hash": ffi.string(lib.core_hash).decode(),
+                "versions": versions(LIBRARIES),
                 "crc": {
                     f"{form}_{part}": f"0x{int(t[f'crc_{part}']):08x}"
                     for form, t in tables
@@ -77,6 +76,7 @@ def provenance_text(
     made = [f"  command: {text}" for text in commands_of(origin)]
     made += [f"  seed: {origin['seed']}"] if "seed" in origin else []
     settings = [f"  {name} = {value}" for name, value in chosen(design).items()]
+    made_with = versions(LIBRARIES)
     return "\n".join(
         [
             f"Schedule: {origin['policy']}, SHA-256 {table.digest}",
@@ -84,9 +84,9 @@ def provenance_text(
             f"Motor: {motor.name}, SHA-256 {motor.digest}",
             f"Settings: SHA-256 {settings_digest(design)}; chosen or other than the default:",
             *settings,
-            f"Control core: SHA-256 {ffi.string(lib.core_hash).decode()}",
+            f"Control core: SHA-256 {made_with.pop('core')}",
             "Made by sensorless export, with:",
-            *(f"  {name} {_version(name) or 'not installed'}" for name in DISTRIBUTIONS),
+            *(f"  {name} {version}" for name, version in made_with.items()),
             f"Verdict: {verdict}.",
             "",
             "ks_table.json has all numbers. sha256sum -c SHA256SUMS checks every file of this",
@@ -100,10 +100,3 @@ def settings_digest(design: DriveDesign) -> str:
     """SHA-256 of every setting of the drive, in JSON with sorted names."""
     text = json.dumps(worded(dataclasses.asdict(design)), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _version(name: str) -> str | None:
-    try:
-        return importlib.metadata.version(name)
-    except importlib.metadata.PackageNotFoundError:
-        return None
