@@ -20,7 +20,7 @@ sensored twin, so a load step or a ramp, which moves both, costs nothing:
 Near good schedules a percent of ripple counts four times a percent of deviation: with equal weights
 an agent that also sets gains buys deviation with ripple. A lost scenario costs a multiple of what a
 good schedule pays in one of 2 s, so that losing early does not pay there, but not so
-much that one loss in several hundred episodes is all that a learner sees; docs/how-it-learns.md
+much that one loss in several hundred episodes is all that a learner sees; docs/learning-trials.md
 has the figures.
 """
 

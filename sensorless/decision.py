@@ -7,7 +7,7 @@ measured against follows the torque less closely, and the ripple of the same run
 third larger.
 
 `TRAINING` is longer because it gives the same schedule for less computation: signals are slow, and
-every decision costs a sample and a pass of the critic. docs/how-it-learns.md has the figures.
+every decision costs a sample and a pass of the critic. docs/learning-trials.md has the figures.
 """
 
 from sensorless.machine.motor import Motor

@@ -154,7 +154,7 @@ def test_drives_that_know_that_they_are_lost() -> None:
 
 def test_returns_of_three_rules() -> None:
     policies = record("returns")["policies"]
-    page = text("how-it-learns.md")
+    page = text("learning-trials.md")
     labels = {
         "logistic-tuned": "`logistic-tuned`",
         "eq25": "Eq. 25",
