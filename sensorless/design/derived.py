@@ -1,6 +1,7 @@
 """Numbers of the drive that follow from the machine where the user gives none.
 
-docs/gains.md has the reasons and what each constant does on machines from 0.4 to 1260 N m.
+docs/gains.md has the reasons, docs/gains-trials.md what each constant does on machines from 0.4 to
+1260 N m.
 """
 
 import math
