@@ -6,7 +6,7 @@ LOW_VOLTAGE = 150.0
 """Below this link voltage, inverters have MOSFETs: short dead times and no threshold [V]."""
 U_TRANSISTOR = (0.7, 1.2)
 U_DIODE = (0.6, 1.0)
-"""Threshold voltages of IGBTs and their diodes [V]; docs/suites.md has the source."""
+"""Threshold voltages of IGBTs and their diodes [V]; docs/suites-trials.md has the source."""
 
 
 def threshold_voltage(motor: Motor) -> float:
