@@ -66,7 +66,7 @@ def stress_1_scenarios(motor: Motor, seeds: Seeds | Chosen) -> Scenarios:
 
 
 def stress_scenarios(motor: Motor, seeds: Seeds | Chosen) -> Scenarios:
-    """``stress-1`` on a machine and an inverter that hide nothing; docs/suites-trials.md has sources.
+    """``stress-1`` on a machine and an inverter that hide nothing; docs/suites-trials.md says why.
 
     The same profiles, inertia, sensors and observer errors, row by row. Resistance and magnet leave
     the controller's values by a tolerance and by their temperature; the magnet is warmed by the

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
+OTHERS = "results-other-observers.md"
 
 
 def record(name: str) -> Any:
@@ -186,7 +187,7 @@ def test_share_of_the_headroom() -> None:
 
 def test_learning_with_gains() -> None:
     """Both tables of five seeds, and what is lost on the harder suites."""
-    page = text("results.md").split("### With gains\n")[1].split("\n### ")[0]
+    page = text(OTHERS).split("### With gains\n")[1].split("\n### ")[0]
     judged = record("learning")["smo-gains"]["judged"]
     rows = re.findall(r"^\| .* \|$", page, re.MULTILINE)
     found = [judged[f"stress-1:{seed}"]["policies"] for seed in (11, 12)]
@@ -213,7 +214,7 @@ def test_learning_with_gains() -> None:
 
 def test_learning_where_many_are_lost() -> None:
     """What each loses on four suites, its means on one, and the changes of five seeds."""
-    page = text("results.md").split("### Where many are lost\n")[1].split("\n## ")[0]
+    page = text(OTHERS).split("### Where many are lost\n")[1].split("\n## ")[0]
     judged = record("learning")["smo-robust"]["judged"]
     rows = re.findall(r"^\| .* \|$", page, re.MULTILINE)
     suites = ("mismatch:11", "low-inertia:11", "hard:11", "stress-1:11")
