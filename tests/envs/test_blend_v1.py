@@ -133,6 +133,7 @@ def test_version_0_sets_k_s_alone() -> None:
         gymnasium.make("sensorless/Blend-v0", gains=("observer",))
 
 
+@pytest.mark.filterwarnings("ignore:.*render_mode='ansi'")  # Gymnasium's own, before the error
 @pytest.mark.parametrize("env_id", ["sensorless/Blend-v0", "sensorless/Blend-v1"])
 def test_a_wrong_render_mode_is_refused(env_id: str) -> None:
     with pytest.raises(UserError, match="render_mode: 'ansi'; choose from None, 'rgb_array'"):
